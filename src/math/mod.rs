@@ -1,0 +1,3 @@
+//! What everything stands on: boxes, rays and the robust arithmetic around them.
+
+pub mod aabb;
