@@ -1,7 +1,15 @@
 //! A ray tracer that mirrors the one of MIT's 6.837 graphics course.
 //!
-//! Data flows one way, and a module imports only from those before it:
-//! scene text -> [`scene`] -> world -> grid -> rays -> picture and statistics.
+//! Data flows one way, and a module imports only from those before it in this list.
 
 pub mod math;
 pub mod scene;
+pub mod stats;
+pub mod primitive;
+pub mod world;
+pub mod grid;
+pub mod caster;
+pub mod shading;
+pub mod camera;
+pub mod trace;
+pub mod render;

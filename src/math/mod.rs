@@ -1,3 +1,5 @@
 //! What everything stands on: boxes, rays and the robust arithmetic around them.
 
 pub mod aabb;
+pub mod ray;
+pub mod robust;

@@ -4,6 +4,7 @@
 //! hundred thousand levels deep is built, walked and dropped without recursion.
 
 pub mod material;
+pub mod mesh;
 
 use glam::{DAffine3, DVec3};
 use material::Material;

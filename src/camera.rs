@@ -1,0 +1,91 @@
+//! Camera rays.
+
+use crate::math::ray::Ray;
+use crate::scene;
+use glam::{DVec2, DVec3};
+
+/// A camera with its axes at right angles.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    center: DVec3,
+    direction: DVec3,
+    /// To the right and up across the whole screen.
+    horizontal: DVec3,
+    vertical: DVec3,
+    perspective: bool,
+    /// Picture size in pixels.
+    size: DVec2,
+}
+
+impl Camera {
+    /// `size` is the picture's width and height in pixels. The longer side spans the screen and the
+    /// shorter is cropped around the middle.
+    pub fn new(camera: &scene::Camera, size: [usize; 2]) -> Self {
+        let (center, direction, up, screen, perspective) = match *camera {
+            scene::Camera::Orthographic { center, direction, up, size } => {
+                (center, direction, up, size, false)
+            }
+            scene::Camera::Perspective { center, direction, up, angle } => {
+                (center, direction, up, 2.0 * libm::tan(angle.to_radians() / 2.0), true)
+            }
+        };
+        let direction = direction.normalize();
+        let right = direction.cross(up).normalize();
+        Self {
+            center,
+            direction,
+            horizontal: screen * right,
+            vertical: screen * right.cross(direction),
+            perspective,
+            size: DVec2::new(size[0] as f64, size[1] as f64),
+        }
+    }
+
+    /// The ray through a point of the picture in pixels, counted from the lower left corner; pixel
+    /// centres lie at halves. Its direction is a unit vector.
+    pub fn ray(&self, pixel: DVec2) -> Ray {
+        let screen = (pixel - 0.5 * self.size) / self.size.max_element();
+        let across = screen.x * self.horizontal + screen.y * self.vertical;
+        if self.perspective {
+            Ray::new(self.center, (self.direction + across).normalize())
+        } else {
+            // The course's orthographic camera also sees what is behind its plane.
+            Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center + across, self.direction) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longer_side_spans_the_screen() {
+        let camera = scene::Camera::Orthographic {
+            center: DVec3::ZERO,
+            direction: DVec3::NEG_Z,
+            up: DVec3::new(0.3, 1.0, 0.0),
+            size: 4.0,
+        };
+        let wide = Camera::new(&camera, [200, 100]);
+        let corner = wide.ray(DVec2::new(200.0, 100.0)).origin - wide.ray(DVec2::ZERO).origin;
+        assert!((corner.length() - (16.0f64 + 4.0).sqrt()).abs() < 1e-14);
+        let tall = Camera::new(&camera, [100, 200]);
+        let side = tall.ray(DVec2::new(100.0, 0.0)).origin - tall.ray(DVec2::ZERO).origin;
+        assert!((side.length() - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_angle_spans_the_longer_side() {
+        let camera = scene::Camera::Perspective {
+            center: DVec3::ONE,
+            direction: DVec3::new(0.0, 0.0, -3.0),
+            up: DVec3::Y,
+            angle: 90.0,
+        };
+        let camera = Camera::new(&camera, [100, 50]);
+        let (left, right) = (camera.ray(DVec2::new(0.0, 25.0)), camera.ray(DVec2::new(100.0, 25.0)));
+        assert!(left.direction.dot(right.direction).abs() < 1e-15 && left.direction.x < 0.0);
+        assert!((left.direction.length() - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,46 @@
+//! Rays and hits.
+
+use glam::DVec3;
+
+/// The points `origin + t * direction` with `t_min <= t < t_max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    pub origin: DVec3,
+    /// Need not be a unit vector: t counts in its length.
+    pub direction: DVec3,
+    /// 0, or minus infinity for an orthographic camera, which also sees what is behind its plane.
+    pub t_min: f64,
+    pub t_max: f64,
+}
+
+impl Ray {
+    /// A ray from `origin` that ends nowhere.
+    pub fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+    }
+
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+
+    /// Whether `t` lies on the ray; a NaN does not.
+    pub fn covers(&self, t: f64) -> bool {
+        t >= self.t_min && t < self.t_max
+    }
+}
+
+/// Where a ray meets a primitive of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    pub t: f64,
+    /// The primitive's number in its world.
+    pub primitive: u32,
+}
+
+impl Hit {
+    /// The order that decides which hit is seen: the nearer, and of two at the same t the one with
+    /// the lower number, so that the answer depends neither on the grid nor on the order of tests.
+    pub fn precedes(&self, other: &Hit) -> bool {
+        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
+    }
+}

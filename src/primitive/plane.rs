@@ -1,0 +1,47 @@
+//! Infinite planes.
+
+use crate::math::ray::Ray;
+use glam::DVec3;
+
+/// The points p with `normal . p = offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit length.
+    pub normal: DVec3,
+    pub offset: f64,
+}
+
+impl Plane {
+    /// Where the ray crosses the plane; none where it runs alongside.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let t = (self.offset - self.normal.dot(ray.origin)) / self.normal.dot(ray.direction);
+        ray.covers(t).then_some(t)
+    }
+
+    /// The point of the plane nearest to `point`. It removes the error that `origin + t * direction`
+    /// carries, so that a solid texture whose boundary lies in the plane does not flicker.
+    pub fn project(&self, point: DVec3) -> DVec3 {
+        point - (self.normal.dot(point) - self.offset) * self.normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parallel_ray_misses_even_inside_the_plane() {
+        let floor = Plane { normal: DVec3::Y, offset: 0.0 };
+        for y in [-1.0, 0.0, 1.0] {
+            assert_eq!(floor.intersect(&Ray::new(DVec3::new(0.0, y, 0.0), DVec3::X)), None);
+        }
+    }
+
+    #[test]
+    fn both_sides_are_hit() {
+        let floor = Plane { normal: DVec3::Y, offset: -1.0 };
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::NEG_Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::splat(-3.0), DVec3::Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::Y)), None);
+    }
+}

@@ -1,0 +1,55 @@
+//! What a light source sends to a point.
+
+use crate::scene::{Color, Light};
+use glam::DVec3;
+
+/// Light that arrives at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Unit vector towards the light.
+    pub direction: DVec3,
+    /// How far away the light is; infinite for a directional one.
+    pub distance: f64,
+    pub color: Color,
+}
+
+/// The light at `point`. The direction of a directional light is a unit vector.
+pub fn incident(light: &Light, point: DVec3) -> Incident {
+    match *light {
+        Light::Directional { direction, color } => {
+            Incident { direction: -direction, distance: f64::INFINITY, color }
+        }
+        Light::Point { position, color, attenuation: [a0, a1, a2] } => {
+            let to_light = position - point;
+            let distance = to_light.length();
+            // A light on the surface itself has no direction; it lights nothing.
+            let direction = to_light.try_normalize().unwrap_or(DVec3::ZERO);
+            let falloff = a0 + a1 * distance + a2 * distance * distance;
+            // The course clamps a negative factor, and nothing is lit infinitely.
+            let factor = if falloff > 0.0 { 1.0 / falloff } else { 0.0 };
+            Incident { direction, distance, color: color * factor }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_light_falls_off() {
+        let light =
+            Light::Point { position: DVec3::Y * 2.0, color: Color::ONE, attenuation: [1.0, 0.5, 0.25] };
+        let at = incident(&light, DVec3::ZERO);
+        assert_eq!(at, Incident { direction: DVec3::Y, distance: 2.0, color: Color::splat(1.0 / 3.0) });
+    }
+
+    #[test]
+    fn no_falloff_makes_no_nan() {
+        for attenuation in [[0.0; 3], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] {
+            let light = Light::Point { position: DVec3::Y, color: Color::ONE, attenuation };
+            let at = incident(&light, DVec3::Y);
+            assert!(at.color.is_finite() && at.direction.is_finite());
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
+
+use glam::DVec3;
+
+/// Perlin's permutation of 0..=255.
+const PERMUTATION: [u8; 256] = [
+    151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140, 36, 103, 30, 69, 142, 8, 99,
+    37, 240, 21, 10, 23, 190, 6, 148, 247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32,
+    57, 177, 33, 88, 237, 149, 56, 87, 174, 20, 125, 136, 171, 168, 68, 175, 74, 165, 71, 134, 139, 48, 27,
+    166, 77, 146, 158, 231, 83, 111, 229, 122, 60, 211, 133, 230, 220, 105, 92, 41, 55, 46, 245, 40, 244,
+    102, 143, 54, 65, 25, 63, 161, 1, 216, 80, 73, 209, 76, 132, 187, 208, 89, 18, 169, 200, 196, 135, 130,
+    116, 188, 159, 86, 164, 100, 109, 198, 173, 186, 3, 64, 52, 217, 226, 250, 124, 123, 5, 202, 38, 147,
+    118, 126, 255, 82, 85, 212, 207, 206, 59, 227, 47, 16, 58, 17, 182, 189, 28, 42, 223, 183, 170, 213, 119,
+    248, 152, 2, 44, 154, 163, 70, 221, 153, 101, 155, 167, 43, 172, 9, 129, 22, 39, 253, 19, 98, 108, 110,
+    79, 113, 224, 232, 178, 185, 112, 104, 218, 246, 97, 228, 251, 34, 242, 193, 238, 210, 144, 12, 191, 179,
+    162, 241, 81, 51, 145, 235, 249, 14, 239, 107, 49, 192, 214, 31, 181, 199, 106, 157, 184, 84, 204, 176,
+    115, 121, 50, 45, 127, 4, 150, 254, 138, 236, 205, 93, 222, 114, 67, 29, 24, 72, 243, 141, 128, 195, 78,
+    66, 215, 61, 156, 180,
+];
+
+fn permute(i: usize) -> usize {
+    PERMUTATION[i & 255] as usize
+}
+
+/// Noise of one octave: about -1 to 1, zero at integer points, period 256 along each axis.
+pub fn noise(p: DVec3) -> f64 {
+    let cell = p.floor();
+    // Reduced before the conversion, so that a point however far away has its lattice cell.
+    let [x, y, z] = cell.to_array().map(|c| c.rem_euclid(256.0) as usize);
+    let f = p - cell;
+    let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    // The hash of the lattice corner at the offset dx, dy, dz.
+    let corner = |dx: usize, dy: usize, dz: usize| {
+        let hash = permute(permute(permute(x + dx) + y + dy) + z + dz);
+        gradient(hash, f - DVec3::new(dx as f64, dy as f64, dz as f64))
+    };
+    let row = |dy, dz| lerp(fade.x, corner(0, dy, dz), corner(1, dy, dz));
+    let slice = |dz| lerp(fade.y, row(0, dz), row(1, dz));
+    lerp(fade.z, slice(0), slice(1))
+}
+
+/// The sum over `octaves` of noise at twice the frequency and half the amplitude each.
+pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
+    let (mut sum, mut frequency) = (0.0, 1.0);
+    for _ in 0..octaves {
+        sum += noise(p * frequency) / frequency;
+        frequency *= 2.0;
+    }
+    sum
+}
+
+fn lerp(t: f64, a: f64, b: f64) -> f64 {
+    a + t * (b - a)
+}
+
+/// The offset's product with one of twelve directions, those to a cube's edges, picked by the
+/// hash's low four bits.
+fn gradient(hash: usize, offset: DVec3) -> f64 {
+    let h = hash & 15;
+    let u = if h < 8 { offset.x } else { offset.y };
+    let v = match h {
+        0..4 => offset.y,
+        12 | 14 => offset.x,
+        _ => offset.z,
+    };
+    (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_a_permutation() {
+        let mut sorted = PERMUTATION;
+        sorted.sort_unstable();
+        assert!(sorted.iter().enumerate().all(|(i, &p)| p as usize == i));
+    }
+
+    #[test]
+    fn zero_at_integer_points() {
+        for x in -5..=5 {
+            for y in -5..=5 {
+                for z in -5..=5 {
+                    assert_eq!(noise(DVec3::new(x as f64, y as f64, z as f64)), 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn repeats_after_256_and_does_not_mirror_at_zero() {
+        let p = DVec3::new(-0.375, -3.25, 2.625);
+        assert_eq!(noise(p), noise(p + 256.0));
+        assert_ne!(noise(p), noise(-p));
+    }
+
+    #[test]
+    fn no_octave_is_no_noise() {
+        assert_eq!(turbulence(DVec3::splat(0.3), 0), 0.0);
+        assert_eq!(turbulence(DVec3::splat(0.3), 1), noise(DVec3::splat(0.3)));
+    }
+}

@@ -1,0 +1,210 @@
+//! Counters, and the statistics block of the course.
+//!
+//! Whether anything is counted is a type parameter: with [`Quiet`] nothing of it is compiled in.
+
+use crate::math::aabb::Aabb;
+use std::fmt;
+use std::time::Duration;
+
+/// Receives the events that the course's program counts.
+pub trait Probe: Default + Send {
+    /// Whether anybody reads the counters. If so the tracer does what the course's program does: a
+    /// shadow ray for every light, and every primitive tested where there is no grid.
+    const COUNTS: bool;
+    /// A camera ray, or a reflected or refracted one.
+    fn non_shadow_ray(&mut self);
+    fn shadow_ray(&mut self);
+    /// Tests of a ray against `count` primitives, whether they hit or not.
+    fn intersections(&mut self, count: usize);
+    /// A step from one grid cell to the next, or out of the grid.
+    fn cell(&mut self);
+    /// Adds what another thread counted.
+    fn merge(self, other: Self) -> Self;
+}
+
+/// Counts nothing and costs nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quiet;
+
+impl Probe for Quiet {
+    const COUNTS: bool = false;
+    fn non_shadow_ray(&mut self) {}
+    fn shadow_ray(&mut self) {}
+    fn intersections(&mut self, _: usize) {}
+    fn cell(&mut self) {}
+    fn merge(self, _: Self) -> Self {
+        self
+    }
+}
+
+/// Counts what the course's program counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    pub non_shadow_rays: u64,
+    pub shadow_rays: u64,
+    pub intersections: u64,
+    pub cells_traversed: u64,
+}
+
+impl Probe for Counts {
+    const COUNTS: bool = true;
+    fn non_shadow_ray(&mut self) {
+        self.non_shadow_rays += 1;
+    }
+    fn shadow_ray(&mut self) {
+        self.shadow_rays += 1;
+    }
+    fn intersections(&mut self, count: usize) {
+        self.intersections += count as u64;
+    }
+    fn cell(&mut self) {
+        self.cells_traversed += 1;
+    }
+    fn merge(self, other: Self) -> Self {
+        Self {
+            non_shadow_rays: self.non_shadow_rays + other.non_shadow_rays,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            intersections: self.intersections + other.intersections,
+            cells_traversed: self.cells_traversed + other.cells_traversed,
+        }
+    }
+}
+
+/// How long each stage took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Timings {
+    pub reading: Duration,
+    pub building: Duration,
+    pub rendering: Duration,
+    pub writing: Duration,
+}
+
+/// The course's statistics block, and a second one with the time of each stage. `Display` prints
+/// both; the first is the course's byte for byte but for the milliseconds in the time.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// None where the scene has no finite primitive.
+    pub bounds: Option<Aabb>,
+    pub grid: Option<[usize; 3]>,
+    pub counts: Counts,
+    pub timings: Timings,
+    pub threads: usize,
+}
+
+const RULE: &str = "********************************************";
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let line = |f: &mut fmt::Formatter, label: &str, value: String| writeln!(f, "  {label:<27}{value}");
+        let rays = self.counts.non_shadow_rays + self.counts.shadow_rays;
+        let [width, height] = self.size;
+        let pixels = width * height;
+        writeln!(f, "{RULE}\nRAY TRACING STATISTICS")?;
+        line(f, "total time", clock(self.timings.rendering))?;
+        line(f, "num pixels", format!("{pixels} ({width}x{height})"))?;
+        line(f, "scene bounds", self.bounds.map_or("NULL".into(), |b| corners(&b)))?;
+        line(f, "num grid cells", self.grid.map_or("NULL".into(), cells))?;
+        line(f, "num non-shadow rays", self.counts.non_shadow_rays.to_string())?;
+        line(f, "num shadow rays", self.counts.shadow_rays.to_string())?;
+        line(f, "total intersections", self.counts.intersections.to_string())?;
+        line(f, "total cells traversed", self.counts.cells_traversed.to_string())?;
+        line(f, "rays per second", ratio(rays as f64, self.timings.rendering.as_secs_f64()))?;
+        line(f, "rays per pixel", ratio(rays as f64, pixels as f64))?;
+        line(f, "intersections per ray", ratio(self.counts.intersections as f64, rays as f64))?;
+        line(f, "cells traversed per ray", ratio(self.counts.cells_traversed as f64, rays as f64))?;
+        writeln!(f, "{RULE}")?;
+        for (label, time) in [
+            ("reading", self.timings.reading),
+            ("building", self.timings.building),
+            ("rendering", self.timings.rendering),
+            ("writing", self.timings.writing),
+        ] {
+            line(f, label, format!("{:.3} ms", time.as_secs_f64() * 1e3))?;
+        }
+        line(f, "threads", self.threads.to_string())
+    }
+}
+
+/// `H:MM:SS.mmm`, hours unpadded.
+fn clock(time: Duration) -> String {
+    let ms = time.as_millis();
+    let (s, m, h) = (ms / 1000, ms / 60_000, ms / 3_600_000);
+    format!("{h}:{:02}:{:02}.{:03}", m % 60, s % 60, ms % 1000)
+}
+
+fn corners(b: &Aabb) -> String {
+    let point = |p: glam::DVec3| format!("{:.6} {:.6} {:.6}", p.x, p.y, p.z);
+    format!("{}  -> {}", point(b.min), point(b.max))
+}
+
+fn cells([x, y, z]: [usize; 3]) -> String {
+    format!("{} ({x}x{y}x{z})", x * y * z)
+}
+
+/// One decimal; 0.0 for nothing out of nothing, where the course's program would print `nan`.
+fn ratio(part: f64, whole: f64) -> String {
+    format!("{:.1}", if part == 0.0 { 0.0 } else { part / whole })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn report() -> Report {
+        Report {
+            size: [200, 100],
+            bounds: Some(Aabb { min: DVec3::new(-0.191055, 0.067364, -1.0), max: DVec3::ONE }),
+            grid: Some([10, 10, 7]),
+            counts: Counts {
+                non_shadow_rays: 20000,
+                shadow_rays: 10000,
+                intersections: 45000,
+                cells_traversed: 9000,
+            },
+            timings: Timings { rendering: Duration::from_micros(62_500), ..Timings::default() },
+            threads: 2,
+        }
+    }
+
+    #[test]
+    fn the_block_is_laid_out_like_the_courses() {
+        let text = report().to_string();
+        let block = text.split_inclusive('\n').take(15).collect::<String>();
+        assert_eq!(
+            block,
+            "\
+********************************************
+RAY TRACING STATISTICS
+  total time                 0:00:00.062
+  num pixels                 20000 (200x100)
+  scene bounds               -0.191055 0.067364 -1.000000  -> 1.000000 1.000000 1.000000
+  num grid cells             700 (10x10x7)
+  num non-shadow rays        20000
+  num shadow rays            10000
+  total intersections        45000
+  total cells traversed      9000
+  rays per second            480000.0
+  rays per pixel             1.5
+  intersections per ray      1.5
+  cells traversed per ray    0.3
+********************************************
+"
+        );
+    }
+
+    #[test]
+    fn what_a_scene_lacks_is_null() {
+        let text = Report { bounds: None, grid: None, ..report() }.to_string();
+        assert!(text.contains("  scene bounds               NULL\n"));
+        assert!(text.contains("  num grid cells             NULL\n"));
+    }
+
+    #[test]
+    fn hours_are_not_padded() {
+        assert_eq!(clock(Duration::from_millis(3_723_004)), "1:02:03.004");
+        assert_eq!(clock(Duration::from_secs(36_000)), "10:00:00.000");
+    }
+}
