@@ -1,0 +1,96 @@
+//! The 48-bit linear congruential generator of the C library's `drand48`, from which the course's
+//! pictures took their random numbers: X <- (0x5DEECE66D X + 0xB) mod 2^48.
+
+use rand::TryRng;
+use std::convert::Infallible;
+
+const MULTIPLIER: u64 = 0x5_DEEC_E66D;
+const INCREMENT: u64 = 0xB;
+const MASK: u64 = (1 << 48) - 1;
+
+/// The generator. Its words hold X in their upper 48 bits, and `random::<f64>()` gives X / 2^48.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drand48 {
+    state: u64,
+}
+
+impl Drand48 {
+    /// As a C program starts that never seeds it, like the course's: X = 0.
+    pub const UNSEEDED: Self = Self { state: 0 };
+
+    /// As after C's `srand48(seed)`.
+    pub fn seeded(seed: u32) -> Self {
+        Self { state: (seed as u64) << 16 | 0x330E }
+    }
+
+    /// The generator after `steps` draws, in as many operations as `steps` has bits (Brown, "Random
+    /// Number Generation with Arbitrary Strides", Trans. Am. Nucl. Soc. 71, 1994).
+    pub fn jumped(self, mut steps: u64) -> Self {
+        let (mut factor, mut addend) = (MULTIPLIER, INCREMENT);
+        let mut state = self.state;
+        // The step x -> factor x + addend, doubled at every bit.
+        while steps > 0 {
+            if steps & 1 == 1 {
+                state = affine(factor, addend, state);
+            }
+            addend = affine(factor, addend, addend);
+            factor = factor.wrapping_mul(factor) & MASK;
+            steps >>= 1;
+        }
+        Self { state }
+    }
+}
+
+fn affine(factor: u64, addend: u64, x: u64) -> u64 {
+    factor.wrapping_mul(x).wrapping_add(addend) & MASK
+}
+
+impl TryRng for Drand48 {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        Ok((self.try_next_u64()? >> 32) as u32)
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        self.state = affine(MULTIPLIER, INCREMENT, self.state);
+        Ok(self.state << 16)
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        // Six good bytes a word.
+        for chunk in bytes.chunks_mut(6) {
+            let word = self.try_next_u64()?.to_be_bytes();
+            chunk.copy_from_slice(&word[..chunk.len()]);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::RngExt;
+
+    #[test]
+    fn the_first_numbers_of_an_unseeded_c_program() {
+        let mut rng = Drand48::UNSEEDED;
+        let first: [f64; 6] = std::array::from_fn(|_| rng.random());
+        let known = [3.9e-14, 0.000985395, 0.041631, 0.176643, 0.364602, 0.0913306];
+        assert_eq!(first[0], 11.0 / (1u64 << 48) as f64);
+        assert!(first.iter().zip(known).skip(1).all(|(a, b)| (a - b).abs() < 1e-6), "{first:?}");
+    }
+
+    #[test]
+    fn a_jump_is_as_many_draws() {
+        let start = Drand48::seeded(42);
+        let mut rng = start;
+        for steps in 0..200 {
+            assert_eq!(start.jumped(steps), rng);
+            let _: f64 = rng.random();
+        }
+        let far = 123_456_789_012_345;
+        assert_eq!(start.jumped(far).jumped(far), start.jumped(2 * far));
+        assert_eq!(start.jumped(1 << 48), start, "the period is 2^48");
+    }
+}

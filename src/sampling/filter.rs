@@ -1,0 +1,91 @@
+//! Reconstruction filters: the weight of a sample by its place relative to a pixel's centre.
+
+use glam::DVec2;
+
+/// Lengths are in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// 1 within the radius along both axes.
+    Box { radius: f64 },
+    /// Falls from 1 at the centre to 0 at the radius.
+    Tent { radius: f64 },
+    /// exp(-d^2 / 2 sigma^2), not cut off within the pixels of its support.
+    Gaussian { sigma: f64 },
+    /// Mitchell and Netravali's cubic with B = C = 1/3 ("Reconstruction Filters in Computer
+    /// Graphics", SIGGRAPH 1988) along both axes; it ends at the radius.
+    Mitchell { radius: f64 },
+}
+
+impl Filter {
+    /// What averages just the pixel's own samples.
+    pub const PIXEL: Self = Self::Box { radius: 0.5 };
+
+    /// The weight of a sample at `place`, relative to the pixel's centre.
+    pub fn weight(&self, place: DVec2) -> f64 {
+        match *self {
+            Self::Box { radius } => (place.abs().max_element() <= radius) as u8 as f64,
+            Self::Tent { radius } => (1.0 - place.length() / radius).max(0.0),
+            Self::Gaussian { sigma } => libm::exp(-place.length_squared() / (2.0 * sigma * sigma)),
+            Self::Mitchell { radius } => {
+                let scaled = place.abs() * (2.0 / radius);
+                mitchell(scaled.x) * mitchell(scaled.y)
+            }
+        }
+    }
+
+    /// How many pixels away, along each axis, a pixel's samples still count.
+    pub fn support(&self) -> usize {
+        let reach = match *self {
+            Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
+            Self::Gaussian { sigma } => 2.0 * sigma,
+        };
+        (reach - 0.5).ceil().max(0.0) as usize
+    }
+}
+
+/// The cubic over 0 to 2; 0 beyond.
+fn mitchell(x: f64) -> f64 {
+    if x < 1.0 {
+        (7.0 * x * x * x - 12.0 * x * x + 16.0 / 3.0) / 6.0
+    } else if x < 2.0 {
+        (-7.0 / 3.0 * x * x * x + 12.0 * x * x - 20.0 * x + 32.0 / 3.0) / 6.0
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_against_closed_forms() {
+        let at = |f: Filter, x: f64, y: f64| f.weight(DVec2::new(x, y));
+        let wide = Filter::Box { radius: 1.7 };
+        assert_eq!([at(wide, 1.7, -1.7), at(wide, 1.71, 0.0)], [1.0, 0.0]);
+        let tent = Filter::Tent { radius: 2.0 };
+        assert_eq!([at(tent, 0.0, 0.0), at(tent, 0.6, 0.8), at(tent, 2.0, 2.0)], [1.0, 0.5, 0.0]);
+        let gaussian = Filter::Gaussian { sigma: 0.5 };
+        assert!((at(gaussian, 0.3, 0.4) - (-0.5f64).exp()).abs() < 1e-15);
+        let cubic = Filter::Mitchell { radius: 2.0 };
+        assert!((at(cubic, 0.0, 0.0) - (8.0f64 / 9.0).powi(2)).abs() < 1e-15);
+        assert!(at(cubic, 1.5, 0.0) < 0.0 && at(cubic, 2.0, 0.0) == 0.0);
+    }
+
+    #[test]
+    fn the_cubic_is_continuous_and_sums_to_one() {
+        assert!((mitchell(1.0 - 1e-12) - mitchell(1.0)).abs() < 1e-11 && mitchell(2.0 - 1e-9).abs() < 1e-12);
+        for shift in [0.0, 0.2, 0.77] {
+            let sum: f64 = (-3..=3).map(|i| mitchell((i as f64 + shift).abs())).sum();
+            assert!((sum - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn supports_as_the_courses_pictures_show() {
+        let supports = |f: fn(f64) -> Filter| [0.3, 0.5, 1.0, 1.5, 1.7, 2.3].map(|r| f(r).support());
+        assert_eq!(supports(|radius| Filter::Box { radius }), [0, 0, 1, 1, 2, 2]);
+        assert_eq!(supports(|radius| Filter::Tent { radius }), [0, 0, 1, 1, 2, 2]);
+        assert_eq!(supports(|sigma| Filter::Gaussian { sigma }), [1, 1, 2, 3, 3, 5]);
+    }
+}

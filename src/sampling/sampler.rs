@@ -1,0 +1,136 @@
+//! Where the samples of a pixel fall.
+
+use super::drand48::Drand48;
+use glam::DVec2;
+use rand::RngExt;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    Random,
+    /// The centres of a grid of strata.
+    Uniform,
+    /// A random point in each stratum of a grid.
+    Jittered,
+}
+
+/// The samples of every pixel of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampler {
+    pattern: Pattern,
+    count: u32,
+    columns: u32,
+    rng: Drand48,
+}
+
+impl Sampler {
+    /// One sample in the middle of the pixel.
+    pub const CENTER: Self =
+        Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
+
+    /// `count` samples a pixel, at least one. Where it is no square, the strata form the grid of
+    /// columns and rows nearest to a square whose product it is, with more columns than rows: 8 is
+    /// 4 x 2, and a prime number one row.
+    pub fn new(pattern: Pattern, count: u32, rng: Drand48) -> Self {
+        let count = count.max(1);
+        let rows = (1..=count.isqrt()).rev().find(|rows| count % rows == 0).unwrap_or(1);
+        Self { pattern, count, columns: count / rows, rng }
+    }
+
+    /// Samples a pixel.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Whether a pixel's only sample is its centre.
+    pub fn is_center(&self) -> bool {
+        self.pattern == Pattern::Uniform && self.count == 1
+    }
+
+    /// The offsets of a pixel's samples from its lower left corner, in [0, 1). `number` is the
+    /// pixel's place in the course's order: columns from the left, each from the bottom. Every
+    /// sample takes two random numbers, and a pixel starts where its forerunners ended.
+    pub fn offsets(self, number: u64) -> impl Iterator<Item = DVec2> {
+        let mut rng = match self.pattern {
+            Pattern::Uniform => self.rng,
+            _ => self.rng.jumped(2 * number * self.count as u64),
+        };
+        let rows = self.count / self.columns;
+        let strata = DVec2::new(self.columns as f64, rows as f64);
+        (0..self.count).map(move |s| {
+            let corner = DVec2::new((s % self.columns) as f64, (s / self.columns) as f64);
+            match self.pattern {
+                Pattern::Uniform => (corner + 0.5) / strata,
+                Pattern::Jittered => {
+                    let (x, y) = (rng.random(), rng.random());
+                    (corner + DVec2::new(x, y)) / strata
+                }
+                // The course's program draws y first here.
+                Pattern::Random => {
+                    let (y, x) = (rng.random(), rng.random());
+                    DVec2::new(x, y)
+                }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn offsets(pattern: Pattern, count: u32, number: u64) -> Vec<DVec2> {
+        Sampler::new(pattern, count, Drand48::UNSEEDED).offsets(number).collect()
+    }
+
+    #[test]
+    fn one_uniform_sample_is_the_centre() {
+        assert!(Sampler::new(Pattern::Uniform, 1, Drand48::UNSEEDED).is_center());
+        assert_eq!(offsets(Pattern::Uniform, 1, 7), [DVec2::splat(0.5)]);
+    }
+
+    #[test]
+    fn uniform_samples_are_the_centres_of_strata() {
+        let expected = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(DVec2::from);
+        assert_eq!(offsets(Pattern::Uniform, 4, 0), expected);
+    }
+
+    #[test]
+    fn strata_are_the_grid_nearest_to_a_square() {
+        for (count, columns, rows) in [(8, 4, 2), (12, 4, 3), (7, 7, 1), (4096, 64, 64), (6, 3, 2)] {
+            let samples = offsets(Pattern::Uniform, count, 0);
+            let distinct = |f: fn(&DVec2) -> f64| {
+                let mut all: Vec<u64> = samples.iter().map(|s| f(s).to_bits()).collect();
+                all.sort_unstable();
+                all.dedup();
+                all.len()
+            };
+            assert_eq!((distinct(|s| s.x), distinct(|s| s.y)), (columns, rows), "{count}");
+        }
+    }
+
+    #[test]
+    fn each_jittered_sample_stays_in_its_stratum() {
+        for number in 0..50 {
+            for (s, offset) in offsets(Pattern::Jittered, 12, number).into_iter().enumerate() {
+                let cell = (offset * DVec2::new(4.0, 3.0)).floor();
+                assert_eq!(cell, DVec2::new((s % 4) as f64, (s / 4) as f64));
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_share_one_sequence() {
+        let mut rng = Drand48::UNSEEDED;
+        for number in 0..20 {
+            for offset in offsets(Pattern::Random, 3, number) {
+                let (y, x): (f64, f64) = (rng.random(), rng.random());
+                assert_eq!(offset, DVec2::new(x, y));
+            }
+        }
+    }
+
+    #[test]
+    fn random_samples_lie_in_the_pixel() {
+        assert!(offsets(Pattern::Random, 4096, 999).iter().all(|o| o.min_element() >= 0.0 && o.max_element() < 1.0));
+    }
+}
