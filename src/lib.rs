@@ -3,6 +3,7 @@
 //! Data flows one way, and a module imports only from those before it:
 //! scene text -> [`scene`] -> world -> grid -> rays -> picture and statistics.
 
+pub mod cli;
 pub mod image_io;
 pub mod math;
 pub mod scene;
