@@ -2,6 +2,8 @@
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
+pub mod cli;
+pub mod image_io;
 pub mod math;
 pub mod scene;
 pub mod stats;

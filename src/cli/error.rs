@@ -1,0 +1,144 @@
+//! What can be wrong with a command line.
+
+use super::flags;
+use crate::image_io::quoted;
+use std::ffi::OsString;
+use std::fmt;
+use std::path::PathBuf;
+
+/// A fault in the command line. Displays as one line that starts with `error:` and names the flag.
+/// Flags are held without their dash.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CliError {
+    UnknownFlag {
+        flag: String,
+        nearest: Option<String>,
+    },
+    /// A word that no flag takes.
+    UnexpectedWord {
+        word: OsString,
+    },
+    /// `-flag=value`.
+    EqualsForm {
+        flag: String,
+    },
+    GivenTwice {
+        flag: String,
+    },
+    Conflict {
+        flag: String,
+        other: String,
+    },
+    WrongCount {
+        flag: String,
+        expected: usize,
+        given: usize,
+    },
+    BadValue {
+        flag: &'static str,
+        word: OsString,
+        problem: Problem,
+    },
+    /// `-depth` with `t0` not below `t1`.
+    DepthOrder {
+        t0: f64,
+        t1: f64,
+    },
+    /// `-depth` with a finite `t0` and `t1` whose difference is not.
+    DepthRange,
+    TooManyCells {
+        cells: [u32; 3],
+    },
+    GridNeeded,
+    InputNeeded,
+    /// Two flags name one output file.
+    SameFile {
+        flag: &'static str,
+        other: &'static str,
+        file: PathBuf,
+    },
+    /// A fault that clap reports and this program does not know of.
+    Unreadable {
+        reason: String,
+    },
+}
+
+/// What is wrong with one value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Problem {
+    NotWhole,
+    Outside { min: u32, max: u32 },
+    NotFinite,
+    Negative,
+    NotScene,
+    NotPicture,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotWhole => f.write_str("is not a whole number"),
+            Self::Outside { min, max } => write!(f, "is not between {min} and {max}"),
+            Self::NotFinite => f.write_str("is not a finite number"),
+            Self::Negative => f.write_str("is negative"),
+            Self::NotScene => f.write_str("does not end in .txt"),
+            Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
+        }
+    }
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.message())
+    }
+}
+
+impl CliError {
+    fn message(&self) -> String {
+        match self {
+            Self::UnknownFlag { flag, nearest } => unknown_flag(flag, nearest.as_deref()),
+            Self::UnexpectedWord { word } => unexpected_word(word),
+            Self::EqualsForm { flag } => format!("`-{flag}` takes its values as separate words, without `=`"),
+            Self::GivenTwice { flag } => format!("`-{flag}` given twice"),
+            Self::Conflict { flag, other } => format!("`-{flag}` contradicts `-{other}`"),
+            Self::WrongCount { flag, expected, given } => wrong_count(flag, *expected, *given),
+            Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
+            Self::DepthOrder { t0, t1 } => format!("`-depth`: t0 must be less than t1, but {t0} >= {t1}"),
+            Self::DepthRange => "`-depth`: t1 - t0 is too large for a number".into(),
+            Self::TooManyCells { cells: [x, y, z] } => {
+                format!("`-grid`: {x} x {y} x {z} cells are too many, 2147483647 is the most")
+            }
+            Self::GridNeeded => "`-visualize_grid` needs `-grid nx ny nz`".into(),
+            Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
+            Self::SameFile { flag, other, file } => {
+                format!("`-{flag}` and `-{other}` both write {}", quoted(file.as_os_str()))
+            }
+            Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for CliError {}
+
+fn unknown_flag(flag: &str, nearest: Option<&str>) -> String {
+    let shown = quoted(format!("-{flag}").as_ref());
+    match nearest {
+        Some(nearest) => format!("unknown flag {shown}; did you mean `-{nearest}`?"),
+        None => format!("unknown flag {shown} (`-help` lists every flag)"),
+    }
+}
+
+fn unexpected_word(word: &OsString) -> String {
+    let shown = quoted(word);
+    match word.to_str().and_then(flags::find) {
+        Some(flag) => format!("unexpected word {shown}; did you mean `-{}`?", flag.name),
+        None => format!("unexpected word {shown} (not the value of any flag)"),
+    }
+}
+
+fn wrong_count(flag: &str, expected: usize, given: usize) -> String {
+    match expected {
+        1 => format!("`-{flag}` misses its value"),
+        _ => format!("`-{flag}` takes {expected} values, {given} given"),
+    }
+}

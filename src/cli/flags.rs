@@ -1,0 +1,184 @@
+//! Every flag, once: its values, what it excludes, and its line of help.
+//!
+//! A new flag is one constant here, one entry in [`FLAGS`], and its reading in `options.rs`; the
+//! parser and the help text follow from the table.
+
+/// The heading under which a flag stands in the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Section {
+    Pictures,
+    Shading,
+    Grid,
+    Statistics,
+    Preview,
+    Other,
+}
+
+impl Section {
+    /// In the order of the help.
+    pub const ALL: [Self; 6] =
+        [Self::Pictures, Self::Shading, Self::Grid, Self::Statistics, Self::Preview, Self::Other];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Pictures => "Scene and pictures",
+            Self::Shading => "Shading",
+            Self::Grid => "Grid",
+            Self::Statistics => "Statistics",
+            Self::Preview => "Preview (accepted, not built: the picture is rendered directly)",
+            Self::Other => "Other",
+        }
+    }
+}
+
+/// One flag. Names are without the dash.
+#[derive(Debug)]
+pub(super) struct Flag {
+    pub name: &'static str,
+    /// Other spellings, not shown in the help's table.
+    pub aliases: &'static [&'static str],
+    /// A word for each value, as the help shows them.
+    pub values: &'static [&'static str],
+    /// Names of flags that contradict this one.
+    pub conflicts: &'static [&'static str],
+    pub section: Section,
+    pub doc: &'static str,
+}
+
+impl Flag {
+    const fn new(
+        section: Section,
+        name: &'static str,
+        values: &'static [&'static str],
+        doc: &'static str,
+    ) -> Self {
+        Self { name, aliases: &[], values, conflicts: &[], section, doc }
+    }
+
+    const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
+        self.aliases = aliases;
+        self
+    }
+
+    const fn conflicts(mut self, conflicts: &'static [&'static str]) -> Self {
+        self.conflicts = conflicts;
+        self
+    }
+
+    /// The flag as it is typed: `-size w h`.
+    pub fn usage(&self) -> String {
+        self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
+    }
+}
+
+/// The flag called `name`, by any of its spellings.
+pub(super) fn find(name: &str) -> Option<&'static Flag> {
+    FLAGS.iter().copied().find(|flag| flag.name == name || flag.aliases.contains(&name))
+}
+
+/// In the order of the help within each section.
+pub(super) const FLAGS: &[&Flag] = &[
+    &INPUT,
+    &OUTPUT,
+    &SIZE,
+    &DEPTH,
+    &NORMALS,
+    &SHADE_BACK,
+    &SHADOWS,
+    &NO_SHADOWS,
+    &TRANSPARENT_SHADOWS,
+    &BOUNCES,
+    &WEIGHT,
+    &GRID,
+    &VISUALIZE_GRID,
+    &STATS,
+    &THREADS,
+    &GUI,
+    &TESSELLATION,
+    &GOURAUD,
+    &HELP,
+    &VERSION,
+];
+
+pub(super) const INPUT: Flag =
+    Flag::new(Section::Pictures, "input", &["file"], "The scene; its name ends in .txt. Required.");
+pub(super) const OUTPUT: Flag =
+    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture; .tga or .png.");
+pub(super) const SIZE: Flag = Flag::new(
+    Section::Pictures,
+    "size",
+    &["w", "h"],
+    "Pixels of every picture, 1 to 65535 each way. Default: 100 100.",
+);
+pub(super) const DEPTH: Flag = Flag::new(
+    Section::Pictures,
+    "depth",
+    &["t0", "t1", "file"],
+    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1.",
+);
+pub(super) const NORMALS: Flag = Flag::new(
+    Section::Pictures,
+    "normals",
+    &["file"],
+    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue. Also -normal.",
+)
+.aliases(&["normal"]);
+
+pub(super) const SHADE_BACK: Flag = Flag::new(
+    Section::Shading,
+    "shade_back",
+    &[],
+    "Lights surfaces seen from behind; without it they are black.",
+);
+pub(super) const SHADOWS: Flag = Flag::new(Section::Shading, "shadows", &[], "Casts shadows. Default: none.");
+pub(super) const NO_SHADOWS: Flag = Flag::new(
+    Section::Shading,
+    "no_shadows",
+    &[],
+    "Casts no shadows: the default, accepted for the 2003 course's lines.",
+)
+.conflicts(&["shadows", "transparent_shadows"]);
+pub(super) const TRANSPARENT_SHADOWS: Flag = Flag::new(
+    Section::Shading,
+    "transparent_shadows",
+    &[],
+    "Casts shadows that transparent objects tint. Implies -shadows.",
+);
+pub(super) const BOUNCES: Flag = Flag::new(
+    Section::Shading,
+    "bounces",
+    &["n"],
+    "Follows reflected and refracted rays to this depth. Default: 0.",
+);
+pub(super) const WEIGHT: Flag =
+    Flag::new(Section::Shading, "weight", &["w"], "Follows no ray that contributes w or less. Default: 0.");
+
+pub(super) const GRID: Flag = Flag::new(
+    Section::Grid,
+    "grid",
+    &["nx", "ny", "nz"],
+    "Speeds the rendering up with a uniform grid of so many cells. The picture stays the same.",
+);
+pub(super) const VISUALIZE_GRID: Flag = Flag::new(
+    Section::Grid,
+    "visualize_grid",
+    &[],
+    "Draws the grid's occupied cells instead of the scene. Needs -grid.",
+);
+
+pub(super) const STATS: Flag =
+    Flag::new(Section::Statistics, "stats", &[], "Prints counts and times after rendering.");
+
+pub(super) const GUI: Flag = Flag::new(Section::Preview, "gui", &[], "The course's preview window.");
+pub(super) const TESSELLATION: Flag =
+    Flag::new(Section::Preview, "tessellation", &["a", "b"], "Its spheres' faces around and along.");
+pub(super) const GOURAUD: Flag = Flag::new(Section::Preview, "gouraud", &[], "Its spheres smooth.");
+
+pub(super) const THREADS: Flag = Flag::new(
+    Section::Other,
+    "threads",
+    &["n"],
+    "Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.",
+);
+pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
+pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

@@ -1,0 +1,215 @@
+//! The second stage: values understood and checked, alone and against each other.
+
+use super::error::{CliError, Problem};
+use super::flags::{self, Flag};
+use super::raw::Raw;
+use crate::image_io::Format;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf, absolute};
+
+/// What to render, checked: every number is in the range that its field states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The scene; ends in `.txt`.
+    pub input: PathBuf,
+    /// The colour picture; ends in `.tga` or `.png`, like every picture's name. No two outputs name
+    /// the same file.
+    pub output: Option<PathBuf>,
+    /// Width and height in pixels, 1 to 65535 each.
+    pub size: [u32; 2],
+    pub depth: Option<Depth>,
+    pub normals: Option<PathBuf>,
+    pub shade_back: bool,
+    pub shadows: Shadows,
+    /// Greatest depth of reflected and refracted rays, below 2^31.
+    pub bounces: u32,
+    /// A ray that contributes this or less is not followed; finite, not negative.
+    pub weight: f64,
+    /// Cells along x, y and z, at least 1 each and below 2^31 together.
+    pub grid: Option<[u32; 3]>,
+    /// Only with a grid.
+    pub visualize_grid: bool,
+    pub stats: bool,
+    /// The line asks for the course's preview, which this program does not have.
+    pub preview: bool,
+    /// 1 to 4096; `None` for all cores.
+    pub threads: Option<usize>,
+}
+
+/// The picture of distances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Depth {
+    /// Distance shown white. Finite, below `t1`, and `t1 - t0` is finite too.
+    pub t0: f64,
+    /// Distance shown black.
+    pub t1: f64,
+    pub file: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadows {
+    #[default]
+    Off,
+    /// Every object blocks all light.
+    Opaque,
+    /// Transparent objects tint the light that passes them.
+    Transparent,
+}
+
+const SIZE_RANGE: (u32, u32) = (1, 65535);
+/// The course's `int`.
+const MOST: u32 = i32::MAX as u32;
+/// Far above any machine's cores, far below where starting the threads fails.
+const THREAD_RANGE: (u32, u32) = (1, 4096);
+/// Cell numbers stay below 2^31, so that a cell's index fits 32 bits everywhere.
+const CELL_LIMIT: u64 = 1 << 31;
+
+impl Options {
+    /// Checks each flag in the help's order, then the flags against each other.
+    pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
+        let options = Self {
+            input: scene(raw)?.ok_or(CliError::InputNeeded)?,
+            output: picture(raw, &flags::OUTPUT)?,
+            size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]),
+            depth: depth(raw)?,
+            normals: picture(raw, &flags::NORMALS)?,
+            shade_back: raw.given(&flags::SHADE_BACK),
+            shadows: shadows(raw),
+            bounces: wholes(raw, &flags::BOUNCES, (0, MOST))?.map_or(0, |[n]| n),
+            weight: weight(raw)?,
+            grid: grid(raw)?,
+            visualize_grid: raw.given(&flags::VISUALIZE_GRID),
+            stats: raw.given(&flags::STATS),
+            preview: preview(raw)?,
+            threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
+        };
+        options.check_together()?;
+        Ok(options)
+    }
+
+    fn check_together(&self) -> Result<(), CliError> {
+        if self.visualize_grid && self.grid.is_none() {
+            return Err(CliError::GridNeeded);
+        }
+        distinct(&self.outputs())
+    }
+
+    /// Every picture asked for, with the flag that names it.
+    fn outputs(&self) -> Vec<(&'static str, &Path)> {
+        let depth = self.depth.as_ref().map(|depth| &depth.file);
+        [
+            (&flags::OUTPUT, self.output.as_ref()),
+            (&flags::DEPTH, depth),
+            (&flags::NORMALS, self.normals.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(flag, file)| Some((flag.name, file?.as_path())))
+        .collect()
+    }
+}
+
+/// Compares full paths, not the file system: links that lead to one file pass.
+fn distinct(outputs: &[(&'static str, &Path)]) -> Result<(), CliError> {
+    let full = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
+    for (i, &(flag, file)) in outputs.iter().enumerate() {
+        if let Some(&(other, _)) = outputs[i + 1..].iter().find(|(_, later)| full(later) == full(file)) {
+            return Err(CliError::SameFile { flag, other, file: file.to_owned() });
+        }
+    }
+    Ok(())
+}
+
+fn bad(flag: &Flag, word: &OsStr, problem: Problem) -> CliError {
+    CliError::BadValue { flag: flag.name, word: word.to_owned(), problem }
+}
+
+fn scene(raw: &Raw) -> Result<Option<PathBuf>, CliError> {
+    match raw.values(&flags::INPUT)? {
+        None => Ok(None),
+        Some([word]) if is_scene(word) => Ok(Some(word.into())),
+        Some([word]) => Err(bad(&flags::INPUT, word, Problem::NotScene)),
+    }
+}
+
+fn is_scene(word: &OsStr) -> bool {
+    word.as_encoded_bytes().last_chunk::<4>().is_some_and(|end| end.eq_ignore_ascii_case(b".txt"))
+}
+
+fn picture(raw: &Raw, flag: &Flag) -> Result<Option<PathBuf>, CliError> {
+    raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose()
+}
+
+fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
+    match Format::of(Path::new(word)) {
+        Some(_) => Ok(word.into()),
+        None => Err(bad(flag, word, Problem::NotPicture)),
+    }
+}
+
+fn depth(raw: &Raw) -> Result<Option<Depth>, CliError> {
+    let Some([from, to, file]) = raw.values(&flags::DEPTH)? else { return Ok(None) };
+    let (t0, t1) = (finite(&flags::DEPTH, from)?, finite(&flags::DEPTH, to)?);
+    if t0 >= t1 {
+        return Err(CliError::DepthOrder { t0, t1 });
+    }
+    // The greys divide by t1 - t0.
+    if !(t1 - t0).is_finite() {
+        return Err(CliError::DepthRange);
+    }
+    Ok(Some(Depth { t0, t1, file: picture_name(&flags::DEPTH, file)? }))
+}
+
+fn shadows(raw: &Raw) -> Shadows {
+    match (raw.given(&flags::TRANSPARENT_SHADOWS), raw.given(&flags::SHADOWS)) {
+        (true, _) => Shadows::Transparent,
+        (false, true) => Shadows::Opaque,
+        (false, false) => Shadows::Off,
+    }
+}
+
+fn weight(raw: &Raw) -> Result<f64, CliError> {
+    let Some([word]) = raw.values(&flags::WEIGHT)? else { return Ok(0.0) };
+    match finite(&flags::WEIGHT, word)? {
+        weight if weight < 0.0 => Err(bad(&flags::WEIGHT, word, Problem::Negative)),
+        weight => Ok(weight),
+    }
+}
+
+fn grid(raw: &Raw) -> Result<Option<[u32; 3]>, CliError> {
+    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MOST))? else { return Ok(None) };
+    let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
+    match product {
+        Some(product) if product < CELL_LIMIT => Ok(Some(cells)),
+        _ => Err(CliError::TooManyCells { cells }),
+    }
+}
+
+fn preview(raw: &Raw) -> Result<bool, CliError> {
+    let tessellation = wholes::<2>(raw, &flags::TESSELLATION, (1, MOST))?;
+    Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
+}
+
+/// The whole numbers of a flag, each from `range.0` to `range.1`.
+fn wholes<const N: usize>(raw: &Raw, flag: &Flag, range: (u32, u32)) -> Result<Option<[u32; N]>, CliError> {
+    let Some(words) = raw.values::<N>(flag)? else { return Ok(None) };
+    let mut numbers = [0; N];
+    for (number, word) in numbers.iter_mut().zip(words) {
+        *number = whole(word, range).map_err(|problem| bad(flag, word, problem))?;
+    }
+    Ok(Some(numbers))
+}
+
+fn whole(word: &OsStr, (min, max): (u32, u32)) -> Result<u32, Problem> {
+    let text = word.to_str().ok_or(Problem::NotWhole)?;
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(Problem::NotWhole);
+    }
+    // Only digits are left, so that a failure means too large or negative.
+    text.parse().ok().filter(|n| (min..=max).contains(n)).ok_or(Problem::Outside { min, max })
+}
+
+fn finite(flag: &Flag, word: &OsStr) -> Result<f64, CliError> {
+    let number = word.to_str().and_then(|text| text.parse::<f64>().ok());
+    number.filter(|n| n.is_finite()).ok_or_else(|| bad(flag, word, Problem::NotFinite))
+}

@@ -1,0 +1,98 @@
+//! What can go wrong with a picture.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
+
+/// A picture that cannot be held, read or written. Displays as one line that names the file.
+#[derive(Debug)]
+pub enum ImageError {
+    /// The name says neither TGA nor PNG.
+    Ending {
+        path: PathBuf,
+    },
+    /// The name of an output is that of a folder.
+    Folder {
+        path: PathBuf,
+    },
+    Io {
+        action: &'static str,
+        path: PathBuf,
+        error: io::Error,
+    },
+    /// The file's content is not what its name says, or the picture does not fit the format.
+    Coding {
+        action: &'static str,
+        path: PathBuf,
+        error: Box<image::ImageError>,
+    },
+    /// A side is too long for the format.
+    Sides {
+        path: PathBuf,
+        width: u32,
+        height: u32,
+    },
+    /// No pixels, or more than there is memory for.
+    Size {
+        width: u32,
+        height: u32,
+    },
+}
+
+impl ImageError {
+    pub(super) fn io(action: &'static str, path: &Path, error: io::Error) -> Self {
+        Self::Io { action, path: path.to_owned(), error }
+    }
+
+    /// Unwraps the input and output errors that the image crate passes on.
+    pub(super) fn coding(action: &'static str, path: &Path, error: image::ImageError) -> Self {
+        match error {
+            image::ImageError::IoError(error) => Self::io(action, path, error),
+            error => Self::Coding { action, path: path.to_owned(), error: Box::new(error) },
+        }
+    }
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ending { path } => write!(f, "{} ends in neither .tga nor .png", shown(path)),
+            Self::Folder { path } => write!(f, "cannot write {}: it is a folder", shown(path)),
+            Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
+            Self::Coding { action, path, error } => {
+                write!(f, "cannot {action} {}: {}", shown(path), one_line(&error.to_string()))
+            }
+            Self::Sides { path, width, height } => {
+                write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
+            }
+            Self::Size { width: 0, .. } | Self::Size { height: 0, .. } => {
+                f.write_str("a picture needs at least one pixel each way")
+            }
+            Self::Size { width, height } => write!(f, "no memory for a picture of {width} x {height} pixels"),
+        }
+    }
+}
+
+impl std::error::Error for ImageError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { error, .. } => Some(error),
+            Self::Coding { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}
+
+fn shown(path: &Path) -> String {
+    quoted(path.as_os_str())
+}
+
+/// A word between backticks, on one line whatever it holds: control characters are escaped, and
+/// bytes that are not text become U+FFFD.
+pub fn quoted(word: &OsStr) -> String {
+    format!("`{}`", one_line(&word.to_string_lossy()))
+}
+
+fn one_line(text: &str) -> String {
+    text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+}

@@ -1,0 +1,143 @@
+//! A picture in memory.
+
+use super::error::ImageError;
+use crate::scene::Color;
+use rayon::prelude::*;
+
+/// Bytes per pixel: red, green, blue.
+const CHANNELS: usize = 3;
+
+/// 8-bit RGB, rows from the top. The tracer counts its pixels from the bottom left; the row
+/// iterators do the flip, so that nothing else needs to know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+/// The bytes of a colour: 255 times each channel, cut (not rounded) to a whole number and clamped to
+/// 0..=255, as the course's writer does. NaN becomes 0; `nans` goes up by one for a colour that
+/// holds any.
+pub fn quantize(color: Color, nans: &mut u64) -> [u8; CHANNELS] {
+    *nans += u64::from(color.is_nan());
+    // `as` cuts, clamps and turns NaN into 0.
+    (color * 255.0).to_array().map(|channel| channel as u8)
+}
+
+impl Picture {
+    /// A black picture. No pixels at all, or more than there is memory for, is an error.
+    pub fn new(width: u32, height: u32) -> Result<Self, ImageError> {
+        let failed = || ImageError::Size { width, height };
+        let size = byte_count(width, height).filter(|&size| size > 0).ok_or_else(failed)?;
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(size).map_err(|_| failed())?;
+        pixels.resize(size, 0);
+        Ok(Self { width, height, pixels })
+    }
+
+    /// `pixels` must hold `width * height * 3` bytes.
+    pub(super) fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
+        debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
+        Self { width, height, pixels }
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green, blue; rows from the top.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// The pixel at column `i` and row `j`, counted from the bottom left; `None` outside.
+    pub fn get(&self, i: u32, j: u32) -> Option<[u8; CHANNELS]> {
+        let inside = i < self.width && j < self.height;
+        let row = inside.then(|| self.height - 1 - j)?;
+        let at = (row as usize * self.width as usize + i as usize) * CHANNELS;
+        self.pixels.get(at..)?.first_chunk().copied()
+    }
+
+    /// Each row with its number from the bottom, top row first. A row is `width` times three bytes.
+    pub fn rows_mut(&mut self) -> impl DoubleEndedIterator<Item = (u32, &mut [u8])> {
+        (0..self.height).rev().zip(self.pixels.chunks_exact_mut(self.width as usize * CHANNELS))
+    }
+
+    /// [`Picture::rows_mut`] for several threads.
+    pub fn par_rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (u32, &mut [u8])> {
+        let rows = self.pixels.par_chunks_exact_mut(self.width as usize * CHANNELS);
+        (0..self.height).into_par_iter().rev().zip(rows)
+    }
+}
+
+fn byte_count(width: u32, height: u32) -> Option<usize> {
+    let pixels = u64::from(width) * u64::from(height);
+    usize::try_from(pixels).ok()?.checked_mul(CHANNELS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantize_cuts_and_clamps() {
+        let rows = [
+            (0.0, 0),
+            (0.2, 51),
+            (0.5, 127),
+            (0.999_999, 254),
+            (1.0, 255),
+            (1e300, 255),
+            (f64::INFINITY, 255),
+            (-0.5, 0),
+            (f64::NEG_INFINITY, 0),
+        ];
+        let mut nans = 0;
+        for (channel, byte) in rows {
+            assert_eq!(quantize(Color::splat(channel), &mut nans), [byte; 3], "{channel}");
+        }
+        assert_eq!(nans, 0);
+    }
+
+    #[test]
+    fn quantize_counts_each_colour_with_nan_once() {
+        let mut nans = 0;
+        assert_eq!(quantize(Color::new(1.0, f64::NAN, 0.2), &mut nans), [255, 0, 51]);
+        assert_eq!(quantize(Color::splat(f64::NAN), &mut nans), [0; 3]);
+        assert_eq!(nans, 2);
+    }
+
+    #[test]
+    fn rows_count_from_the_bottom_and_lie_from_the_top() {
+        let mut serial = Picture::new(2, 3).unwrap();
+        serial.rows_mut().for_each(|(j, row)| row.fill(j as u8 + 1));
+        assert_eq!(serial.pixels(), [[3; 6], [2; 6], [1; 6]].concat());
+        let mut parallel = Picture::new(2, 3).unwrap();
+        parallel.par_rows_mut().for_each(|(j, row)| row.fill(j as u8 + 1));
+        assert_eq!(parallel, serial);
+    }
+
+    #[test]
+    fn get_counts_from_the_bottom_left() {
+        let mut picture = Picture::new(3, 2).unwrap();
+        for (j, row) in picture.rows_mut() {
+            row.chunks_exact_mut(3).enumerate().for_each(|(i, pixel)| pixel.fill(10 * j as u8 + i as u8));
+        }
+        assert_eq!(picture.get(0, 0), Some([0; 3]));
+        assert_eq!(picture.get(2, 1), Some([12; 3]));
+        assert_eq!(picture.get(3, 0), None);
+        assert_eq!(picture.get(0, 2), None);
+    }
+
+    #[test]
+    fn impossible_sizes_are_errors() {
+        for (width, height) in [(0, 5), (5, 0), (u32::MAX, u32::MAX)] {
+            assert!(matches!(Picture::new(width, height), Err(ImageError::Size { .. })));
+        }
+    }
+}

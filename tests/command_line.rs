@@ -1,0 +1,283 @@
+//! Tables of command lines: what each means, or the exact line that says why it means nothing.
+
+use raytracer::cli::{CliError, Command, Depth, Options, Shadows, parse};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+fn words(line: &str) -> Vec<OsString> {
+    line.split_whitespace().map(OsString::from).collect()
+}
+
+fn parse_line(line: &str) -> Result<Command, CliError> {
+    parse(words(&format!("raytracer {line}")))
+}
+
+/// The options of `-input s.txt` alone.
+fn plain() -> Options {
+    Options {
+        input: PathBuf::from("s.txt"),
+        output: None,
+        size: [100, 100],
+        depth: None,
+        normals: None,
+        shade_back: false,
+        shadows: Shadows::Off,
+        bounces: 0,
+        weight: 0.0,
+        grid: None,
+        visualize_grid: false,
+        stats: false,
+        preview: false,
+        threads: None,
+    }
+}
+
+fn path(name: &str) -> Option<PathBuf> {
+    Some(PathBuf::from(name))
+}
+
+fn depth(t0: f64, t1: f64) -> Option<Depth> {
+    Some(Depth { t0, t1, file: "d.tga".into() })
+}
+
+fn accepts(line: &str, expected: Options) {
+    assert_eq!(parse_line(line), Ok(Command::Render(expected)), "{line}");
+}
+
+#[test]
+fn each_flag_sets_its_option() {
+    accepts("-input s.txt", plain());
+    accepts("-input s.txt -output a.tga", Options { output: path("a.tga"), ..plain() });
+    accepts("-output a.PNG -input s.txt", Options { output: path("a.PNG"), ..plain() });
+    accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
+    accepts("-input s.txt -normals n.png", Options { normals: path("n.png"), ..plain() });
+    accepts("-input s.txt -normal n.tga", Options { normals: path("n.tga"), ..plain() });
+    accepts("-shade_back -input s.txt", Options { shade_back: true, ..plain() });
+    accepts("-input s.txt -shadows", Options { shadows: Shadows::Opaque, ..plain() });
+    accepts("-input s.txt -no_shadows", plain());
+    accepts("-input s.txt -transparent_shadows", Options { shadows: Shadows::Transparent, ..plain() });
+    accepts(
+        "-input s.txt -transparent_shadows -shadows",
+        Options { shadows: Shadows::Transparent, ..plain() },
+    );
+    accepts("-input s.txt -bounces 2147483647", Options { bounces: 2147483647, ..plain() });
+    accepts("-input s.txt -weight 0.01", Options { weight: 0.01, ..plain() });
+    accepts("-input s.txt -grid 10 +20 5", Options { grid: Some([10, 20, 5]), ..plain() });
+    accepts("-input s.txt -grid 1 2147483647 1", Options { grid: Some([1, 2147483647, 1]), ..plain() });
+    accepts(
+        "-visualize_grid -input s.txt -grid 1 1 7",
+        Options { grid: Some([1, 1, 7]), visualize_grid: true, ..plain() },
+    );
+    accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
+    accepts("--input s.txt --stats", Options { stats: true, ..plain() });
+}
+
+#[test]
+fn negative_numbers_are_values() {
+    accepts("-input s.txt -depth -2 2 d.tga", Options { depth: depth(-2.0, 2.0), ..plain() });
+    accepts("-depth -.5 .5 d.tga -input s.txt", Options { depth: depth(-0.5, 0.5), ..plain() });
+    accepts("-input s.txt -depth -1e3 -1e-3 d.tga", Options { depth: depth(-1e3, -1e-3), ..plain() });
+    accepts(
+        "-input s.txt -depth -3. 0. d.tga -stats",
+        Options { depth: depth(-3.0, 0.0), stats: true, ..plain() },
+    );
+    accepts("-input s.txt -output -5.tga", Options { output: path("-5.tga"), ..plain() });
+}
+
+#[test]
+fn the_preview_flags_are_recorded() {
+    let preview = || Options { preview: true, ..plain() };
+    accepts("-input s.txt -gui", preview());
+    accepts("-gouraud -input s.txt", preview());
+    accepts("-input s.txt -tessellation 10 5", preview());
+    accepts("-input s.txt -gui -tessellation 100 50 -gouraud", preview());
+}
+
+#[test]
+fn lines_in_the_style_of_the_course() {
+    let sized = || Options { size: [200, 200], output: path("o.tga"), ..plain() };
+    accepts(
+        "-input s.txt -size 200 200 -output o.tga -depth 14.5 19.5 d.tga",
+        Options { depth: depth(14.5, 19.5), ..sized() },
+    );
+    accepts(
+        "-input s.txt -size 200 200 -output o.tga -depth 9 11 d.tga -normals n.tga -shade_back",
+        Options { depth: depth(9.0, 11.0), normals: path("n.tga"), shade_back: true, ..sized() },
+    );
+    accepts(
+        "-input s.txt -size 200 200 -output o.tga -gui -tessellation 20 10 -gouraud",
+        Options { preview: true, ..sized() },
+    );
+    accepts(
+        "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
+        Options {
+            shadows: Shadows::Opaque,
+            bounces: 5,
+            weight: 0.01,
+            shade_back: true,
+            preview: true,
+            ..sized()
+        },
+    );
+    accepts(
+        "-input s.txt -size 200 200 -gui -grid 15 15 15 -visualize_grid -tessellation 10 5",
+        Options {
+            size: [200, 200],
+            grid: Some([15, 15, 15]),
+            visualize_grid: true,
+            preview: true,
+            ..plain()
+        },
+    );
+    accepts(
+        "-size 200 200 -input s.txt -output o.tga -grid 20 20 20 -stats",
+        Options { grid: Some([20, 20, 20]), stats: true, ..sized() },
+    );
+}
+
+/// Each line lacks `-input s.txt` only where that is the point.
+const FAULTS: &[(&str, &str)] = &[
+    ("", "no scene: `-input file` is required (`-help` lists every flag)"),
+    ("-output a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
+    ("-input", "`-input` misses its value"),
+    ("-input s.tga", "`-input`: `s.tga` does not end in .txt"),
+    ("-input txt", "`-input`: `txt` does not end in .txt"),
+    ("-input s.txt -shadow", "unknown flag `-shadow`; did you mean `-shadows`?"),
+    ("-input s.txt -visualise_grid", "unknown flag `-visualise_grid`; did you mean `-visualize_grid`?"),
+    ("-input s.txt --sise 3 3", "unknown flag `-sise`; did you mean `-size`?"),
+    ("-input s.txt -Size 3 3", "unknown flag `-Size`; did you mean `-size`?"),
+    ("-imput s.txt", "unknown flag `-imput`; did you mean `-input`?"),
+    ("-input s.txt -qqq", "unknown flag `-qqq` (`-help` lists every flag)"),
+    ("-input s.txt -qqq=3", "unknown flag `-qqq` (`-help` lists every flag)"),
+    ("-input=s.txt", "`-input` takes its values as separate words, without `=`"),
+    ("-input s.txt -shadows=yes", "`-shadows` takes its values as separate words, without `=`"),
+    ("-input s.txt foo", "unexpected word `foo` (not the value of any flag)"),
+    ("s.txt", "unexpected word `s.txt` (not the value of any flag)"),
+    ("-input s.txt shadows", "unexpected word `shadows`; did you mean `-shadows`?"),
+    ("-input s.txt -stats 3", "unexpected word `3` (not the value of any flag)"),
+    ("-input s.txt -size 3 4 -5.5", "unexpected word `-5.5` (not the value of any flag)"),
+    ("-input s.txt --", "unexpected word `--` (not the value of any flag)"),
+    ("-input s.txt -", "unexpected word `-` (not the value of any flag)"),
+    ("-input s.txt -output", "`-output` misses its value"),
+    ("-input s.txt -output -size 3 3", "`-output` misses its value"),
+    ("-input s.txt -output a.jpg", "`-output`: `a.jpg` ends in neither .tga nor .png"),
+    ("-input s.txt -output --", "`-output`: `--` ends in neither .tga nor .png"),
+    ("-input s.txt -normals tga", "`-normals`: `tga` ends in neither .tga nor .png"),
+    ("-input s.txt -size", "`-size` takes 2 values, 0 given"),
+    ("-input s.txt -size 3", "`-size` takes 2 values, 1 given"),
+    ("-input s.txt -size 3 -stats", "`-size` takes 2 values, 1 given"),
+    ("-input s.txt -size abc 3", "`-size`: `abc` is not a whole number"),
+    ("-input s.txt -size 3 3.0", "`-size`: `3.0` is not a whole number"),
+    ("-input s.txt -size 3 +", "`-size`: `+` is not a whole number"),
+    ("-input s.txt -size 0 3", "`-size`: `0` is not between 1 and 65535"),
+    ("-input s.txt -size 3 65536", "`-size`: `65536` is not between 1 and 65535"),
+    ("-input s.txt -size -3 3", "`-size`: `-3` is not between 1 and 65535"),
+    ("-input s.txt -depth 1 2", "`-depth` takes 3 values, 2 given"),
+    ("-input s.txt -depth d.tga 1 2", "`-depth`: `d.tga` is not a finite number"),
+    ("-input s.txt -depth 1 nan d.tga", "`-depth`: `nan` is not a finite number"),
+    ("-input s.txt -depth 1 1e999 d.tga", "`-depth`: `1e999` is not a finite number"),
+    ("-input s.txt -depth 2 2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= 2"),
+    ("-input s.txt -depth 2 -2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= -2"),
+    ("-input s.txt -depth -1e308 1e308 d.tga", "`-depth`: t1 - t0 is too large for a number"),
+    ("-input s.txt -depth 1 2 3", "`-depth`: `3` ends in neither .tga nor .png"),
+    ("-input s.txt -depth 1 2 a.tga -depth 1 2 b.tga", "`-depth` given twice"),
+    ("-input s.txt -input s.txt", "`-input` given twice"),
+    ("-input s.txt -stats -stats", "`-stats` given twice"),
+    ("-input s.txt -normals a.tga -normal b.tga", "`-normals` given twice"),
+    ("-input s.txt -bounces x", "`-bounces`: `x` is not a whole number"),
+    ("-input s.txt -bounces -1", "`-bounces`: `-1` is not between 0 and 2147483647"),
+    ("-input s.txt -bounces 2147483648", "`-bounces`: `2147483648` is not between 0 and 2147483647"),
+    ("-input s.txt -weight -0.1", "`-weight`: `-0.1` is negative"),
+    ("-input s.txt -weight infinity", "`-weight`: `infinity` is not a finite number"),
+    ("-input s.txt -grid 10", "`-grid` takes 3 values, 1 given"),
+    ("-input s.txt -grid 10 0 10", "`-grid`: `0` is not between 1 and 2147483647"),
+    (
+        "-input s.txt -grid 2048 1024 1024",
+        "`-grid`: 2048 x 1024 x 1024 cells are too many, 2147483647 is the most",
+    ),
+    (
+        "-input s.txt -grid 2147483647 2147483647 2147483647",
+        "`-grid`: 2147483647 x 2147483647 x 2147483647 cells are too many, 2147483647 is the most",
+    ),
+    ("-input s.txt -visualize_grid", "`-visualize_grid` needs `-grid nx ny nz`"),
+    ("-input s.txt -shadows -no_shadows", "`-shadows` contradicts `-no_shadows`"),
+    ("-input s.txt -no_shadows -shadows", "`-no_shadows` contradicts `-shadows`"),
+    ("-input s.txt -no_shadows -transparent_shadows", "`-no_shadows` contradicts `-transparent_shadows`"),
+    ("-input s.txt -no_shadows -shadows -transparent_shadows", "`-no_shadows` contradicts `-shadows`"),
+    ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
+    ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),
+    ("-input s.txt -tessellation 10", "`-tessellation` takes 2 values, 1 given"),
+    ("-input s.txt -tessellation 10 x", "`-tessellation`: `x` is not a whole number"),
+    ("-input s.txt -output a.tga -normals a.tga", "`-output` and `-normals` both write `a.tga`"),
+    ("-input s.txt -output ./a.tga -depth 1 2 a.tga", "`-output` and `-depth` both write `./a.tga`"),
+    ("-input s.txt -depth 1 2 d/a.tga -normals d/./a.tga", "`-depth` and `-normals` both write `d/a.tga`"),
+];
+
+#[test]
+fn each_fault_has_its_line() {
+    let mut wrong = String::new();
+    for (line, expected) in FAULTS {
+        let shown = parse_line(line).map_err(|error| error.to_string());
+        if shown != Err(format!("error: {expected}")) {
+            wrong += &format!("{line}\n  expected {expected}\n  actual   {shown:?}\n");
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
+    for line in ["-help", "--help", "-h", "-help -nonsense", "-size 3 3 -help"] {
+        assert!(
+            matches!(parse_line(line), Ok(Command::Help(text)) if text.contains("Usage: raytracer -input"))
+        );
+    }
+    let version = format!("raytracer {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(parse_line("-version"), Ok(Command::Version(version)));
+}
+
+#[test]
+fn an_empty_argv_and_empty_words_are_no_accident() {
+    let empty: [OsString; 0] = [];
+    assert_eq!(parse(empty), Err(CliError::InputNeeded));
+    let shown = parse(["raytracer", "-input", ""].map(OsString::from)).map_err(|error| error.to_string());
+    assert_eq!(shown, Err("error: `-input`: `` does not end in .txt".into()));
+}
+
+#[test]
+fn a_fault_is_one_line_whatever_the_word_holds() {
+    for word in ["-a\nb\x1b[1m", "a\nb\r", "shadows\n"] {
+        let argv = ["raytracer", "-input", "s.txt", word].map(OsString::from);
+        let shown = parse(argv).map_err(|error| error.to_string());
+        assert!(shown.as_ref().is_err_and(|line| !line.contains(char::is_control)), "{shown:?}");
+    }
+}
+
+#[cfg(unix)]
+mod not_utf8 {
+    use super::*;
+    use std::os::unix::ffi::OsStringExt;
+
+    fn parse_bytes(bytes: &[&[u8]]) -> Result<Command, CliError> {
+        parse(bytes.iter().map(|word| OsString::from_vec(word.to_vec())))
+    }
+
+    #[test]
+    fn names_need_not_be_text() {
+        let name = b"\xff\xfe.tga";
+        let parsed = parse_bytes(&[b"raytracer", b"-input", b"s.txt", b"-output", name]);
+        let output = Some(PathBuf::from(OsString::from_vec(name.to_vec())));
+        assert_eq!(parsed, Ok(Command::Render(Options { output, ..plain() })));
+    }
+
+    #[test]
+    fn flags_and_numbers_must_be() {
+        let flag = parse_bytes(&[b"raytracer", b"-z\xff"]);
+        let shown = flag.map_err(|error| error.to_string());
+        assert_eq!(shown, Err("error: unknown flag `-z\u{fffd}` (`-help` lists every flag)".into()));
+        let size = parse_bytes(&[b"raytracer", b"-input", b"s.txt", b"-size", b"\xff", b"1"]);
+        let shown = size.map_err(|error| error.to_string());
+        assert_eq!(shown, Err("error: `-size`: `\u{fffd}` is not a whole number".into()));
+    }
+}

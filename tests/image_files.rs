@@ -1,0 +1,240 @@
+//! Picture files: their bytes, and what is left on disk when writing them succeeds or fails.
+
+use raytracer::image_io::{Format, ImageError, OutputFile, Picture, read};
+use std::fs;
+use std::path::Path;
+use tempfile::{TempDir, tempdir};
+
+/// 3 x 2 pixels, all different; the bottom left one is red.
+fn sample() -> Picture {
+    let mut picture = Picture::new(3, 2).unwrap();
+    for (j, row) in picture.rows_mut() {
+        for (i, pixel) in row.chunks_exact_mut(3).enumerate() {
+            pixel.copy_from_slice(&[255 - 40 * (i as u8 + 3 * j as u8), i as u8, j as u8]);
+        }
+    }
+    picture
+}
+
+fn write(path: &Path, picture: &Picture) -> Result<(), ImageError> {
+    OutputFile::prepare(path)?.write(picture)
+}
+
+fn names(folder: &TempDir) -> Vec<String> {
+    let entries = fs::read_dir(folder.path()).unwrap();
+    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn tga_has_the_course_s_header_and_blue_first_rows_from_the_top() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.tga");
+    write(&path, &sample()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    assert_eq!(bytes[..18], [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 2, 0, 24, 32]);
+    let top = [1, 0, 135, 1, 1, 95, 1, 2, 55];
+    let bottom = [0, 0, 255, 0, 1, 215, 0, 2, 175];
+    assert_eq!(bytes[18..], [top, bottom].concat());
+}
+
+#[test]
+fn tga_is_what_the_image_crate_writes_uncompressed() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.tga");
+    let mut picture = Picture::new(300, 259).unwrap();
+    for (j, row) in picture.rows_mut() {
+        row.iter_mut().enumerate().for_each(|(i, byte)| *byte = (i * 7 + j as usize * 13) as u8);
+    }
+    write(&path, &picture).unwrap();
+    let mut expected = Vec::new();
+    let encoder = image::codecs::tga::TgaEncoder::new(&mut expected).disable_rle();
+    encoder.encode(picture.pixels(), 300, 259, image::ExtendedColorType::Rgb8).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), expected);
+}
+
+#[test]
+fn both_formats_come_back_as_written() {
+    let folder = tempdir().unwrap();
+    for name in ["a.tga", "a.png", "B.TGA", "b.Png"] {
+        let path = folder.path().join(name);
+        write(&path, &sample()).unwrap();
+        assert_eq!(read(&path).unwrap(), sample(), "{name}");
+    }
+    assert_eq!(read(&folder.path().join("a.png")).unwrap().get(0, 0), Some([255, 0, 0]));
+    assert_eq!(fs::read(folder.path().join("a.png")).unwrap()[..4], *b"\x89PNG");
+}
+
+#[test]
+fn format_is_the_end_of_the_name() {
+    let rows = [("a.tga", Some(Format::Tga)), (".PNG", Some(Format::Png)), ("tga", None), ("a.tga/", None)];
+    for (name, format) in rows {
+        assert_eq!(Format::of(Path::new(name)), format, "{name}");
+    }
+}
+
+#[test]
+fn nothing_is_on_disk_before_writing_and_only_the_picture_after() {
+    let folder = tempdir().unwrap();
+    let output = OutputFile::prepare(&folder.path().join("a.tga")).unwrap();
+    assert!(names(&folder).is_empty());
+    output.write(&sample()).unwrap();
+    assert_eq!(names(&folder), ["a.tga"]);
+    drop(OutputFile::prepare(&folder.path().join("b.tga")).unwrap());
+    assert_eq!(names(&folder), ["a.tga"]);
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_picture_and_no_other_file() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.tga");
+    write(&path, &sample()).unwrap();
+    let wide = Picture::new(65536, 1).unwrap();
+    let error = write(&path, &wide).unwrap_err();
+    let expected = format!("cannot write `{}`: 65536 x 1 is above 65535 pixels a side", path.display());
+    assert_eq!(error.to_string(), expected);
+    assert_eq!(names(&folder), ["a.tga"]);
+    assert_eq!(read(&path).unwrap(), sample());
+}
+
+#[test]
+fn a_target_that_becomes_a_folder_is_reported_and_leaves_no_file() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.tga");
+    let output = OutputFile::prepare(&path).unwrap();
+    fs::create_dir(&path).unwrap();
+    assert!(matches!(output.write(&sample()), Err(ImageError::Io { .. })));
+    assert_eq!(names(&folder), ["a.tga"]);
+}
+
+#[test]
+fn unwritable_targets_are_reported_before_rendering() {
+    let folder = tempdir().unwrap();
+    fs::create_dir(folder.path().join("folder.tga")).unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let rows = [
+        ("folder.tga", "cannot write `F/folder.tga`: it is a folder"),
+        ("missing/a.tga", "cannot write `F/missing/a.tga`: No such file or directory (os error 2)"),
+        ("file/a.tga", "cannot write `F/file/a.tga`: Not a directory (os error 20)"),
+        ("a.jpg", "`F/a.jpg` ends in neither .tga nor .png"),
+    ];
+    for (name, expected) in rows {
+        let error = OutputFile::prepare(&folder.path().join(name)).unwrap_err();
+        let shown = error.to_string().replace(folder.path().to_str().unwrap(), "F");
+        assert_eq!(shown, expected, "{name}");
+    }
+    assert_eq!(names(&folder), ["file", "folder.tga"]);
+}
+
+#[test]
+fn unreadable_pictures_are_one_line() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("text.png"), "no\npicture").unwrap();
+    fs::write(folder.path().join("short.tga"), [0, 0, 2]).unwrap();
+    write(&folder.path().join("cut.tga"), &sample()).unwrap();
+    let bytes = fs::read(folder.path().join("cut.tga")).unwrap();
+    fs::write(folder.path().join("cut.tga"), &bytes[..30]).unwrap();
+    for name in ["text.png", "short.tga", "cut.tga", "missing.tga", "a.jpg"] {
+        let shown = read(&folder.path().join(name)).unwrap_err().to_string();
+        assert!(shown.contains(name) && shown.lines().count() == 1, "{shown}");
+    }
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).unwrap().mode() & 0o7777
+    }
+
+    fn is_root() -> bool {
+        fs::metadata("/proc/self").is_ok_and(|found| found.uid() == 0)
+    }
+
+    #[test]
+    fn permissions_are_a_new_file_s_or_the_old_file_s() {
+        let folder = tempdir().unwrap();
+        let (path, plain) = (folder.path().join("a.tga"), folder.path().join("plain"));
+        fs::write(&plain, "").unwrap();
+        write(&path, &sample()).unwrap();
+        assert_eq!(mode(&path), mode(&plain));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        write(&path, &sample()).unwrap();
+        assert_eq!(mode(&path), 0o640);
+    }
+
+    #[test]
+    fn a_link_stays_a_link_and_its_target_gets_the_picture() {
+        let folder = tempdir().unwrap();
+        let other = tempdir().unwrap();
+        let (link, target) = (folder.path().join("a.tga"), other.path().join("b"));
+        symlink(&target, &link).unwrap();
+        // The first time the target does not exist yet.
+        for _ in 0..2 {
+            write(&link, &sample()).unwrap();
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            assert_eq!(read(&link).unwrap(), sample());
+        }
+        assert_eq!((names(&folder), names(&other)), (vec!["a.tga".into()], vec!["b".into()]));
+    }
+
+    #[test]
+    fn links_in_a_circle_are_an_error() {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("a.tga");
+        symlink("a.tga", &path).unwrap();
+        assert!(matches!(OutputFile::prepare(&path), Err(ImageError::Io { .. })));
+    }
+
+    #[test]
+    fn write_protection_is_respected() {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("a.tga");
+        write(&path, &sample()).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        // The superuser may write anywhere.
+        assert_eq!(OutputFile::prepare(&path).is_ok(), is_root());
+        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
+        assert_eq!(OutputFile::prepare(&folder.path().join("b.tga")).is_ok(), is_root());
+        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    #[test]
+    fn a_device_is_written_not_replaced() {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("a.tga");
+        symlink("/dev/null", &path).unwrap();
+        write(&path, &sample()).unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_reported() {
+        let folder = tempdir().unwrap();
+        for name in ["a.tga", "a.png"] {
+            let path = folder.path().join(name);
+            symlink("/dev/full", &path).unwrap();
+            let error = write(&path, &sample()).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("No space left"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_pipe_gets_the_picture() {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("a.tga");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        let reader = std::thread::spawn({
+            let path = path.clone();
+            move || fs::read(path).unwrap()
+        });
+        write(&path, &sample()).unwrap();
+        assert_eq!(reader.join().unwrap().len(), 18 + 18);
+        assert!(!fs::metadata(&path).unwrap().is_file());
+    }
+}
