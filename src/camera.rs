@@ -41,10 +41,12 @@ impl Camera {
         }
     }
 
-    /// The ray through a point of the picture in pixels, counted from the lower left corner; pixel
-    /// centres lie at halves. Its direction is a unit vector.
-    pub fn ray(&self, pixel: DVec2) -> Ray {
-        let screen = (pixel - 0.5 * self.size) / self.size.max_element();
+    /// The ray through the point `offset` from the centre of a pixel, which is counted in whole
+    /// numbers from the picture's lower left. Its direction is a unit vector.
+    pub fn ray(&self, pixel: DVec2, offset: DVec2) -> Ray {
+        // A centre's distance from the middle is exact, so that samples which mirror each other in
+        // the picture do so to the last bit.
+        let screen = (pixel + 0.5 - 0.5 * self.size + offset) / self.size.max_element();
         let across = screen.x * self.horizontal + screen.y * self.vertical;
         if self.perspective {
             Ray::new(self.center, (self.direction + across).normalize())
@@ -59,6 +61,10 @@ impl Camera {
 mod tests {
     use super::*;
 
+    fn at(camera: &Camera, x: f64, y: f64) -> Ray {
+        camera.ray(DVec2::new(x, y), DVec2::splat(-0.5))
+    }
+
     #[test]
     fn the_longer_side_spans_the_screen() {
         let camera = scene::Camera::Orthographic {
@@ -68,10 +74,10 @@ mod tests {
             size: 4.0,
         };
         let wide = Camera::new(&camera, [200, 100]);
-        let corner = wide.ray(DVec2::new(200.0, 100.0)).origin - wide.ray(DVec2::ZERO).origin;
+        let corner = at(&wide, 200.0, 100.0).origin - at(&wide, 0.0, 0.0).origin;
         assert!((corner.length() - (16.0f64 + 4.0).sqrt()).abs() < 1e-14);
         let tall = Camera::new(&camera, [100, 200]);
-        let side = tall.ray(DVec2::new(100.0, 0.0)).origin - tall.ray(DVec2::ZERO).origin;
+        let side = at(&tall, 100.0, 0.0).origin - at(&tall, 0.0, 0.0).origin;
         assert!((side.length() - 2.0).abs() < 1e-14);
     }
 
@@ -84,7 +90,7 @@ mod tests {
             angle: 90.0,
         };
         let camera = Camera::new(&camera, [100, 50]);
-        let (left, right) = (camera.ray(DVec2::new(0.0, 25.0)), camera.ray(DVec2::new(100.0, 25.0)));
+        let (left, right) = (at(&camera, 0.0, 25.0), at(&camera, 100.0, 25.0));
         assert!(left.direction.dot(right.direction).abs() < 1e-15 && left.direction.x < 0.0);
         assert!((left.direction.length() - 1.0).abs() < 1e-15);
     }

@@ -2,8 +2,6 @@
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
-pub mod cli;
-pub mod image_io;
 pub mod math;
 pub mod scene;
 pub mod stats;
@@ -14,4 +12,8 @@ pub mod caster;
 pub mod shading;
 pub mod camera;
 pub mod trace;
+pub mod sampling;
+pub mod picture;
 pub mod render;
+pub mod image_io;
+pub mod cli;

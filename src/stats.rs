@@ -20,6 +20,8 @@ pub trait Probe: Default + Send {
     fn cell(&mut self);
     /// Adds what another thread counted.
     fn merge(self, other: Self) -> Self;
+    /// What was counted; zeros where nothing is.
+    fn counts(&self) -> Counts;
 }
 
 /// Counts nothing and costs nothing.
@@ -34,6 +36,9 @@ impl Probe for Quiet {
     fn cell(&mut self) {}
     fn merge(self, _: Self) -> Self {
         self
+    }
+    fn counts(&self) -> Counts {
+        Counts::default()
     }
 }
 
@@ -67,6 +72,9 @@ impl Probe for Counts {
             intersections: self.intersections + other.intersections,
             cells_traversed: self.cells_traversed + other.cells_traversed,
         }
+    }
+    fn counts(&self) -> Counts {
+        *self
     }
 }
 

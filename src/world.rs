@@ -7,10 +7,10 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust;
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
+use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Object, ObjectId, Position, Scene, material::Material};
 use glam::{DAffine3, DVec3};
-use std::fmt;
 
 /// What the tracer works on.
 #[derive(Clone, Debug)]
@@ -54,41 +54,6 @@ pub struct SurfacePoint {
     pub material: MaterialId,
 }
 
-/// Why a scene cannot be flattened, and where in its text.
-#[derive(Clone, Debug, PartialEq)]
-pub enum WorldError {
-    /// A sphere or plane under a matrix that squashes it flat.
-    SingularTransform { at: Position, object: &'static str },
-    /// Coordinates that overflow.
-    NotFinite { at: Position },
-    /// More primitives than 32 bits can number.
-    TooManyPrimitives,
-}
-
-impl WorldError {
-    /// The transform at fault, if one is.
-    pub fn position(&self) -> Option<Position> {
-        match self {
-            Self::SingularTransform { at, .. } | Self::NotFinite { at } if at.line > 0 => Some(*at),
-            _ => None,
-        }
-    }
-}
-
-impl fmt::Display for WorldError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::SingularTransform { object, .. } => {
-                write!(f, "this transform is singular: it squashes a {object} flat")
-            }
-            Self::NotFinite { .. } => write!(f, "the transformed object's coordinates are not finite"),
-            Self::TooManyPrimitives => write!(f, "the scene has more primitives than can be numbered"),
-        }
-    }
-}
-
-impl std::error::Error for WorldError {}
-
 /// A leaf of the object tree with the matrix that takes it to the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'s> {
@@ -96,6 +61,13 @@ pub struct Placement<'s> {
     pub matrix: DAffine3,
     /// The innermost transform around the object; None at the top.
     pub transform: Option<Position>,
+}
+
+impl Placement<'_> {
+    /// An error at the transform, or at the start of the text where there is none.
+    fn error(&self, problem: Problem) -> SceneError {
+        SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)
+    }
 }
 
 /// The leaves of a scene's tree in the order of its text. Walks with a stack of its own, so that
@@ -128,7 +100,7 @@ pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> A
 
 impl World {
     /// `meshes` are those that the scene names, in its order.
-    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, WorldError> {
+    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
         let mut builder =
             Builder { meshes, world: World::without_objects(scene), materials: Default::default() };
         for placement in placements(scene) {
@@ -228,8 +200,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn place(&mut self, placement: &Placement) -> Result<(), WorldError> {
-        let at = placement.transform.unwrap_or_default();
+    fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
@@ -246,12 +217,8 @@ impl Builder<'_> {
             Object::Sphere { center, radius, material } => self.sphere(center, radius, placement, material),
             Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
-        }
-        .and_then(|()| if self.fits() { Ok(()) } else { Err(WorldError::TooManyPrimitives) })
-        .map_err(|e| match e {
-            WorldError::NotFinite { .. } => WorldError::NotFinite { at },
-            other => other,
-        })
+        }?;
+        if self.fits() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
     }
 
     fn fits(&self) -> bool {
@@ -265,7 +232,7 @@ impl Builder<'_> {
         faces: &[[u32; 3]],
         placement: &Placement,
         material: MaterialId,
-    ) -> Result<(), WorldError> {
+    ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let first = world.vertices.len();
         world.vertices.extend(vertices);
@@ -279,7 +246,7 @@ impl Builder<'_> {
             let [a, b, c] = f.map(|v| v + first as u32);
             if mirrored { [a, c, b] } else { [a, b, c] }
         }));
-        self.grow(bounds)
+        self.grow(bounds, placement)
     }
 
     fn sphere(
@@ -288,12 +255,12 @@ impl Builder<'_> {
         radius: f64,
         placement: &Placement,
         material: MaterialId,
-    ) -> Result<(), WorldError> {
+    ) -> Result<(), SceneError> {
         let matrix = placement.matrix;
         let linear = matrix.matrix3;
         let (middle, reach) = (matrix.transform_point3(center), linear * radius);
         if robust::is_singular(linear) {
-            return Err(singular(placement, "sphere"));
+            return Err(placement.error(Problem::SingularTransform));
         }
         if let Some(scale) = similarity_scale(linear) {
             note_run(&mut self.materials[1], self.world.spheres.len(), material);
@@ -302,7 +269,7 @@ impl Builder<'_> {
             note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
             self.world.ellipsoids.push(Ellipsoid::new(middle, reach));
         }
-        self.grow(course_sphere_box(center, radius, placement))
+        self.grow(course_sphere_box(center, radius, placement), placement)
     }
 
     fn plane(
@@ -311,7 +278,7 @@ impl Builder<'_> {
         offset: f64,
         placement: &Placement,
         material: MaterialId,
-    ) -> Result<(), WorldError> {
+    ) -> Result<(), SceneError> {
         let normal = normal.normalize();
         note_run(&mut self.materials[3], self.world.planes.len(), material);
         if placement.transform.is_none() {
@@ -320,23 +287,27 @@ impl Builder<'_> {
         }
         let linear = placement.matrix.matrix3;
         if robust::is_singular(linear) {
-            return Err(singular(placement, "plane"));
+            return Err(placement.error(Problem::SingularTransform));
         }
         let outward = robust::cofactor(linear) * normal * linear.determinant().signum();
         let normal_there = outward.normalize();
         let point = placement.matrix.transform_point3(offset * normal);
         self.world.planes.push(Plane { normal: normal_there, offset: normal_there.dot(point) });
-        if point.is_finite() && normal_there.is_finite() { Ok(()) } else { Err(NOT_FINITE) }
+        if point.is_finite() && normal_there.is_finite() {
+            Ok(())
+        } else {
+            Err(placement.error(Problem::TransformOverflow))
+        }
     }
 
-    fn grow(&mut self, bounds: Aabb) -> Result<(), WorldError> {
+    fn grow(&mut self, bounds: Aabb, placement: &Placement) -> Result<(), SceneError> {
         self.world.bounds = self.world.bounds.union(bounds);
         // An empty group of triangles has an empty, infinite box, which is no fault.
         let sound = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
-        if sound { Ok(()) } else { Err(NOT_FINITE) }
+        if sound { Ok(()) } else { Err(placement.error(Problem::TransformOverflow)) }
     }
 
-    fn finish(self) -> Result<World, WorldError> {
+    fn finish(self) -> Result<World, SceneError> {
         let mut world = self.world;
         let counts = [world.triangles.len(), world.spheres.len(), world.ellipsoids.len(), world.planes.len()];
         let mut start = 0;
@@ -353,8 +324,6 @@ impl Builder<'_> {
 
 /// The box of something whose coordinates overflowed.
 const BROKEN: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
-
-const NOT_FINITE: WorldError = WorldError::NotFinite { at: Position { line: 0, column: 0 } };
 
 /// The faces of a box over [`Aabb::corners`], counter-clockwise seen from outside.
 const BOX_FACES: [[u32; 3]; 12] = [
@@ -379,10 +348,6 @@ fn with_unit_direction(light: Light) -> Light {
         }
         point => point,
     }
-}
-
-fn singular(placement: &Placement, object: &'static str) -> WorldError {
-    WorldError::SingularTransform { at: placement.transform.unwrap_or_default(), object }
 }
 
 fn note_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {

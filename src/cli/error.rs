@@ -50,6 +50,10 @@ pub enum CliError {
         cells: [u32; 3],
     },
     GridNeeded,
+    /// A picture of samples or of the filter with too long a side.
+    EnlargedTooMuch {
+        flag: &'static str,
+    },
     InputNeeded,
     /// Two flags name one output file.
     SameFile {
@@ -72,6 +76,7 @@ pub enum Problem {
     Negative,
     NotScene,
     NotPicture,
+    NotFilterSize,
 }
 
 impl fmt::Display for Problem {
@@ -82,6 +87,7 @@ impl fmt::Display for Problem {
             Self::NotFinite => f.write_str("is not a finite number"),
             Self::Negative => f.write_str("is negative"),
             Self::NotScene => f.write_str("does not end in .txt"),
+            Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
             Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
         }
     }
@@ -109,6 +115,9 @@ impl CliError {
                 format!("`-grid`: {x} x {y} x {z} cells are too many, 2147483647 is the most")
             }
             Self::GridNeeded => "`-visualize_grid` needs `-grid nx ny nz`".into(),
+            Self::EnlargedTooMuch { flag } => {
+                format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
+            }
             Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file.as_os_str()))

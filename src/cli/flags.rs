@@ -8,6 +8,7 @@
 pub(super) enum Section {
     Pictures,
     Shading,
+    Sampling,
     Grid,
     Statistics,
     Preview,
@@ -16,13 +17,21 @@ pub(super) enum Section {
 
 impl Section {
     /// In the order of the help.
-    pub const ALL: [Self; 6] =
-        [Self::Pictures, Self::Shading, Self::Grid, Self::Statistics, Self::Preview, Self::Other];
+    pub const ALL: [Self; 7] = [
+        Self::Pictures,
+        Self::Shading,
+        Self::Sampling,
+        Self::Grid,
+        Self::Statistics,
+        Self::Preview,
+        Self::Other,
+    ];
 
     pub fn title(self) -> &'static str {
         match self {
             Self::Pictures => "Scene and pictures",
             Self::Shading => "Shading",
+            Self::Sampling => "Sampling",
             Self::Grid => "Grid",
             Self::Statistics => "Statistics",
             Self::Preview => "Preview (accepted, not built: the picture is rendered directly)",
@@ -89,6 +98,16 @@ pub(super) const FLAGS: &[&Flag] = &[
     &TRANSPARENT_SHADOWS,
     &BOUNCES,
     &WEIGHT,
+    &RANDOM_SAMPLES,
+    &UNIFORM_SAMPLES,
+    &JITTERED_SAMPLES,
+    &SEED,
+    &BOX_FILTER,
+    &TENT_FILTER,
+    &GAUSSIAN_FILTER,
+    &MITCHELL_FILTER,
+    &RENDER_SAMPLES,
+    &RENDER_FILTER,
     &GRID,
     &VISUALIZE_GRID,
     &STATS,
@@ -152,6 +171,60 @@ pub(super) const BOUNCES: Flag = Flag::new(
 );
 pub(super) const WEIGHT: Flag =
     Flag::new(Section::Shading, "weight", &["w"], "Follows no ray that contributes w or less. Default: 0.");
+
+pub(super) const RANDOM_SAMPLES: Flag = Flag::new(
+    Section::Sampling,
+    "random_samples",
+    &["n"],
+    "Takes n samples a pixel at random, 1 to 65536. Default: one in the middle.",
+)
+.conflicts(&["uniform_samples", "jittered_samples"]);
+pub(super) const UNIFORM_SAMPLES: Flag = Flag::new(
+    Section::Sampling,
+    "uniform_samples",
+    &["n"],
+    "In the middles of a grid of cells; where n is no square, the grid nearest to one: 8 is 4 by 2.",
+)
+.conflicts(&["jittered_samples"]);
+pub(super) const JITTERED_SAMPLES: Flag =
+    Flag::new(Section::Sampling, "jittered_samples", &["n"], "At random in each cell of that grid.");
+pub(super) const SEED: Flag = Flag::new(
+    Section::Sampling,
+    "seed",
+    &["n"],
+    "Starts the random numbers as srand48(n) does. Default: the course's sequence.",
+);
+pub(super) const BOX_FILTER: Flag = Flag::new(
+    Section::Sampling,
+    "box_filter",
+    &["r"],
+    "Averages the samples within r pixels along both axes. Default: a radius of 0.5.",
+)
+.conflicts(&["tent_filter", "gaussian_filter", "mitchell_filter"]);
+pub(super) const TENT_FILTER: Flag =
+    Flag::new(Section::Sampling, "tent_filter", &["r"], "Weighs samples down towards the radius r.")
+        .conflicts(&["gaussian_filter", "mitchell_filter"]);
+pub(super) const GAUSSIAN_FILTER: Flag =
+    Flag::new(Section::Sampling, "gaussian_filter", &["s"], "Weighs samples by a Gaussian of deviation s.")
+        .conflicts(&["mitchell_filter"]);
+pub(super) const MITCHELL_FILTER: Flag = Flag::new(
+    Section::Sampling,
+    "mitchell_filter",
+    &["r"],
+    "Weighs samples by Mitchell and Netravali's cubic, which ends at r; 2 is usual.",
+);
+pub(super) const RENDER_SAMPLES: Flag = Flag::new(
+    Section::Sampling,
+    "render_samples",
+    &["file", "zoom"],
+    "Writes a picture of where the samples fall, each pixel enlarged.",
+);
+pub(super) const RENDER_FILTER: Flag = Flag::new(
+    Section::Sampling,
+    "render_filter",
+    &["file", "zoom"],
+    "Writes a picture of the filter's weights, each pixel enlarged.",
+);
 
 pub(super) const GRID: Flag = Flag::new(
     Section::Grid,

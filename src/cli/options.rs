@@ -4,6 +4,11 @@ use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
 use crate::image_io::Format;
+use crate::render::{Request, View};
+use crate::sampling::drand48::Drand48;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::{Pattern, Sampler};
+use crate::trace::{Effects, Shadows};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf, absolute};
 
@@ -16,17 +21,18 @@ pub struct Options {
     /// the same file.
     pub output: Option<PathBuf>,
     /// Width and height in pixels, 1 to 65535 each.
-    pub size: [u32; 2],
+    pub size: [usize; 2],
     pub depth: Option<Depth>,
     pub normals: Option<PathBuf>,
-    pub shade_back: bool,
-    pub shadows: Shadows,
-    /// Greatest depth of reflected and refracted rays, below 2^31.
-    pub bounces: u32,
-    /// A ray that contributes this or less is not followed; finite, not negative.
-    pub weight: f64,
+    /// The picture of the samples.
+    pub samples: Option<Enlarged>,
+    /// The picture of the filter.
+    pub filter_picture: Option<Enlarged>,
+    pub effects: Effects,
+    pub sampler: Sampler,
+    pub filter: Filter,
     /// Cells along x, y and z, at least 1 each and below 2^31 together.
-    pub grid: Option<[u32; 3]>,
+    pub grid: Option<[usize; 3]>,
     /// Only with a grid.
     pub visualize_grid: bool,
     pub stats: bool,
@@ -46,17 +52,19 @@ pub struct Depth {
     pub file: PathBuf,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shadows {
-    #[default]
-    Off,
-    /// Every object blocks all light.
-    Opaque,
-    /// Transparent objects tint the light that passes them.
-    Transparent,
+/// A picture that shows each pixel as a square of `zoom` by `zoom`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Enlarged {
+    pub file: PathBuf,
+    /// At least 1; the enlarged picture's sides stay below 65536.
+    pub zoom: usize,
 }
 
 const SIZE_RANGE: (u32, u32) = (1, 65535);
+const SAMPLE_RANGE: (u32, u32) = (1, 65536);
+/// Sizes of filters, in pixels.
+const MIN_FILTER: f64 = 1e-6;
+const MAX_FILTER: f64 = 1e6;
 /// The course's `int`.
 const MOST: u32 = i32::MAX as u32;
 /// Far above any machine's cores, far below where starting the threads fails.
@@ -70,13 +78,19 @@ impl Options {
         let options = Self {
             input: scene(raw)?.ok_or(CliError::InputNeeded)?,
             output: picture(raw, &flags::OUTPUT)?,
-            size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]),
+            size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
             depth: depth(raw)?,
             normals: picture(raw, &flags::NORMALS)?,
-            shade_back: raw.given(&flags::SHADE_BACK),
-            shadows: shadows(raw),
-            bounces: wholes(raw, &flags::BOUNCES, (0, MOST))?.map_or(0, |[n]| n),
-            weight: weight(raw)?,
+            samples: enlarged(raw, &flags::RENDER_SAMPLES)?,
+            filter_picture: enlarged(raw, &flags::RENDER_FILTER)?,
+            effects: Effects {
+                shadows: shadows(raw),
+                shade_back: raw.given(&flags::SHADE_BACK),
+                bounces: wholes(raw, &flags::BOUNCES, (0, MOST))?.map_or(0, |[n]| n),
+                min_weight: weight(raw)?,
+            },
+            sampler: sampler(raw)?,
+            filter: filter(raw)?,
             grid: grid(raw)?,
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             stats: raw.given(&flags::STATS),
@@ -91,16 +105,42 @@ impl Options {
         if self.visualize_grid && self.grid.is_none() {
             return Err(CliError::GridNeeded);
         }
+        for (flag, enlarged) in
+            [(&flags::RENDER_SAMPLES, &self.samples), (&flags::RENDER_FILTER, &self.filter_picture)]
+        {
+            let side = enlarged.as_ref().map_or(0, |e| e.zoom * self.size[0].max(self.size[1]));
+            if side >= SIZE_RANGE.1 as usize {
+                return Err(CliError::EnlargedTooMuch { flag: flag.name });
+            }
+        }
         distinct(&self.outputs())
+    }
+
+    /// What the renderer is asked for, showing `view`.
+    pub fn request<'a>(&self, view: View<'a>) -> Request<'a> {
+        Request {
+            size: self.size,
+            view,
+            sampler: self.sampler,
+            filter: self.filter,
+            color: self.output.is_some(),
+            depth: self.depth.as_ref().map(|depth| [depth.t0, depth.t1]),
+            normals: self.normals.is_some(),
+            samples: self.samples.as_ref().map(|picture| picture.zoom),
+        }
     }
 
     /// Every picture asked for, with the flag that names it.
     fn outputs(&self) -> Vec<(&'static str, &Path)> {
         let depth = self.depth.as_ref().map(|depth| &depth.file);
+        let samples = self.samples.as_ref().map(|picture| &picture.file);
+        let filter = self.filter_picture.as_ref().map(|picture| &picture.file);
         [
             (&flags::OUTPUT, self.output.as_ref()),
             (&flags::DEPTH, depth),
             (&flags::NORMALS, self.normals.as_ref()),
+            (&flags::RENDER_SAMPLES, samples),
+            (&flags::RENDER_FILTER, filter),
         ]
         .into_iter()
         .filter_map(|(flag, file)| Some((flag.name, file?.as_path())))
@@ -163,7 +203,7 @@ fn shadows(raw: &Raw) -> Shadows {
     match (raw.given(&flags::TRANSPARENT_SHADOWS), raw.given(&flags::SHADOWS)) {
         (true, _) => Shadows::Transparent,
         (false, true) => Shadows::Opaque,
-        (false, false) => Shadows::Off,
+        (false, false) => Shadows::None,
     }
 }
 
@@ -175,13 +215,52 @@ fn weight(raw: &Raw) -> Result<f64, CliError> {
     }
 }
 
-fn grid(raw: &Raw) -> Result<Option<[u32; 3]>, CliError> {
+fn grid(raw: &Raw) -> Result<Option<[usize; 3]>, CliError> {
     let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MOST))? else { return Ok(None) };
     let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
     match product {
-        Some(product) if product < CELL_LIMIT => Ok(Some(cells)),
+        Some(product) if product < CELL_LIMIT => Ok(Some(cells.map(|n| n as usize))),
         _ => Err(CliError::TooManyCells { cells }),
     }
+}
+
+fn enlarged(raw: &Raw, flag: &Flag) -> Result<Option<Enlarged>, CliError> {
+    let Some([file, zoom]) = raw.values(flag)? else { return Ok(None) };
+    let zoom = whole(zoom, (1, SIZE_RANGE.1)).map_err(|problem| bad(flag, zoom, problem))? as usize;
+    Ok(Some(Enlarged { file: picture_name(flag, file)?, zoom }))
+}
+
+fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
+    let seed = raw
+        .values(&flags::SEED)?
+        .map(|[word]| whole(word, (0, u32::MAX)).map_err(|problem| bad(&flags::SEED, word, problem)));
+    let rng = seed.transpose()?.map_or(Drand48::UNSEEDED, Drand48::seeded);
+    for (flag, pattern) in [
+        (&flags::RANDOM_SAMPLES, Pattern::Random),
+        (&flags::UNIFORM_SAMPLES, Pattern::Uniform),
+        (&flags::JITTERED_SAMPLES, Pattern::Jittered),
+    ] {
+        if let Some([count]) = wholes(raw, flag, SAMPLE_RANGE)? {
+            return Ok(Sampler::new(pattern, count, rng));
+        }
+    }
+    Ok(Sampler::CENTER)
+}
+
+fn filter(raw: &Raw) -> Result<Filter, CliError> {
+    for (flag, filter) in [
+        (&flags::BOX_FILTER, (|radius| Filter::Box { radius }) as fn(f64) -> Filter),
+        (&flags::TENT_FILTER, |radius| Filter::Tent { radius }),
+        (&flags::GAUSSIAN_FILTER, |sigma| Filter::Gaussian { sigma }),
+        (&flags::MITCHELL_FILTER, |radius| Filter::Mitchell { radius }),
+    ] {
+        let Some([word]) = raw.values(flag)? else { continue };
+        let size = finite(flag, word)?;
+        // Weights divide by the size and by its square, which must not vanish.
+        let usable = (MIN_FILTER..=MAX_FILTER).contains(&size);
+        return if usable { Ok(filter(size)) } else { Err(bad(flag, word, Problem::NotFilterSize)) };
+    }
+    Ok(Filter::PIXEL)
 }
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {

@@ -32,11 +32,6 @@ pub enum ImageError {
         width: u32,
         height: u32,
     },
-    /// No pixels, or more than there is memory for.
-    Size {
-        width: u32,
-        height: u32,
-    },
 }
 
 impl ImageError {
@@ -65,10 +60,6 @@ impl fmt::Display for ImageError {
             Self::Sides { path, width, height } => {
                 write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
             }
-            Self::Size { width: 0, .. } | Self::Size { height: 0, .. } => {
-                f.write_str("a picture needs at least one pixel each way")
-            }
-            Self::Size { width, height } => write!(f, "no memory for a picture of {width} x {height} pixels"),
         }
     }
 }

@@ -1,13 +1,12 @@
-//! Pictures as bytes: quantisation, and TGA and PNG files in and out.
+//! TGA and PNG files in and out.
 
 mod error;
 mod output;
-mod picture;
 
 pub use error::{ImageError, quoted};
 pub use output::OutputFile;
-pub use picture::{Picture, quantize};
 
+use crate::picture::Picture;
 use image::ImageReader;
 use std::fs::File;
 use std::io::BufReader;

@@ -1,7 +1,8 @@
 //! Output files that are complete or not there at all.
 
+use super::Format;
 use super::error::ImageError;
-use super::{Format, Picture};
+use crate::picture::Picture;
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
 use std::ffi::OsStr;

@@ -58,7 +58,7 @@ impl Spread {
         (2 * filter.support() + 1).min(height) * width * size_of::<Sum>()
     }
 
-    /// Adds a sample in the pixel `x` of the row, `offset` from the pixel's lower left corner.
+    /// Adds a sample in the pixel `x` of the row, `offset` from the pixel's centre.
     pub fn add(&mut self, x: usize, offset: DVec2, color: Color) {
         if self.support == 0 {
             return self.add_to(x, self.row, x, offset, color);
@@ -72,7 +72,7 @@ impl Spread {
 
     fn add_to(&mut self, column: usize, row: usize, x: usize, offset: DVec2, color: Color) {
         let away = DVec2::new(x as f64 - column as f64, self.row as f64 - row as f64);
-        let weight = self.filter.weight(away + offset - 0.5);
+        let weight = self.filter.weight(away + offset);
         if weight != 0.0 {
             let place = (row - self.reached.start()) * self.width + column;
             self.sums[place].add(Sum { color: weight * color, weight });
@@ -121,12 +121,16 @@ mod tests {
     use super::*;
 
     /// A picture whose pixel (x, y) takes one centred sample of the given colour.
-    fn filtered(filter: Filter, [width, height]: [usize; 2], color: impl Fn(usize, usize) -> Color) -> Vec<Vec<Color>> {
+    fn filtered(
+        filter: Filter,
+        [width, height]: [usize; 2],
+        color: impl Fn(usize, usize) -> Color,
+    ) -> Vec<Vec<Color>> {
         let mut film = Film::new(filter, [width, height]);
         let mut picture = vec![];
         for y in 0..height {
             let mut spread = Spread::new(filter, y, [width, height]);
-            (0..width).for_each(|x| spread.add(x, DVec2::splat(0.5), color(x, y)));
+            (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y)));
             film.add(spread, |row, colors| {
                 assert_eq!(row, picture.len());
                 picture.push(colors.collect());
@@ -168,7 +172,7 @@ mod tests {
     fn samples_that_no_pixel_counts_leave_black() {
         let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
         let mut spread = Spread::new(Filter::Box { radius: 0.1 }, 0, [1, 1]);
-        spread.add(0, DVec2::ZERO, Color::ONE);
+        spread.add(0, DVec2::splat(-0.5), Color::ONE);
         film.add(spread, |_, colors| assert_eq!(colors.next(), Some(Color::ZERO)));
     }
 }

@@ -24,15 +24,14 @@ pub struct Sampler {
 
 impl Sampler {
     /// One sample in the middle of the pixel.
-    pub const CENTER: Self =
-        Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
+    pub const CENTER: Self = Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
 
     /// `count` samples a pixel, at least one. Where it is no square, the strata form the grid of
     /// columns and rows nearest to a square whose product it is, with more columns than rows: 8 is
     /// 4 x 2, and a prime number one row.
     pub fn new(pattern: Pattern, count: u32, rng: Drand48) -> Self {
         let count = count.max(1);
-        let rows = (1..=count.isqrt()).rev().find(|rows| count % rows == 0).unwrap_or(1);
+        let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
         Self { pattern, count, columns: count / rows, rng }
     }
 
@@ -46,7 +45,7 @@ impl Sampler {
         self.pattern == Pattern::Uniform && self.count == 1
     }
 
-    /// The offsets of a pixel's samples from its lower left corner, in [0, 1). `number` is the
+    /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `number` is the
     /// pixel's place in the course's order: columns from the left, each from the bottom. Every
     /// sample takes two random numbers, and a pixel starts where its forerunners ended.
     pub fn offsets(self, number: u64) -> impl Iterator<Item = DVec2> {
@@ -59,15 +58,16 @@ impl Sampler {
         (0..self.count).map(move |s| {
             let corner = DVec2::new((s % self.columns) as f64, (s / self.columns) as f64);
             match self.pattern {
-                Pattern::Uniform => (corner + 0.5) / strata,
+                // In this form opposite strata have exactly opposite offsets.
+                Pattern::Uniform => (2.0 * corner + 1.0 - strata) / (2.0 * strata),
                 Pattern::Jittered => {
                     let (x, y) = (rng.random(), rng.random());
-                    (corner + DVec2::new(x, y)) / strata
+                    (corner + DVec2::new(x, y)) / strata - 0.5
                 }
                 // The course's program draws y first here.
                 Pattern::Random => {
                     let (y, x) = (rng.random(), rng.random());
-                    DVec2::new(x, y)
+                    DVec2::new(x, y) - 0.5
                 }
             }
         })
@@ -85,12 +85,12 @@ mod tests {
     #[test]
     fn one_uniform_sample_is_the_centre() {
         assert!(Sampler::new(Pattern::Uniform, 1, Drand48::UNSEEDED).is_center());
-        assert_eq!(offsets(Pattern::Uniform, 1, 7), [DVec2::splat(0.5)]);
+        assert_eq!(offsets(Pattern::Uniform, 1, 7), [DVec2::ZERO]);
     }
 
     #[test]
     fn uniform_samples_are_the_centres_of_strata() {
-        let expected = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(DVec2::from);
+        let expected = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(DVec2::from);
         assert_eq!(offsets(Pattern::Uniform, 4, 0), expected);
     }
 
@@ -112,7 +112,7 @@ mod tests {
     fn each_jittered_sample_stays_in_its_stratum() {
         for number in 0..50 {
             for (s, offset) in offsets(Pattern::Jittered, 12, number).into_iter().enumerate() {
-                let cell = (offset * DVec2::new(4.0, 3.0)).floor();
+                let cell = ((offset + 0.5) * DVec2::new(4.0, 3.0)).floor();
                 assert_eq!(cell, DVec2::new((s % 4) as f64, (s / 4) as f64));
             }
         }
@@ -124,13 +124,17 @@ mod tests {
         for number in 0..20 {
             for offset in offsets(Pattern::Random, 3, number) {
                 let (y, x): (f64, f64) = (rng.random(), rng.random());
-                assert_eq!(offset, DVec2::new(x, y));
+                assert_eq!(offset, DVec2::new(x, y) - 0.5);
             }
         }
     }
 
     #[test]
     fn random_samples_lie_in_the_pixel() {
-        assert!(offsets(Pattern::Random, 4096, 999).iter().all(|o| o.min_element() >= 0.0 && o.max_element() < 1.0));
+        assert!(
+            offsets(Pattern::Random, 4096, 999)
+                .iter()
+                .all(|o| o.min_element() >= -0.5 && o.max_element() < 0.5)
+        );
     }
 }

@@ -4,7 +4,6 @@
 //! hundred thousand levels deep is built, walked and dropped without recursion.
 
 pub mod material;
-pub mod mesh;
 
 use glam::{DAffine3, DVec3};
 use material::Material;

@@ -1,14 +1,33 @@
-//! A picture in memory.
+//! A picture in memory, and the bytes of its colours.
 
-use super::error::ImageError;
 use crate::scene::Color;
-use rayon::prelude::*;
+use std::fmt;
 
 /// Bytes per pixel: red, green, blue.
 const CHANNELS: usize = 3;
 
+/// No pixels, or more than there is memory for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BadSize {
+    pub width: u32,
+    pub height: u32,
+}
+
+impl fmt::Display for BadSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self { width: 0, .. } | Self { height: 0, .. } => {
+                f.write_str("a picture needs at least one pixel each way")
+            }
+            Self { width, height } => write!(f, "no memory for a picture of {width} x {height} pixels"),
+        }
+    }
+}
+
+impl std::error::Error for BadSize {}
+
 /// 8-bit RGB, rows from the top. The tracer counts its pixels from the bottom left; the row
-/// iterators do the flip, so that nothing else needs to know.
+/// accessors do the flip, so that nothing else needs to know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -27,8 +46,8 @@ pub fn quantize(color: Color, nans: &mut u64) -> [u8; CHANNELS] {
 
 impl Picture {
     /// A black picture. No pixels at all, or more than there is memory for, is an error.
-    pub fn new(width: u32, height: u32) -> Result<Self, ImageError> {
-        let failed = || ImageError::Size { width, height };
+    pub fn new(width: u32, height: u32) -> Result<Self, BadSize> {
+        let failed = || BadSize { width, height };
         let size = byte_count(width, height).filter(|&size| size > 0).ok_or_else(failed)?;
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(size).map_err(|_| failed())?;
@@ -37,7 +56,7 @@ impl Picture {
     }
 
     /// `pixels` must hold `width * height * 3` bytes.
-    pub(super) fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
+    pub fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
         debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
         Self { width, height, pixels }
     }
@@ -55,7 +74,7 @@ impl Picture {
         &self.pixels
     }
 
-    /// The pixel at column `i` and row `j`, counted from the bottom left; `None` outside.
+    /// The pixel at column `i` and row `j`, counted from the bottom left; none outside.
     pub fn get(&self, i: u32, j: u32) -> Option<[u8; CHANNELS]> {
         let inside = i < self.width && j < self.height;
         let row = inside.then(|| self.height - 1 - j)?;
@@ -63,15 +82,11 @@ impl Picture {
         self.pixels.get(at..)?.first_chunk().copied()
     }
 
-    /// Each row with its number from the bottom, top row first. A row is `width` times three bytes.
-    pub fn rows_mut(&mut self) -> impl DoubleEndedIterator<Item = (u32, &mut [u8])> {
-        (0..self.height).rev().zip(self.pixels.chunks_exact_mut(self.width as usize * CHANNELS))
-    }
-
-    /// [`Picture::rows_mut`] for several threads.
-    pub fn par_rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (u32, &mut [u8])> {
-        let rows = self.pixels.par_chunks_exact_mut(self.width as usize * CHANNELS);
-        (0..self.height).into_par_iter().rev().zip(rows)
+    /// Row `j` counted from the bottom: `width` times three bytes. `j` is below the height.
+    pub fn row_mut(&mut self, j: usize) -> &mut [u8] {
+        let bytes = self.width as usize * CHANNELS;
+        let from_top = self.height as usize - 1 - j;
+        &mut self.pixels[from_top * bytes..][..bytes]
     }
 }
 
@@ -114,19 +129,20 @@ mod tests {
 
     #[test]
     fn rows_count_from_the_bottom_and_lie_from_the_top() {
-        let mut serial = Picture::new(2, 3).unwrap();
-        serial.rows_mut().for_each(|(j, row)| row.fill(j as u8 + 1));
-        assert_eq!(serial.pixels(), [[3; 6], [2; 6], [1; 6]].concat());
-        let mut parallel = Picture::new(2, 3).unwrap();
-        parallel.par_rows_mut().for_each(|(j, row)| row.fill(j as u8 + 1));
-        assert_eq!(parallel, serial);
+        let mut picture = Picture::new(2, 3).unwrap();
+        (0..3).for_each(|j| picture.row_mut(j).fill(j as u8 + 1));
+        assert_eq!(picture.pixels(), [[3; 6], [2; 6], [1; 6]].concat());
     }
 
     #[test]
     fn get_counts_from_the_bottom_left() {
         let mut picture = Picture::new(3, 2).unwrap();
-        for (j, row) in picture.rows_mut() {
-            row.chunks_exact_mut(3).enumerate().for_each(|(i, pixel)| pixel.fill(10 * j as u8 + i as u8));
+        for j in 0..2 {
+            picture
+                .row_mut(j)
+                .chunks_exact_mut(3)
+                .enumerate()
+                .for_each(|(i, pixel)| pixel.fill(10 * j as u8 + i as u8));
         }
         assert_eq!(picture.get(0, 0), Some([0; 3]));
         assert_eq!(picture.get(2, 1), Some([12; 3]));
@@ -137,7 +153,7 @@ mod tests {
     #[test]
     fn impossible_sizes_are_errors() {
         for (width, height) in [(0, 5), (5, 0), (u32::MAX, u32::MAX)] {
-            assert!(matches!(Picture::new(width, height), Err(ImageError::Size { .. })));
+            assert!(matches!(Picture::new(width, height), Err(BadSize { .. })));
         }
     }
 }
