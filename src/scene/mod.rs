@@ -9,7 +9,12 @@ pub mod lexer;
 pub mod material;
 pub mod mesh;
 mod obj_lines;
+mod parse_material;
+mod parse_object;
+pub mod parser;
+mod reader;
 pub(crate) mod snippet;
+mod transform;
 
 use glam::{DAffine3, DVec3};
 use material::Material;
