@@ -16,4 +16,5 @@ pub mod sampling;
 pub mod picture;
 pub mod render;
 pub mod image_io;
+pub mod scene_io;
 pub mod cli;

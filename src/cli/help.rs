@@ -3,7 +3,7 @@
 use super::flags::{FLAGS, Flag, Section};
 
 /// Where the explanations start, and where lines end, in characters.
-const INDENT: usize = 27;
+const INDENT: usize = 29;
 const WIDTH: usize = 80;
 
 const HEAD: &str = "\

@@ -3,7 +3,18 @@
 //! Objects form a tree that lives in one arena (`Scene::objects`), so that a scene nested a
 //! hundred thousand levels deep is built, walked and dropped without recursion.
 
+pub mod error;
+mod keyword;
+pub mod lexer;
 pub mod material;
+pub mod mesh;
+mod obj_lines;
+mod parse_material;
+mod parse_object;
+pub mod parser;
+mod reader;
+pub(crate) mod snippet;
+mod transform;
 
 use glam::{DAffine3, DVec3};
 use material::Material;
@@ -25,7 +36,7 @@ pub struct Scene {
     pub background: Background,
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
-    /// The arena; a child stands at another index, never above its parent's children.
+    /// The arena. Every object stands behind those inside it, so that the root is the last.
     pub objects: Vec<Object>,
     pub root: ObjectId,
     /// The mesh files named by the scene, each once. [`Object::Mesh`] points here.

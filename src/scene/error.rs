@@ -1,0 +1,211 @@
+//! What can be wrong with a scene, and how it is told.
+
+use super::Position;
+use super::mesh::MeshError;
+use super::snippet::{self, harmless};
+use std::fmt;
+use std::path::Path;
+
+/// One thing wrong with a scene, and where its text says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneError {
+    pub at: Position,
+    pub problem: Problem,
+    /// Advice that goes beyond what is wrong, as one line.
+    pub hint: Option<String>,
+}
+
+/// What is wrong. Names and words are kept as the scene's author wrote them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// Something else must stand here. `found` is empty at the end of the text.
+    Expected { what: String, found: String },
+    /// A value that breaks its rule, as in "must be positive".
+    BadValue { field: String, rule: &'static str, found: String },
+    /// A number beyond the largest finite one.
+    NumberTooLarge { found: String },
+    /// A vector whose direction matters has none.
+    ZeroVector { field: String },
+    /// The camera's up vector runs along its direction.
+    UpAlongDirection,
+    /// A list is shorter than its announced length.
+    TooFew { field: &'static str, announced: u64, found: u64 },
+    /// A list is longer than its announced length.
+    TooMany { field: &'static str, announced: u64 },
+    /// A material index beyond the declared materials.
+    NoSuchMaterial { index: u64, declared: usize },
+    /// A texture names itself or a later material.
+    NotAnEarlierMaterial { index: u64, own: usize },
+    /// An object before the first choice of a material.
+    NoMaterial { object: String },
+    /// A choice of material that no object follows.
+    MaterialAfterLastObject { word: String },
+    /// `Materials` behind a `Group`, whose indices it would change.
+    MaterialsAfterGroup,
+    /// A block that every scene needs is absent.
+    Missing { block: &'static str },
+    /// Legal in some edition of the course, but not here.
+    Unsupported { word: String },
+    /// The last row of a `Matrix` is not 0 0 0 1.
+    NotAffine,
+    /// A transform or texture map with a number beyond the largest finite one.
+    TransformOverflow,
+    /// A transform that squeezes an object flat where the object needs its inverse.
+    SingularTransform,
+    /// More primitives than 32 bits can number.
+    TooManyPrimitives,
+    /// A mesh file that could not be read; each place tried, with the reason.
+    MeshUnreadable { name: String, tried: Vec<(String, String)> },
+    /// A mesh file with something wrong inside.
+    BadMesh { file: String, error: MeshError },
+}
+
+impl SceneError {
+    pub fn new(at: Position, problem: Problem) -> Self {
+        Self { at, problem, hint: None }
+    }
+
+    /// The same error with advice attached.
+    #[must_use]
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// The whole message: file, line and column, what is wrong, the line of `text` with a caret
+    /// under the place, and the hint if there is one. Several lines, none of them ended by the
+    /// message itself.
+    pub fn render(&self, path: &Path, text: &str) -> String {
+        let Position { line, column } = self.at;
+        let path = harmless(&path.to_string_lossy());
+        let shown = snippet::with_caret(text, self.at);
+        let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        format!("{path}:{line}:{column}: error: {}\n{shown}{hint}", self.problem)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, column {}: {}", self.at.line, self.at.column, self.problem)
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Expected { what, found } => write!(f, "expected {what}, found {}", quoted(found)),
+            Self::BadValue { field, rule, found } => write!(f, "`{field}` {rule}, found {}", quoted(found)),
+            Self::NumberTooLarge { found } => write!(f, "the number {} is too large", quoted(found)),
+            Self::ZeroVector { field } => write!(f, "`{field}` must not be the zero vector"),
+            Self::UpAlongDirection => write!(f, "`up` must not be parallel to `direction`"),
+            Self::TooFew { field, announced, found } => {
+                write!(f, "`{field}` announces {announced}, but only {found} found")
+            }
+            Self::TooMany { field, announced } => {
+                write!(
+                    f,
+                    "`{field}` announces {announced}, but at least {} found",
+                    announced.saturating_add(1)
+                )
+            }
+            Self::NoSuchMaterial { index, declared } => {
+                write!(f, "there is no material {index}: {}", declared_materials(*declared))
+            }
+            Self::NotAnEarlierMaterial { index, own } => {
+                write!(f, "texture {own} may mix only materials before it, found index {index}")
+            }
+            Self::NoMaterial { object } => write!(f, "the `{object}` has no material"),
+            Self::MaterialAfterLastObject { word } => {
+                write!(f, "`{word}` must stand before an object, but the group's last object is past")
+            }
+            Self::MaterialsAfterGroup => write!(f, "`Materials` must come before the `Group`"),
+            Self::Missing { block } => write!(f, "the scene has no {block}"),
+            Self::Unsupported { word } => write!(f, "the object `{word}` is not supported"),
+            Self::NotAffine => write!(f, "the last row of a `Matrix` must be 0 0 0 1"),
+            Self::TransformOverflow => write!(f, "the transformation's numbers grow too large"),
+            Self::SingularTransform => {
+                write!(f, "the transformation is singular: it squeezes the object flat")
+            }
+            Self::TooManyPrimitives => write!(f, "the scene has more primitives than can be numbered"),
+            Self::MeshUnreadable { name, tried } => write_unreadable(f, name, tried),
+            Self::BadMesh { file, error } => write!(f, "in the mesh {}: {error}", quoted(file)),
+        }
+    }
+}
+
+fn declared_materials(count: usize) -> String {
+    match count {
+        0 => "none is declared".to_owned(),
+        1 => "only material 0 is declared".to_owned(),
+        _ => format!("materials 0 to {} are declared", count - 1),
+    }
+}
+
+fn write_unreadable(f: &mut fmt::Formatter<'_>, name: &str, tried: &[(String, String)]) -> fmt::Result {
+    write!(f, "cannot read the mesh {}: tried ", quoted(name))?;
+    for (index, (place, reason)) in tried.iter().enumerate() {
+        let separator = if index == 0 { "" } else { ", then " };
+        write!(f, "{separator}{} ({})", quoted(place), harmless(reason))?;
+    }
+    Ok(())
+}
+
+/// A word as messages show it: quoted, short, and without characters that a terminal obeys.
+fn quoted(word: &str) -> String {
+    const LONGEST: usize = 200;
+    if word.is_empty() {
+        return "the end of the file".to_owned();
+    }
+    let shown: String = word.chars().take(LONGEST).collect();
+    let cut = if shown.len() < word.len() { "..." } else { "" };
+    format!("`{}{cut}`", harmless(&shown))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn expected(line: u32, column: u32, found: &str) -> SceneError {
+        let problem = Problem::Expected { what: "a number for `radius`".into(), found: found.into() };
+        SceneError::new(Position { line, column }, problem)
+    }
+
+    #[test]
+    fn the_bare_error_is_one_line() {
+        assert_eq!(
+            expected(12, 9, "}").to_string(),
+            "line 12, column 9: expected a number for `radius`, found `}`"
+        );
+    }
+
+    #[test]
+    fn the_rendered_error_points_at_the_place() {
+        let rendered =
+            expected(2, 10, "}").with_hint("try 1").render(Path::new("a.txt"), "Sphere {\n  radius }\n}");
+        let wanted = "a.txt:2:10: error: expected a number for `radius`, found `}`\n    \
+                      2 |   radius }\n      |          ^\n  hint: try 1";
+        assert_eq!(rendered, wanted);
+    }
+
+    #[test]
+    fn long_and_unprintable_words_are_tamed() {
+        let message = expected(1, 1, &"x".repeat(100_000)).to_string();
+        assert!(message.len() < 300);
+        assert!(expected(1, 1, "a\u{1b}[31m").to_string().ends_with("found `a\\u{1b}[31m`"));
+    }
+
+    #[test]
+    fn the_end_of_the_file_is_named() {
+        assert!(expected(1, 1, "").to_string().ends_with("found the end of the file"));
+    }
+
+    #[test]
+    fn both_places_of_a_missing_mesh_are_named() {
+        let tried =
+            vec![("a.obj".to_owned(), "absent".to_owned()), ("b/a.obj".to_owned(), "absent".to_owned())];
+        let message = Problem::MeshUnreadable { name: "a.obj".into(), tried }.to_string();
+        assert_eq!(message, "cannot read the mesh `a.obj`: tried `a.obj` (absent), then `b/a.obj` (absent)");
+    }
+}

@@ -1,0 +1,87 @@
+//! Comparing the scene's words with the words that the grammar knows.
+
+/// Whether `word` is the grammar's `keyword`, either exactly or, for the name of a field, in the
+/// 2003 grammar page's spelling with underscores (`num_objects` for `numObjects`).
+pub fn is_keyword(word: &str, keyword: &str) -> bool {
+    word == keyword
+        || (keyword.starts_with(|first: char| first.is_ascii_lowercase()) && is_snake_case(word, keyword))
+}
+
+fn is_snake_case(word: &str, keyword: &str) -> bool {
+    let expected = keyword.chars().flat_map(|character| {
+        let separator = character.is_ascii_uppercase().then_some('_');
+        separator.into_iter().chain([character.to_ascii_lowercase()])
+    });
+    word.chars().eq(expected)
+}
+
+/// The keyword that the author of `word` most likely meant, if one is near enough.
+pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
+    // Nothing in the grammar is longer than this, and the bound keeps hostile input cheap.
+    const LONGEST: usize = 40;
+    if !word.starts_with(char::is_alphabetic) || word.len() > LONGEST {
+        return None;
+    }
+    let plain = simplified(word);
+    let near = ((plain.len() + 1) / 3).max(1);
+    let distances = keywords.iter().map(|&keyword| (edit_distance(&plain, &simplified(keyword)), keyword));
+    distances.filter(|&(distance, _)| distance <= near).min_by_key(|&(distance, _)| distance).map(|(_, k)| k)
+}
+
+/// Without what is most easily confused: case and underscores.
+fn simplified(word: &str) -> Vec<char> {
+    word.chars().filter(|&character| character != '_').flat_map(char::to_lowercase).collect()
+}
+
+/// How many characters must be inserted, deleted or replaced to turn `from` into `to`.
+fn edit_distance(from: &[char], to: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, a) in from.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, b) in to.iter().enumerate() {
+            let replaced = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_may_be_spelt_with_underscores() {
+        assert!(is_keyword("numObjects", "numObjects"));
+        assert!(is_keyword("num_objects", "numObjects"));
+        assert!(is_keyword("index_of_refraction", "indexOfRefraction"));
+        assert!(is_keyword("obj_file", "obj_file"));
+        assert!(!is_keyword("num_Objects", "numObjects"));
+        assert!(!is_keyword("numobjects", "numObjects"));
+        assert!(!is_keyword("material_index", "MaterialIndex"));
+    }
+
+    #[test]
+    fn edit_distances() {
+        let distance =
+            |a: &str, b: &str| edit_distance(&a.chars().collect::<Vec<_>>(), &b.chars().collect::<Vec<_>>());
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(distance("abc", "abc"), 0);
+        assert_eq!(distance("abc", "acb"), 2);
+    }
+
+    #[test]
+    fn the_nearest_keyword_is_found() {
+        let keywords = ["Sphere", "Plane", "Triangle", "TriangleMesh"];
+        assert_eq!(nearest("Sphre", &keywords), Some("Sphere"));
+        assert_eq!(nearest("plane", &keywords), Some("Plane"));
+        assert_eq!(nearest("Triangel", &keywords), Some("Triangle"));
+        assert_eq!(nearest("triangle_mesh", &keywords), Some("TriangleMesh"));
+        for far in ["Teapot", "}", "12", "", &"S".repeat(1_000_000)] {
+            assert_eq!(nearest(far, &keywords), None);
+        }
+    }
+}

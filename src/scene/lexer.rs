@@ -1,0 +1,150 @@
+//! Scene text to words, each with its place.
+//!
+//! A word is a run of characters that are not white space, except that a brace is always a word of
+//! its own, so that `Sphere{` reads as two words. `#` and `//` start a comment that runs to the end
+//! of the line, but only where a word could start: inside a word both are ordinary characters, so
+//! that the file names `parts//cube.obj` and `cube#2.obj` survive. Lines end with a line feed, a
+//! carriage return, or both.
+
+use super::Position;
+
+/// A word of the scene text. Its text is empty only at the end of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Word<'a> {
+    pub text: &'a str,
+    pub at: Position,
+}
+
+impl Word<'_> {
+    /// Whether this stands for the end of the text.
+    pub fn is_end(&self) -> bool {
+        self.text.is_empty()
+    }
+}
+
+/// Hands out the words of a text one by one, in time linear in the text.
+pub struct Lexer<'a> {
+    rest: &'a str,
+    at: Position,
+    /// Just behind the last word handed out: where the end of the text is reported, so that the
+    /// line shown there is one with words on it.
+    after_last_word: Position,
+}
+
+impl<'a> Lexer<'a> {
+    pub fn new(text: &'a str) -> Self {
+        let start = Position { line: 1, column: 1 };
+        Self { rest: text, at: start, after_last_word: start }
+    }
+
+    /// The next word, or again and again an empty one at the end of the text.
+    pub fn next_word(&mut self) -> Word<'a> {
+        self.skip_blanks_and_comments();
+        let at = self.at;
+        let text = self.advance(word_length(self.rest));
+        if text.is_empty() {
+            return Word { text, at: self.after_last_word };
+        }
+        self.after_last_word = self.at;
+        Word { text, at }
+    }
+
+    fn skip_blanks_and_comments(&mut self) {
+        loop {
+            self.advance(self.rest.len() - self.rest.trim_start().len());
+            if !self.rest.starts_with('#') && !self.rest.starts_with("//") {
+                return;
+            }
+            self.advance(self.rest.find(['\n', '\r']).unwrap_or(self.rest.len()));
+        }
+    }
+
+    /// Moves over `bytes` bytes of the text and returns them.
+    fn advance(&mut self, bytes: usize) -> &'a str {
+        let (passed, rest) = self.rest.split_at(bytes);
+        let mut characters = passed.chars().peekable();
+        while let Some(character) = characters.next() {
+            let ends_line = match character {
+                '\n' => true,
+                '\r' => characters.peek() != Some(&'\n'),
+                _ => false,
+            };
+            self.step(ends_line);
+        }
+        self.rest = rest;
+        passed
+    }
+
+    fn step(&mut self, ends_line: bool) {
+        if ends_line {
+            self.at = Position { line: self.at.line.saturating_add(1), column: 1 };
+        } else {
+            self.at.column = self.at.column.saturating_add(1);
+        }
+    }
+}
+
+/// The bytes of the word that starts `text`, which does not start with white space.
+fn word_length(text: &str) -> usize {
+    if text.starts_with(['{', '}']) {
+        return 1;
+    }
+    text.find(|character: char| character.is_whitespace() || matches!(character, '{' | '}'))
+        .unwrap_or(text.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<(&str, u32, u32)> {
+        let mut lexer = Lexer::new(text);
+        std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()))
+            .map(|word| (word.text, word.at.line, word.at.column))
+            .collect()
+    }
+
+    #[test]
+    fn words_carry_line_and_column() {
+        assert_eq!(words("a  bc\n\td\n\n  e"), [("a", 1, 1), ("bc", 1, 4), ("d", 2, 2), ("e", 4, 3)]);
+    }
+
+    #[test]
+    fn braces_are_words_even_when_they_touch_others() {
+        assert_eq!(words("a{b}}"), [("a", 1, 1), ("{", 1, 2), ("b", 1, 3), ("}", 1, 4), ("}", 1, 5)]);
+    }
+
+    #[test]
+    fn comments_run_to_the_end_of_the_line() {
+        assert_eq!(
+            words("# x\na // y {\n//\nb{// z\n}#"),
+            [("a", 2, 1), ("b", 4, 1), ("{", 4, 2), ("}", 5, 1)]
+        );
+    }
+
+    #[test]
+    fn comment_marks_inside_a_word_belong_to_it() {
+        assert_eq!(words("a//b c#d /e"), [("a//b", 1, 1), ("c#d", 1, 6), ("/e", 1, 10)]);
+    }
+
+    #[test]
+    fn every_kind_of_line_end_counts_once() {
+        let expected = [("a", 1, 1), ("b", 2, 1), ("c", 4, 1)];
+        for text in ["a\nb\n\nc", "a\r\nb\r\n\r\nc", "a\rb\r\rc", "a #\rb //\r\rc"] {
+            assert_eq!(words(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn columns_count_characters_not_bytes() {
+        assert_eq!(words("äöü x"), [("äöü", 1, 1), ("x", 1, 5)]);
+    }
+
+    #[test]
+    fn the_end_stands_behind_the_last_word() {
+        let mut lexer = Lexer::new("ab \n # c\n");
+        lexer.next_word();
+        let end = Word { text: "", at: Position { line: 1, column: 3 } };
+        assert_eq!([lexer.next_word(), lexer.next_word()], [end, end]);
+    }
+}

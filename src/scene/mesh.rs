@@ -1,0 +1,287 @@
+//! Triangle meshes from Wavefront OBJ text.
+//!
+//! The text is read by `tobj`, but only its vertex positions and faces reach it. That keeps the
+//! mesh one list of vertices and triangles (`tobj` starts a new list at every object, group and
+//! material), keeps material files unopened, and spares a file that is sound in what matters here
+//! from errors in what does not: normals, texture coordinates, colours, comments in any encoding.
+
+use super::obj_lines::{RelevantLines, is_newline, keyword, without_comment, words};
+use glam::DVec3;
+use std::cell::Cell;
+use std::fmt;
+
+/// A mesh of triangles, each three indices into `vertices`, in the order of the file's faces.
+///
+/// A vertex that no face uses is left out; the others come in the order of their first use.
+/// Every coordinate is finite and every index in range.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    pub vertices: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What is wrong with a mesh file. Lines count from 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MeshError {
+    /// No face at all, so nothing to show.
+    NoFaces,
+    /// A vertex that is not three numbers and what may follow them.
+    BadVertex { line: usize },
+    /// A vertex with a coordinate that is not a finite number.
+    NotFinite { line: usize },
+    /// A face that is not a list of vertex indices.
+    BadFace { line: usize },
+    /// A face of one or two vertices.
+    FewCorners { line: usize },
+    /// A face that names a vertex which the file does not have.
+    NoSuchVertex { line: usize, vertices: usize },
+    /// A vertex or face that is not UTF-8 text.
+    NotText { line: usize },
+    /// Anything else, in the words of the OBJ reader.
+    Other { line: usize, message: String },
+}
+
+impl std::error::Error for MeshError {}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoFaces => write!(f, "the mesh has no faces"),
+            Self::BadVertex { line } => write!(f, "line {line}: a vertex needs three numbers"),
+            Self::NotFinite { line } => {
+                write!(f, "line {line}: a vertex has a coordinate that is not finite")
+            }
+            Self::BadFace { line } => write!(f, "line {line}: a face needs vertex indices such as `1 2 3`"),
+            Self::FewCorners { line } => write!(f, "line {line}: a face needs at least three vertices"),
+            Self::NoSuchVertex { line, vertices } => {
+                write!(f, "line {line}: a face names a vertex that is not there, the mesh has {vertices}")
+            }
+            Self::NotText { line } => write!(f, "line {line}: not UTF-8 text"),
+            Self::Other { line, message } => write!(f, "line {line}: {message}"),
+        }
+    }
+}
+
+/// Reads a mesh from the bytes of an OBJ file.
+///
+/// Polygons become fans of triangles around their first vertex. Points, lines, curves and
+/// everything but positions and faces are ignored. Errors: the first of [`MeshError`] found.
+pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mesh = read_positions_and_faces(text)?;
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::NoFaces);
+    }
+    if mesh.vertices.iter().all(|vertex| vertex.is_finite()) {
+        return Ok(mesh);
+    }
+    Err(MeshError::NotFinite { line: line_where(text, is_vertex_beyond_numbers) })
+}
+
+fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..Default::default()
+    };
+    let line = Cell::new(0);
+    let mut relevant = RelevantLines::new(text, &line);
+    // Material libraries never get here, so the loader is not called; this one opens nothing.
+    let read = tobj::load_obj_buf(&mut relevant, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    if let Some(line) = relevant.few_corners {
+        return Err(MeshError::FewCorners { line });
+    }
+    let (models, _) = read.map_err(|error| explain(error, text, line.get()))?;
+    Ok(joined(&models))
+}
+
+/// The models as one mesh. There is only one, since what would start a second is held back, but
+/// nothing here relies on it.
+fn joined(models: &[tobj::Model]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for model in models {
+        let first = mesh.vertices.len() as u32;
+        let (vertices, _) = model.mesh.positions.as_chunks();
+        mesh.vertices.extend(vertices.iter().map(|&vertex| DVec3::from_array(vertex)));
+        let (triangles, _) = model.mesh.indices.as_chunks();
+        mesh.triangles
+            .extend(triangles.iter().map(|corners: &[u32; 3]| corners.map(|corner| first + corner)));
+    }
+    mesh
+}
+
+/// The error of the OBJ reader, which stopped behind `line`, in this module's terms.
+fn explain(error: tobj::LoadError, text: &[u8], line: usize) -> MeshError {
+    use tobj::LoadError as E;
+    match error {
+        E::PositionParseError | E::ScalingByZeroError | E::ColorParseError => MeshError::BadVertex { line },
+        E::FaceParseError => MeshError::BadFace { line },
+        E::InvalidPolygon => MeshError::FewCorners { line },
+        E::ReadError => MeshError::NotText { line },
+        // This one is found only at the end of the file, so its place has to be searched for.
+        E::FaceVertexOutOfBounds => no_such_vertex(text),
+        other => MeshError::Other { line, message: other.to_string() },
+    }
+}
+
+fn no_such_vertex(text: &[u8]) -> MeshError {
+    let vertices = text.split(is_newline).filter(|line| keyword(line) == b"v").count();
+    let mut so_far = 0;
+    let line = line_where(text, |line| {
+        so_far += usize::from(keyword(line) == b"v");
+        keyword(line) == b"f" && words(line).skip(1).any(|corner| !is_vertex(corner, so_far, vertices))
+    });
+    MeshError::NoSuchVertex { line, vertices }
+}
+
+/// Whether a face's `corner` names one of `all` vertices, of which `so_far` precede the face.
+fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
+    let index = corner.split(|&byte| byte == b'/').next().unwrap_or_default();
+    match str::from_utf8(index).ok().and_then(|index| index.parse::<i64>().ok()) {
+        Some(index) if index < 0 => index.unsigned_abs() <= so_far as u64,
+        Some(index) => index > 0 && index as u64 <= all as u64,
+        None => false,
+    }
+}
+
+/// Whether a line is a vertex with a number that is not finite, before or after its weight divides it.
+fn is_vertex_beyond_numbers(line: &[u8]) -> bool {
+    let numbers: Vec<f64> =
+        words(line).skip(1).map_while(|word| str::from_utf8(word).ok()?.parse().ok()).collect();
+    let weight = if numbers.len() == 4 { numbers[3] } else { 1.0 };
+    keyword(line) == b"v" && numbers.iter().take(3).any(|number| !(number / weight).is_finite())
+}
+
+/// The number of the first line that `is_wanted`, or of the last line.
+fn line_where(text: &[u8], is_wanted: impl FnMut(&[u8]) -> bool) -> usize {
+    let lines = text.split(is_newline);
+    lines.clone().map(without_comment).position(is_wanted).map_or(lines.count(), |index| index + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Mesh {
+        parse_obj(text.as_bytes()).unwrap()
+    }
+
+    fn refuse(text: &str) -> MeshError {
+        parse_obj(text.as_bytes()).unwrap_err()
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn triangles_keep_the_order_of_the_file() {
+        let mesh = read(&format!("{SQUARE}f 3 4 1\nf 1 2 3\n"));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [2, 3, 0]]);
+        assert_eq!(mesh.vertices, [DVec3::new(1.0, 1.0, 0.0), DVec3::Y, DVec3::ZERO, DVec3::X]);
+    }
+
+    #[test]
+    fn coordinates_are_read_in_full() {
+        let mesh = read("v 0.1 1e300 -5e-324\nv 1 2 3\nv 4 5 6\nf 1 2 3");
+        assert_eq!(mesh.vertices[0], DVec3::new(0.1, 1e300, -5e-324));
+    }
+
+    #[test]
+    fn polygons_become_fans() {
+        let mesh = read(&format!("{SQUARE}v 0 2 0\nf 1 2 3 4\nf 1 2 3 4 5\n"));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    }
+
+    #[test]
+    fn faces_may_name_more_than_positions() {
+        let plain = read(&format!("{SQUARE}f 1 2 3"));
+        for face in
+            ["1/1 2/2 3/3", "1//9 2//9 3//9", "1/7/7 2/8/8 3/9/9", "1/-99999999/6148914691236517206 2 3"]
+        {
+            let text = format!("vn 0 0 1\nvt 0 0\n{SQUARE}f {face}");
+            assert_eq!(read(&text), plain, "{face}");
+        }
+    }
+
+    #[test]
+    fn negative_indices_count_backwards_from_the_face() {
+        let mesh = read(&format!("{SQUARE}f -4 -3 -2\nv 9 9 9\nf -1 -2 -3"));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 2]]);
+        assert_eq!(mesh.vertices[3], DVec3::splat(9.0));
+    }
+
+    #[test]
+    fn groups_and_materials_share_their_vertices() {
+        let text = format!(
+            "mtllib no/such.mtl\n{SQUARE}o one\ng\nusemtl\nf 1 2 3\no two\nusemtl red\ns off\nf 1 3 4\n"
+        );
+        let mesh = read(&text);
+        assert_eq!((mesh.vertices.len(), mesh.triangles), (4, vec![[0, 1, 2], [0, 2, 3]]));
+    }
+
+    #[test]
+    fn what_is_not_a_surface_is_ignored() {
+        let mesh = read(&format!("{SQUARE}p 1\nl 1 2\nl 1 2 3\nf 1 2 3\ncurv 0 1 1 2 3\nl x\nvn nan\n"));
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn comments_colours_weights_and_byte_order_marks() {
+        let bytes =
+            b"\xef\xbb\xbfv 0 0 0 # \xe9\r\n# \xff\r\n v 2 0 0 2\r\nv\t0 1 0 .1 .2 .3\r\nf 1 2 3 # f 9\r\n";
+        let mesh = parse_obj(bytes).unwrap();
+        assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+    }
+
+    #[test]
+    fn meshes_without_faces() {
+        for text in ["", "\n", "# nothing", SQUARE, "binary \0 rubbish"] {
+            assert_eq!(refuse(text), MeshError::NoFaces);
+        }
+    }
+
+    #[test]
+    fn malformed_lines_are_named() {
+        for (vertex, error) in [
+            ("v 1 2", MeshError::BadVertex { line: 5 }),
+            ("v 1 2 x", MeshError::BadVertex { line: 5 }),
+            ("v 1 2 3 0", MeshError::BadVertex { line: 5 }),
+            ("v 1 2 3 4 5", MeshError::BadVertex { line: 5 }),
+            ("f 1 2 x", MeshError::BadFace { line: 5 }),
+            ("f 1 2 3.5", MeshError::BadFace { line: 5 }),
+            ("f 1 2 99999999999999999999", MeshError::BadFace { line: 5 }),
+            ("f", MeshError::FewCorners { line: 5 }),
+            ("f 1 2", MeshError::FewCorners { line: 5 }),
+            ("f 1 2 0", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f 1 2 5", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f 1 2 -5", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f 1 2 9223372036854775807", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f 1 2 -9223372036854775808", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f / / /", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
+            ("f 1 2 1/2/3/4", MeshError::BadFace { line: 5 }),
+        ] {
+            assert_eq!(refuse(&format!("{SQUARE}{vertex}\n\nf 1 2 3\n")), error, "{vertex}");
+        }
+    }
+
+    #[test]
+    fn coordinates_must_be_finite() {
+        for vertex in ["nan 0 0", "0 inf 0", "0 0 -1e999", "1e300 0 0 1e-300"] {
+            let text = format!("{SQUARE}v {vertex}\nf 1 2 5\n");
+            assert_eq!(refuse(&text), MeshError::NotFinite { line: 5 }, "{vertex}");
+        }
+    }
+
+    #[test]
+    fn lines_that_matter_must_be_text() {
+        assert_eq!(parse_obj(b"v 0 0 0\nv 0 \xff 0\n"), Err(MeshError::NotText { line: 2 }));
+    }
+
+    #[test]
+    fn no_truncation_panics() {
+        let text = format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 -2\nf 1 2 3 4\nv 1 1 1 1 1 1\n");
+        for end in 0..text.len() {
+            let _ = parse_obj(&text.as_bytes()[..end]);
+        }
+    }
+}

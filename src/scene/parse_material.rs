@@ -1,0 +1,214 @@
+//! Reads materials.
+
+use super::MaterialId;
+use super::error::{Problem, SceneError};
+use super::material::{Material, Pattern, Phong, Texture};
+use super::reader::{Parsed, Reader, bad_value, counted_list};
+use super::transform::{TRANSFORMATIONS, parse_transformations};
+use glam::{DAffine3, DVec3};
+
+/// The words that start a Phong material; they mean the same.
+pub const PHONG_KINDS: [&str; 2] = ["Material", "PhongMaterial"];
+const KINDS: [&str; 6] = ["PhongMaterial", "Material", "Checkerboard", "Noise", "Marble", "Wood"];
+
+const PHONG_FIELDS: [&str; 6] =
+    ["diffuseColor", "specularColor", "exponent", "reflectiveColor", "transparentColor", "indexOfRefraction"];
+
+/// Each octave doubles the frequency, so that beyond this many nothing but rounding is added.
+const MOST_OCTAVES: u64 = 64;
+
+/// Reads a whole `Materials { ... }` block.
+pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<Material>> {
+    let name = reader.open()?.text;
+    counted_list(reader, name, "numMaterials", &KINDS, |reader, earlier: &[Material]| {
+        parse_material(reader, earlier.len())
+    })
+}
+
+/// Reads the material that gets the index `own`.
+fn parse_material(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Material> {
+    if reader.is_at_any(&PHONG_KINDS) {
+        return Ok(Material::Phong(parse_phong(reader)?));
+    }
+    if !reader.is_at_any(&KINDS) {
+        return Err(reader.unexpected("a material", &KINDS));
+    }
+    Ok(Material::Texture(parse_texture(reader, own)?))
+}
+
+/// Reads a Phong material with its name and braces. Fields come in any order, and the last of
+/// several alike counts.
+pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
+    let name = reader.open()?.text;
+    let mut phong = Phong::default();
+    while let Some(field) = PHONG_FIELDS.into_iter().find(|field| reader.is_at(field)) {
+        reader.take();
+        parse_phong_value(reader, field, &mut phong)?;
+    }
+    if !reader.is_at("}") {
+        return Err(reader.unexpected(&format!("a field of `{name}` or `}}`"), &PHONG_FIELDS));
+    }
+    reader.close(name)?;
+    Ok(phong)
+}
+
+fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) -> Parsed<()> {
+    match field {
+        "diffuseColor" => phong.diffuse = reader.vector(field)?,
+        "specularColor" => phong.specular = reader.vector(field)?,
+        "reflectiveColor" => phong.reflective = reader.vector(field)?,
+        "transparentColor" => phong.transparent = reader.vector(field)?,
+        "exponent" => {
+            phong.exponent = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
+        }
+        _ => {
+            phong.index_of_refraction =
+                reader.number_that(field, "must be positive", |number| number > 0.0)?
+        }
+    }
+    Ok(())
+}
+
+fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
+    let name = reader.open()?.text;
+    let mut world_to_texture = parse_texture_map(reader)?;
+    let children = [parse_child(reader, own)?, parse_child(reader, own)?];
+    let pattern = match name {
+        "Checkerboard" => {
+            world_to_texture = parse_square_size(reader)? * world_to_texture;
+            Pattern::Checkerboard
+        }
+        "Noise" => Pattern::Noise { octaves: parse_octaves(reader)? },
+        "Marble" => {
+            let (octaves, frequency, amplitude) = parse_wave(reader)?;
+            Pattern::Marble { octaves, frequency, amplitude }
+        }
+        _ => {
+            let (octaves, frequency, amplitude) = parse_wave(reader)?;
+            Pattern::Wood { octaves, frequency, amplitude }
+        }
+    };
+    reader.close(name)?;
+    Ok(Texture { pattern, world_to_texture, children })
+}
+
+/// Reads the optional `Transform` of a texture. It maps world points to texture points as it
+/// stands, without being inverted.
+fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    if !reader.is_at("Transform") {
+        return Ok(DAffine3::IDENTITY);
+    }
+    reader.open()?;
+    let map = parse_transformations(reader)?;
+    if !reader.is_at("}") {
+        return Err(reader.unexpected("a transformation or `}`", &TRANSFORMATIONS));
+    }
+    reader.close("Transform")?;
+    Ok(map)
+}
+
+/// Reads one `materialIndex` of the texture with the index `own`.
+fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
+    reader.keyword("materialIndex")?;
+    let at = reader.peek().at;
+    let index = reader.whole("materialIndex")?;
+    earlier_material(index, own)
+        .ok_or_else(|| SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }))
+}
+
+fn earlier_material(index: u64, own: MaterialId) -> Option<MaterialId> {
+    usize::try_from(index).ok().filter(|&index| index < own)
+}
+
+/// Reads the 2003 edition's optional `size` of a checkerboard's squares, as the scale that makes
+/// such squares unit squares.
+fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    if !reader.accept("size") {
+        return Ok(DAffine3::IDENTITY);
+    }
+    // The reciprocal of the smallest numbers overflows, so the rule is on it.
+    let size =
+        reader.number_that("size", "must be positive", |size| size > 0.0 && (1.0 / size).is_finite())?;
+    Ok(DAffine3::from_scale(DVec3::splat(1.0 / size)))
+}
+
+fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
+    reader.keyword("octaves")?;
+    let word = reader.peek();
+    let octaves = reader.whole("octaves")?;
+    let allowed = u32::try_from(octaves).ok().filter(|_| octaves <= MOST_OCTAVES);
+    allowed.ok_or_else(|| bad_value(word, "octaves", "must be at most 64"))
+}
+
+/// Reads what `Marble` and `Wood` share: octaves, frequency and amplitude.
+fn parse_wave(reader: &mut Reader<'_>) -> Parsed<(u32, f64, f64)> {
+    Ok((parse_octaves(reader)?, reader.number_field("frequency")?, reader.number_field("amplitude")?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Vec<Material> {
+        parse_materials(&mut Reader::new(text)).unwrap()
+    }
+
+    #[test]
+    fn an_empty_material_has_the_defaults() {
+        let defaults = Material::Phong(Phong::default());
+        assert_eq!(
+            read("Materials { numMaterials 2 Material { } PhongMaterial { } }"),
+            [defaults.clone(), defaults]
+        );
+        assert_eq!(read("Materials { numMaterials 0 }"), []);
+    }
+
+    #[test]
+    fn fields_come_in_any_order_and_spelling() {
+        let text =
+            "Materials { num_materials 1 Material { index_of_refraction 1.5 exponent 3 transparentColor 1 2 3
+            reflectiveColor 4 5 6 specular_color 7 8 9 diffuseColor .1 .2 .3 exponent 4 } }";
+        let expected = Phong {
+            diffuse: DVec3::new(0.1, 0.2, 0.3),
+            specular: DVec3::new(7.0, 8.0, 9.0),
+            exponent: 4.0,
+            reflective: DVec3::new(4.0, 5.0, 6.0),
+            transparent: DVec3::new(1.0, 2.0, 3.0),
+            index_of_refraction: 1.5,
+        };
+        assert_eq!(read(text), [Material::Phong(expected)]);
+    }
+
+    #[test]
+    fn every_texture_is_read() {
+        let text = "Materials { numMaterials 5 Material { }
+            Noise { materialIndex 0 materialIndex 0 octaves 0 }
+            Marble { Transform { } materialIndex 1 materialIndex 0 octaves 1 frequency 2 amplitude 3 }
+            Wood { materialIndex 2 materialIndex 1 octaves 64 frequency -4 amplitude .5 }
+            Checkerboard { Transform { Translate 1 0 0 UniformScale 2 } materialIndex 0 materialIndex 3 } }";
+        let textures: Vec<_> = read(text)
+            .into_iter()
+            .filter_map(
+                |material| if let Material::Texture(texture) = material { Some(texture) } else { None },
+            )
+            .map(|texture| {
+                (texture.pattern, texture.children, texture.world_to_texture.transform_point3(DVec3::X).x)
+            })
+            .collect();
+        let expected = [
+            (Pattern::Noise { octaves: 0 }, [0, 0], 1.0),
+            (Pattern::Marble { octaves: 1, frequency: 2.0, amplitude: 3.0 }, [1, 0], 1.0),
+            (Pattern::Wood { octaves: 64, frequency: -4.0, amplitude: 0.5 }, [2, 1], 1.0),
+            (Pattern::Checkerboard, [0, 3], 3.0),
+        ];
+        assert_eq!(textures, expected);
+    }
+
+    #[test]
+    fn a_checkerboard_with_a_size_has_squares_of_that_size() {
+        let text = "Materials { numMaterials 2 Material { }
+            Checkerboard { Transform { Translate 1 0 0 } materialIndex 0 materialIndex 0 size .5 } }";
+        let Material::Texture(texture) = &read(text)[1] else { panic!("not a texture") };
+        assert_eq!(texture.world_to_texture.transform_point3(DVec3::ONE), DVec3::new(4.0, 2.0, 2.0));
+    }
+}

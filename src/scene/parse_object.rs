@@ -1,0 +1,267 @@
+//! Reads groups and the objects in them, however deep they nest, without recursion.
+
+use super::error::{Problem, SceneError};
+use super::material::Material;
+use super::parse_material::{PHONG_KINDS, parse_phong};
+use super::reader::{Parsed, Reader, bad_value, end_of_list};
+use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::{MaterialId, MeshFile, Object, ObjectId, Position};
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+
+const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
+
+/// What a scene's objects are read into.
+#[derive(Default)]
+pub struct ObjectTree {
+    /// Every object stands behind those inside it.
+    pub objects: Vec<Object>,
+    pub meshes: Vec<MeshFile>,
+    mesh_indices: HashMap<String, usize>,
+    /// The declared materials, and behind them those written inside groups.
+    pub materials: Vec<Material>,
+    /// How many materials are declared. Only these have an index that the scene may use.
+    declared: usize,
+    /// The material of the objects to come. As in the course's program it outlasts the group in
+    /// which it is chosen.
+    current_material: Option<MaterialId>,
+}
+
+/// An object that may hold others and whose closing brace is not read yet.
+enum Open {
+    Group { announced: u64, children: Vec<ObjectId> },
+    Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
+}
+
+/// What one step of reading found.
+enum Step {
+    Opened(Open),
+    Finished(Object),
+    /// The closing brace of the innermost open object.
+    Closed(Object),
+}
+
+impl ObjectTree {
+    pub fn declare(&mut self, materials: Vec<Material>) {
+        self.declared = materials.len();
+        self.materials = materials;
+    }
+
+    /// Reads a `Group` and everything in it in place of what was read before, and returns its id.
+    /// Errors: anything malformed inside. Time is linear in the text and the stack is of constant size.
+    pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
+        self.objects.clear();
+        self.meshes.clear();
+        self.mesh_indices.clear();
+        let mut innermost = open_group(reader)?;
+        let mut around = Vec::new();
+        loop {
+            match self.step(reader, &mut innermost)? {
+                Step::Opened(inner) => around.push(std::mem::replace(&mut innermost, inner)),
+                Step::Finished(object) => innermost.put(self.add(object)),
+                Step::Closed(object) => {
+                    let id = self.add(object);
+                    let Some(parent) = around.pop() else { return Ok(id) };
+                    innermost = parent;
+                    innermost.put(id);
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, object: Object) -> ObjectId {
+        self.objects.push(object);
+        self.objects.len() - 1
+    }
+
+    fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
+        match innermost {
+            Open::Group { announced, children } => self.step_in_group(reader, *announced, children),
+            Open::Transform { matrix, at, child: Some(child) } => {
+                close_transform(reader)?;
+                Ok(Step::Closed(Object::Transform { matrix: *matrix, child: *child, at: *at }))
+            }
+            Open::Transform { child: None, .. } => self.parse_transformed_object(reader),
+        }
+    }
+
+    /// Reads the next object of a group with the choices of material before it, or the group's end.
+    fn step_in_group(
+        &mut self,
+        reader: &mut Reader<'_>,
+        announced: u64,
+        children: &mut Vec<ObjectId>,
+    ) -> Parsed<Step> {
+        if (children.len() as u64) < announced {
+            self.parse_material_choices(reader)?;
+            if !reader.is_at("}") {
+                return self.parse_object(reader, "an object", &OBJECTS);
+            }
+        }
+        close_group(reader, announced, children.len())?;
+        Ok(Step::Closed(Object::Group(std::mem::take(children))))
+    }
+
+    /// Reads any number of `MaterialIndex` and, as in the 2003 edition, of whole materials.
+    fn parse_material_choices(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
+        loop {
+            if reader.is_at("MaterialIndex") {
+                self.current_material = Some(self.parse_material_index(reader)?);
+            } else if reader.is_at_any(&PHONG_KINDS) {
+                self.materials.push(Material::Phong(parse_phong(reader)?));
+                self.current_material = Some(self.materials.len() - 1);
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    fn parse_material_index(&self, reader: &mut Reader<'_>) -> Parsed<MaterialId> {
+        reader.keyword("MaterialIndex")?;
+        let at = reader.peek().at;
+        let index = reader.whole("MaterialIndex")?;
+        let declared = self.declared;
+        let known = usize::try_from(index).ok().filter(|&index| index < declared);
+        known.ok_or_else(|| SceneError::new(at, Problem::NoSuchMaterial { index, declared }))
+    }
+
+    fn parse_transformed_object(&mut self, reader: &mut Reader<'_>) -> Parsed<Step> {
+        let keywords = [TRANSFORMATIONS.as_slice(), OBJECTS.as_slice()].concat();
+        let what = "a transformation or an object";
+        if reader.is_at("MaterialIndex") || reader.is_at_any(&PHONG_KINDS) {
+            return Err(reader.unexpected(what, &[]).with_hint("choose the material before the `Transform`"));
+        }
+        self.parse_object(reader, what, &keywords)
+    }
+
+    /// Reads a whole primitive, or the start of an object that may hold others. `what` and
+    /// `keywords` say what could stand here.
+    fn parse_object(&mut self, reader: &mut Reader<'_>, what: &str, keywords: &[&str]) -> Parsed<Step> {
+        match reader.peek().text {
+            "Group" => open_group(reader).map(Step::Opened),
+            "Transform" => open_transform(reader).map(Step::Opened),
+            "Sphere" | "Plane" | "Triangle" | "TriangleMesh" | "Box" => {
+                self.parse_primitive(reader).map(Step::Finished)
+            }
+            "Grid" => Err(unsupported_grid(reader)),
+            _ => Err(reader.unexpected(what, keywords)),
+        }
+    }
+
+    fn parse_primitive(&mut self, reader: &mut Reader<'_>) -> Parsed<Object> {
+        let word = reader.peek();
+        let material = self.current_material.ok_or_else(|| {
+            SceneError::new(word.at, Problem::NoMaterial { object: word.text.into() })
+                .with_hint("put a `MaterialIndex` before it")
+        })?;
+        let name = reader.open()?.text;
+        let object = match name {
+            "Sphere" => parse_sphere(reader, material)?,
+            "Plane" => parse_plane(reader, material)?,
+            "Triangle" => parse_triangle(reader, material)?,
+            "Box" => parse_box(reader, material)?,
+            _ => Object::Mesh { mesh: self.parse_mesh_name(reader)?, material },
+        };
+        reader.close(name)?;
+        Ok(object)
+    }
+
+    /// Reads `obj_file` and its name, and returns the mesh's index.
+    fn parse_mesh_name(&mut self, reader: &mut Reader<'_>) -> Parsed<usize> {
+        reader.keyword("obj_file")?;
+        let word = reader.peek();
+        if word.is_end() || matches!(word.text, "{" | "}") {
+            return Err(reader.unexpected("a file name for `obj_file`", &[]));
+        }
+        if !word.text.ends_with(".obj") {
+            return Err(bad_value(word, "obj_file", "must end in `.obj`"));
+        }
+        reader.take();
+        Ok(self.mesh_index(word.text, word.at))
+    }
+
+    fn mesh_index(&mut self, name: &str, at: Position) -> usize {
+        if let Some(&index) = self.mesh_indices.get(name) {
+            return index;
+        }
+        let index = self.meshes.len();
+        self.meshes.push(MeshFile { name: name.to_owned(), at });
+        self.mesh_indices.insert(name.to_owned(), index);
+        index
+    }
+}
+
+impl Open {
+    /// Puts a finished object inside.
+    fn put(&mut self, id: ObjectId) {
+        match self {
+            Self::Group { children, .. } => children.push(id),
+            Self::Transform { child, .. } => *child = Some(id),
+        }
+    }
+}
+
+fn open_group(reader: &mut Reader<'_>) -> Parsed<Open> {
+    reader.open()?;
+    reader.keyword("numObjects")?;
+    Ok(Open::Group { announced: reader.whole("numObjects")?, children: Vec::new() })
+}
+
+fn close_group(reader: &mut Reader<'_>, announced: u64, found: usize) -> Parsed<()> {
+    end_of_list(reader, "numObjects", &OBJECTS, announced, found)?;
+    if reader.is_at("MaterialIndex") || reader.is_at_any(&PHONG_KINDS) {
+        let word = reader.peek();
+        return Err(SceneError::new(word.at, Problem::MaterialAfterLastObject { word: word.text.into() }));
+    }
+    reader.close("Group")
+}
+
+fn open_transform(reader: &mut Reader<'_>) -> Parsed<Open> {
+    let at = reader.open()?.at;
+    Ok(Open::Transform { matrix: parse_transformations(reader)?, at, child: None })
+}
+
+fn close_transform(reader: &mut Reader<'_>) -> Parsed<()> {
+    reader.close("Transform").map_err(|error| {
+        if reader.is_at_any(&OBJECTS) {
+            return error.with_hint("a `Transform` holds one object; put several into a `Group`");
+        }
+        if reader.is_at_any(&TRANSFORMATIONS) {
+            return error.with_hint("transformations come before the object that they move");
+        }
+        error
+    })
+}
+
+fn unsupported_grid(reader: &Reader<'_>) -> SceneError {
+    let word = reader.peek();
+    SceneError::new(word.at, Problem::Unsupported { word: word.text.into() })
+        .with_hint("the 2003 edition's voxel grid; the grid that speeds up rays is a command-line option")
+}
+
+fn parse_sphere(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
+    let center = reader.vector_field("center")?;
+    let radius = reader.positive_field("radius")?;
+    Ok(Object::Sphere { center, radius, material })
+}
+
+fn parse_plane(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
+    let normal = reader.direction_field("normal")?;
+    let offset = reader.number_field("offset")?;
+    Ok(Object::Plane { normal, offset, material })
+}
+
+fn parse_triangle(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
+    let vertices =
+        [reader.vector_field("vertex0")?, reader.vector_field("vertex1")?, reader.vector_field("vertex2")?];
+    Ok(Object::Triangle { vertices, material })
+}
+
+fn parse_box(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
+    let min = reader.vector_field("min")?;
+    reader.keyword("max")?;
+    let mut number_from =
+        |least| reader.number_that("max", "must not be below `min`", |number| number >= least);
+    let max = DVec3::new(number_from(min.x)?, number_from(min.y)?, number_from(min.z)?);
+    Ok(Object::Box { min, max, material })
+}

@@ -1,0 +1,318 @@
+//! The grammar's small parts, each read with its check: braces, keywords, numbers, lists.
+
+use super::error::{Problem, SceneError};
+use super::keyword::{is_keyword, nearest};
+use super::lexer::{Lexer, Word};
+use glam::DVec3;
+
+pub type Parsed<T> = Result<T, SceneError>;
+
+/// Reads a scene's words with one word of look-ahead.
+pub struct Reader<'a> {
+    lexer: Lexer<'a>,
+    ahead: Word<'a>,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(text: &'a str) -> Self {
+        let mut lexer = Lexer::new(text);
+        let ahead = lexer.next_word();
+        Self { lexer, ahead }
+    }
+
+    /// The next word, which stays the next.
+    pub fn peek(&self) -> Word<'a> {
+        self.ahead
+    }
+
+    /// The next word, after which the one behind it is the next.
+    pub fn take(&mut self) -> Word<'a> {
+        std::mem::replace(&mut self.ahead, self.lexer.next_word())
+    }
+
+    /// Whether the next word is `keyword`.
+    pub fn is_at(&self, keyword: &str) -> bool {
+        is_keyword(self.ahead.text, keyword)
+    }
+
+    /// Whether the next word is one of `keywords`.
+    pub fn is_at_any(&self, keywords: &[&str]) -> bool {
+        keywords.iter().any(|keyword| self.is_at(keyword))
+    }
+
+    /// Takes the next word if it is `keyword`; tells whether it was.
+    pub fn accept(&mut self, keyword: &str) -> bool {
+        let is_here = self.is_at(keyword);
+        if is_here {
+            self.take();
+        }
+        is_here
+    }
+
+    /// The error that the next word is not `what`, with the nearest of `keywords` as a hint.
+    pub fn unexpected(&self, what: &str, keywords: &[&str]) -> SceneError {
+        let found = self.ahead.text;
+        let error =
+            SceneError::new(self.ahead.at, Problem::Expected { what: what.into(), found: found.into() });
+        match nearest(found, keywords) {
+            Some(keyword) => error.with_hint(format!("did you mean `{keyword}`?")),
+            None if keywords.len() > 1 => error.with_hint(format!("possible here: {}", keywords.join(", "))),
+            None => error,
+        }
+    }
+
+    /// Takes `keyword`, which the grammar demands here.
+    pub fn keyword(&mut self, keyword: &str) -> Parsed<Word<'a>> {
+        if !self.is_at(keyword) {
+            return Err(self.unexpected(&format!("`{keyword}`"), &[keyword]));
+        }
+        Ok(self.take())
+    }
+
+    /// Takes a block's name, which the caller has recognised, and its opening brace.
+    pub fn open(&mut self) -> Parsed<Word<'a>> {
+        let name = self.take();
+        if !self.accept("{") {
+            return Err(self.unexpected(&format!("`{{` after `{}`", name.text), &[]));
+        }
+        Ok(name)
+    }
+
+    /// Takes the closing brace of the block called `name`.
+    pub fn close(&mut self, name: &str) -> Parsed<()> {
+        if !self.accept("}") {
+            return Err(self.unexpected(&format!("`}}` at the end of `{name}`"), &[]));
+        }
+        Ok(())
+    }
+
+    /// Takes a finite number, the value of `field`.
+    pub fn number(&mut self, field: &str) -> Parsed<f64> {
+        let word = self.ahead;
+        let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
+        if !number.is_finite() {
+            return Err(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
+        }
+        self.take();
+        Ok(number)
+    }
+
+    /// Takes a finite number for which `holds` is true; `rule` says that in words, as in "must be positive".
+    pub fn number_that(
+        &mut self,
+        field: &str,
+        rule: &'static str,
+        holds: impl Fn(f64) -> bool,
+    ) -> Parsed<f64> {
+        let word = self.ahead;
+        let number = self.number(field)?;
+        if !holds(number) {
+            return Err(bad_value(word, field, rule));
+        }
+        Ok(number)
+    }
+
+    /// Takes a number that is not negative and has no fraction. One that is too large for the type
+    /// comes back as the largest: no list is that long.
+    pub fn whole(&mut self, field: &str) -> Parsed<u64> {
+        let word = self.ahead;
+        let digits = word.text.strip_prefix('+').unwrap_or(word.text);
+        if !is_digits(digits) {
+            return Err(self.not_whole(field));
+        }
+        self.take();
+        Ok(digits.parse().unwrap_or(u64::MAX))
+    }
+
+    /// Takes three numbers.
+    pub fn vector(&mut self, field: &str) -> Parsed<DVec3> {
+        Ok(DVec3::new(self.component(field)?, self.component(field)?, self.component(field)?))
+    }
+
+    /// Takes three numbers that are not all zero.
+    pub fn nonzero_vector(&mut self, field: &str) -> Parsed<DVec3> {
+        let at = self.ahead.at;
+        let vector = self.vector(field)?;
+        if vector == DVec3::ZERO {
+            return Err(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
+        }
+        Ok(vector)
+    }
+
+    /// Takes `field` and its three numbers.
+    pub fn vector_field(&mut self, field: &str) -> Parsed<DVec3> {
+        self.keyword(field)?;
+        self.vector(field)
+    }
+
+    /// Takes `field` and its three numbers, not all zero.
+    pub fn direction_field(&mut self, field: &str) -> Parsed<DVec3> {
+        self.keyword(field)?;
+        self.nonzero_vector(field)
+    }
+
+    /// Takes `field` and a number that is greater than zero.
+    pub fn positive_field(&mut self, field: &str) -> Parsed<f64> {
+        self.keyword(field)?;
+        self.number_that(field, "must be positive", |number| number > 0.0)
+    }
+
+    /// Takes `field` and a number.
+    pub fn number_field(&mut self, field: &str) -> Parsed<f64> {
+        self.keyword(field)?;
+        self.number(field)
+    }
+
+    fn component(&mut self, field: &str) -> Parsed<f64> {
+        self.number(field).map_err(|error| match error.problem {
+            Problem::Expected { .. } if error.hint.is_none() => {
+                error.with_hint(format!("`{field}` takes three numbers"))
+            }
+            _ => error,
+        })
+    }
+
+    fn not_a_number(&self, kind: &str, field: &str) -> SceneError {
+        let error = self.unexpected(&format!("{kind} for `{field}`"), &[]);
+        let word = self.ahead.text;
+        if word.contains('#') || word.contains("//") {
+            return error.with_hint("a comment must be separated from the word before it by a blank");
+        }
+        error
+    }
+
+    /// The error for a word that is not a whole number: a number of the wrong kind is named as such.
+    fn not_whole(&self, field: &str) -> SceneError {
+        match parse_number(self.ahead.text) {
+            Some(number) if number < 0.0 => bad_value(self.ahead, field, "must not be negative"),
+            Some(_) => bad_value(self.ahead, field, "must be a whole number"),
+            None => self.not_a_number("a whole number", field),
+        }
+    }
+}
+
+/// The error that the value `word` of `field` breaks `rule`.
+pub fn bad_value(word: Word<'_>, field: &str, rule: &'static str) -> SceneError {
+    SceneError::new(word.at, Problem::BadValue { field: field.into(), rule, found: word.text.into() })
+}
+
+/// A number as C's scanf reads it: `1`, `+1`, `-.3`, `0.`, `1e-3`, but no `inf` or `nan`. It comes
+/// back infinite when it is beyond the largest finite number.
+fn parse_number(word: &str) -> Option<f64> {
+    let starts_well =
+        word.starts_with(|first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.'));
+    let has_digit = word.bytes().any(|byte| byte.is_ascii_digit());
+    if starts_well && has_digit { word.parse().ok() } else { None }
+}
+
+fn is_digits(word: &str) -> bool {
+    !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Reads the rest of a block `name { field N item^N }` from `field` on, up to its closing brace.
+///
+/// `item` reads one item, given those before it; `kinds` are the words that start one. The list
+/// grows as items are read, so that an absurd announced length costs nothing.
+pub fn counted_list<T>(
+    reader: &mut Reader<'_>,
+    name: &str,
+    field: &'static str,
+    kinds: &[&str],
+    mut item: impl FnMut(&mut Reader<'_>, &[T]) -> Parsed<T>,
+) -> Parsed<Vec<T>> {
+    reader.keyword(field)?;
+    let announced = reader.whole(field)?;
+    let mut items = Vec::new();
+    while (items.len() as u64) < announced && !reader.is_at("}") {
+        let next = item(reader, &items)?;
+        items.push(next);
+    }
+    end_of_list(reader, field, kinds, announced, items.len())?;
+    reader.close(name)?;
+    Ok(items)
+}
+
+/// Checks that a list of `found` items ends at the next word as announced.
+pub fn end_of_list(
+    reader: &Reader<'_>,
+    field: &'static str,
+    kinds: &[&str],
+    announced: u64,
+    found: usize,
+) -> Parsed<()> {
+    let found = found as u64;
+    let at = reader.peek().at;
+    if found < announced {
+        return Err(SceneError::new(at, Problem::TooFew { field, announced, found }));
+    }
+    if reader.is_at_any(kinds) {
+        return Err(SceneError::new(at, Problem::TooMany { field, announced }));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_scanf_reads_them() {
+        let good = [
+            ("1", 1.0),
+            ("+1", 1.0),
+            ("-.3", -0.3),
+            ("0.", 0.0),
+            ("1e-3", 1e-3),
+            (".5E2", 50.0),
+            ("-0", 0.0),
+        ];
+        for (word, value) in good {
+            assert_eq!(Reader::new(word).number("x").unwrap(), value, "{word}");
+        }
+    }
+
+    #[test]
+    fn other_words_are_not_numbers() {
+        for word in [
+            "", "}", ".", "+", "-", "e5", "1e", "inf", "-inf", "nan", "NaN", "+nan", "0x10", "1,5", "1f",
+            "--1",
+        ] {
+            assert!(Reader::new(word).number("x").is_err(), "{word}");
+        }
+    }
+
+    #[test]
+    fn numbers_beyond_the_largest_are_refused() {
+        for word in ["1e999", "-1e999"] {
+            let error = Reader::new(word).number("x").unwrap_err();
+            assert_eq!(error.problem, Problem::NumberTooLarge { found: word.into() });
+        }
+        assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
+    }
+
+    #[test]
+    fn whole_numbers() {
+        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("99999999999999999999999", u64::MAX)] {
+            assert_eq!(Reader::new(word).whole("x").unwrap(), value, "{word}");
+        }
+        for (word, message) in
+            [("2.5", "must be a whole"), ("-1", "must not be negative"), ("x", "expected a whole")]
+        {
+            let error = Reader::new(word).whole("x").unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_refused_word_stays_the_next() {
+        let mut reader = Reader::new("radius }");
+        assert!(reader.keyword("center").is_err() && reader.number("center").is_err());
+        assert_eq!(reader.keyword("radius").unwrap().text, "radius");
+    }
+
+    #[test]
+    fn a_comment_stuck_to_a_number_is_explained() {
+        let error = Reader::new("1#one").number("x").unwrap_err();
+        assert!(error.hint.unwrap().contains("comment"));
+    }
+}

@@ -1,0 +1,204 @@
+//! Reads lists of transformations into one affine map.
+
+use super::error::{Problem, SceneError};
+use super::reader::{Parsed, Reader};
+use glam::{DAffine3, DMat3, DVec3};
+
+/// The words that start a transformation.
+pub const TRANSFORMATIONS: [&str; 8] =
+    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix"];
+
+/// Reads transformations up to the first word that starts none, and composes them as the course does.
+///
+/// Each is multiplied on the right of what was read so far, so that the last listed acts first;
+/// only `Matrix` is multiplied on the left. Errors: malformed transformations, and a product with
+/// a number that is not finite.
+pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    let mut product = DAffine3::IDENTITY;
+    while reader.is_at_any(&TRANSFORMATIONS) {
+        let at = reader.peek().at;
+        product = if reader.is_at("Matrix") {
+            parse_matrix(reader)? * product
+        } else {
+            product * parse_factor(reader)?
+        };
+        if !product.is_finite() {
+            return Err(SceneError::new(at, Problem::TransformOverflow));
+        }
+    }
+    Ok(product)
+}
+
+/// Reads any transformation but `Matrix`. The 2003 edition puts braces around all of them, the
+/// 2004 edition only around `Rotate`; both are read.
+fn parse_factor(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    if reader.is_at("Rotate") {
+        return parse_axis_rotation(reader);
+    }
+    let name = reader.take().text;
+    let braced = reader.accept("{");
+    let factor = match name {
+        "Translate" => DAffine3::from_translation(reader.vector(name)?),
+        "Scale" => DAffine3::from_scale(reader.vector(name)?),
+        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number(name)?)),
+        "XRotate" => rotation(DVec3::X, reader.number(name)?),
+        "YRotate" => rotation(DVec3::Y, reader.number(name)?),
+        _ => rotation(DVec3::Z, reader.number(name)?),
+    };
+    if braced {
+        reader.close(name)?;
+    }
+    Ok(factor)
+}
+
+fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    reader.open()?;
+    let axis = reader.nonzero_vector("Rotate")?;
+    let angle = reader.number("Rotate")?;
+    reader.close("Rotate")?;
+    Ok(rotation(axis, angle))
+}
+
+/// Reads `Matrix { ... }`: sixteen numbers, row after row.
+fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+    reader.open()?;
+    let mut rows = [[0.0; 4]; 3];
+    for number in rows.as_flattened_mut() {
+        *number = reader.number("Matrix")?;
+    }
+    for expected in [0.0, 0.0, 0.0, 1.0] {
+        let at = reader.peek().at;
+        if reader.number("Matrix")? != expected {
+            return Err(SceneError::new(at, Problem::NotAffine));
+        }
+    }
+    reader.close("Matrix")?;
+    Ok(from_rows(rows))
+}
+
+/// The right-handed rotation around `axis` by `degrees`.
+///
+/// The axis enters the formula as it is given. Like the course's program this does not scale it
+/// to unit length first, so that another length distorts.
+fn rotation(axis: DVec3, degrees: f64) -> DAffine3 {
+    let (sine, cosine) = sine_and_cosine(degrees);
+    let DVec3 { x, y, z } = axis;
+    let rest = 1.0 - cosine;
+    from_rows([
+        [rest * x * x + cosine, rest * x * y - sine * z, rest * x * z + sine * y, 0.0],
+        [rest * x * y + sine * z, rest * y * y + cosine, rest * y * z - sine * x, 0.0],
+        [rest * x * z - sine * y, rest * y * z + sine * x, rest * z * z + cosine, 0.0],
+    ])
+}
+
+/// Sine and cosine of an angle in degrees, exact at the multiples of 90 and the same on every machine.
+fn sine_and_cosine(degrees: f64) -> (f64, f64) {
+    // The remainder is exact, and so is what is left of it beyond the nearest quarter turn.
+    let turn = degrees % 360.0;
+    let quarters = (turn / 90.0).round();
+    let (sine, cosine) = libm::sincos((turn - 90.0 * quarters).to_radians());
+    let (sine, cosine) = match (quarters as i64).rem_euclid(4) {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    };
+    // Adding zero turns a negative zero into a positive one.
+    (sine + 0.0, cosine + 0.0)
+}
+
+fn from_rows(rows: [[f64; 4]; 3]) -> DAffine3 {
+    let column = |index: usize| DVec3::new(rows[0][index], rows[1][index], rows[2][index]);
+    DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> DAffine3 {
+        parse_transformations(&mut Reader::new(text)).unwrap()
+    }
+
+    fn refuse(text: &str) -> Problem {
+        parse_transformations(&mut Reader::new(text)).unwrap_err().problem
+    }
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        let quarter = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)];
+        for turns in -9..=9_i32 {
+            let exact = sine_and_cosine(f64::from(turns) * 90.0);
+            assert_eq!(exact, quarter[turns.rem_euclid(4) as usize]);
+            assert!(!(exact.0 == 0.0 && exact.0.is_sign_negative()));
+        }
+        assert_eq!(read("XRotate -90").matrix3, DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
+    }
+
+    #[test]
+    fn other_angles_are_close() {
+        for angle in [1.0, -30.0, 44.999, 45.0, 45.001, 100.0, 359.0, -721.5, 123_456.789] {
+            let (sine, cosine) = sine_and_cosine(angle);
+            let (s, c) = (angle % 360.0).to_radians().sin_cos();
+            assert!((sine - s).abs() < 1e-15 && (cosine - c).abs() < 1e-15, "{angle}");
+        }
+    }
+
+    #[test]
+    fn rotations_are_right_handed() {
+        for (text, from, to) in [
+            ("XRotate 90", DVec3::Y, DVec3::Z),
+            ("YRotate 90", DVec3::Z, DVec3::X),
+            ("ZRotate 90", DVec3::X, DVec3::Y),
+            ("Rotate { 0 0 1 90 }", DVec3::X, DVec3::Y),
+        ] {
+            assert_eq!(read(text).transform_vector3(from), to, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_axis_is_used_as_given() {
+        // By hand for the axis (0, 0, 2) and 90 degrees: cosine 0, sine 1.
+        let expected =
+            DMat3::from_cols(DVec3::new(0.0, 2.0, 0.0), DVec3::new(-2.0, 0.0, 0.0), DVec3::Z * 4.0);
+        assert_eq!(read("Rotate { 0 0 2 90 }").matrix3, expected);
+    }
+
+    #[test]
+    fn the_last_listed_acts_first() {
+        let map = read("Translate 1 2 3 Scale 2 3 4");
+        assert_eq!(map.transform_point3(DVec3::ONE), DVec3::new(3.0, 5.0, 7.0));
+    }
+
+    #[test]
+    fn a_matrix_acts_after_what_stands_before_it() {
+        let map = read("Translate 1 0 0 Matrix { 2 0 0 0  0 2 0 0  0 0 2 5  0 0 0 1 } UniformScale 3");
+        assert_eq!(map.transform_point3(DVec3::ONE), DVec3::new(8.0, 6.0, 11.0));
+    }
+
+    #[test]
+    fn a_matrix_is_read_row_by_row() {
+        let map = read("Matrix { 1 2 3 4 5 6 7 8 9 10 11 12 0 0 0 1 }");
+        assert_eq!(map.transform_point3(DVec3::X), DVec3::new(5.0, 13.0, 21.0));
+    }
+
+    #[test]
+    fn braces_of_the_2003_edition_are_read() {
+        assert_eq!(
+            read("Translate { 1 2 3 } Scale{2 3 4} XRotate { 90 } UniformScale{2}"),
+            read("Translate 1 2 3 Scale 2 3 4 XRotate 90 UniformScale 2")
+        );
+    }
+
+    #[test]
+    fn impossible_transformations_are_refused() {
+        assert_eq!(refuse("Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2 }"), Problem::NotAffine);
+        assert_eq!(refuse("UniformScale 1e200 UniformScale 1e200"), Problem::TransformOverflow);
+        assert_eq!(refuse("Rotate { 0 0 0 90 }"), Problem::ZeroVector { field: "Rotate".into() });
+    }
+
+    #[test]
+    fn a_flat_scale_is_legal() {
+        assert_eq!(read("Scale 1 0 1").matrix3.determinant(), 0.0);
+    }
+}

@@ -1,0 +1,225 @@
+//! Reads a scene and its meshes from files.
+
+use crate::scene::Scene;
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::parser::parse;
+use crate::scene::snippet::harmless;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A scene with everything that it names.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    pub scene: Scene,
+    /// By the index in [`Scene::meshes`].
+    pub meshes: Vec<Mesh>,
+    /// What the scene was read from, to show where a later error lies.
+    pub source: Source,
+}
+
+/// A scene's text, without a byte order mark, and the file that it comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    pub path: PathBuf,
+    pub text: String,
+}
+
+impl Source {
+    /// The whole message for an error in this text, as [`SceneError::render`] gives it.
+    pub fn render(&self, error: &SceneError) -> String {
+        error.render(&self.path, &self.text)
+    }
+}
+
+/// Why a scene could not be loaded. `Display` gives the whole message, which may be of several lines.
+#[derive(Debug)]
+pub enum LoadError {
+    /// The scene's file could not be read.
+    Unreadable { path: PathBuf, error: std::io::Error },
+    /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
+    NotUtf8 { path: PathBuf, line: usize, column: usize, is_utf16: bool },
+    /// Something is wrong with what the scene or one of its meshes says.
+    Scene { source: Source, error: Box<SceneError> },
+}
+
+impl std::error::Error for LoadError {}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable { path, error } => {
+                write!(f, "{}: error: cannot read the scene: {error}", shown(path))
+            }
+            Self::NotUtf8 { path, line, column, is_utf16 } => {
+                let hint =
+                    if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };
+                write!(f, "{}:{line}:{column}: error: the scene is not UTF-8 text{hint}", shown(path))
+            }
+            Self::Scene { source, error } => f.write_str(&source.render(error)),
+        }
+    }
+}
+
+/// Reads the scene at `path` and every mesh that it names.
+///
+/// A mesh is looked for in the working directory and then beside the scene, and read once however
+/// often it is named. Errors: an unreadable or malformed scene, or mesh.
+pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
+    let bytes = fs::read(path).map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
+    let text = decode(path, bytes)?;
+    let source = Source { path: path.to_owned(), text };
+    match parse_with_meshes(&source) {
+        Ok((scene, meshes)) => Ok(LoadedScene { scene, meshes, source }),
+        Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+    }
+}
+
+fn parse_with_meshes(source: &Source) -> Result<(Scene, Vec<Mesh>), SceneError> {
+    let scene = parse(&source.text)?;
+    let directory = source.path.parent().unwrap_or(Path::new(""));
+    let read = |file: &crate::scene::MeshFile| {
+        read_mesh(&file.name, directory).map_err(|problem| SceneError::new(file.at, problem))
+    };
+    let meshes = scene.meshes.iter().map(read).collect::<Result<_, _>>()?;
+    Ok((scene, meshes))
+}
+
+/// Reads the mesh called `name` from the first place where it can be read.
+fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
+    let mut tried = Vec::new();
+    for place in places(name, scene_directory) {
+        match fs::read(&place) {
+            Ok(bytes) => {
+                return parse_obj(&bytes).map_err(|error| Problem::BadMesh { file: lossy(&place), error });
+            }
+            Err(error) => tried.push((lossy(&place), error.to_string())),
+        }
+    }
+    Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
+}
+
+/// Where to look for a mesh: relative to the working directory, as the course's program does, then
+/// beside the scene, unless that is the same.
+fn places(name: &str, scene_directory: &Path) -> Vec<PathBuf> {
+    let mut places = vec![PathBuf::from(name), scene_directory.join(name)];
+    places.dedup();
+    places
+}
+
+/// The text in a scene's bytes, without a byte order mark.
+fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, LoadError> {
+    let mut text = String::from_utf8(bytes).map_err(|error| not_utf8(path, &error))?;
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
+}
+
+fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> LoadError {
+    let bytes = error.as_bytes();
+    let good = String::from_utf8_lossy(&bytes[..error.utf8_error().valid_up_to()]);
+    let last_line = good.rsplit('\n').next().unwrap_or_default();
+    LoadError::NotUtf8 {
+        path: path.to_owned(),
+        line: good.matches('\n').count() + 1,
+        column: last_line.chars().count() + 1,
+        is_utf16: bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff"),
+    }
+}
+
+fn lossy(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+fn shown(path: &Path) -> String {
+    harmless(&path.to_string_lossy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    const CAMERA: &str = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }\n";
+
+    fn mesh_scene(names: &[&str]) -> String {
+        let meshes: String =
+            names.iter().map(|name| format!("TriangleMesh {{ obj_file {name} }}\n")).collect();
+        format!("{CAMERA}Group {{ numObjects {} Material {{ }}\n{meshes}}}", names.len())
+    }
+
+    /// A directory with these files, the first of which is the scene.
+    fn directory(files: &[(&str, &[u8])]) -> (TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        for (name, bytes) in files {
+            fs::write(directory.path().join(name), bytes).unwrap();
+        }
+        let scene = directory.path().join(files[0].0);
+        (directory, scene)
+    }
+
+    fn refuse(files: &[(&str, &[u8])]) -> String {
+        let (_directory, scene) = directory(files);
+        load(&scene).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn meshes_are_found_beside_the_scene_and_read_once() {
+        let text = mesh_scene(&["one.obj", "two.obj", "one.obj"]);
+        let one = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+        let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
+        let (_directory, path) = directory(&[("a.txt", text.as_bytes()), ("one.obj", one), ("two.obj", two)]);
+        let loaded = load(&path).unwrap();
+        assert_eq!(loaded.meshes.iter().map(|mesh| mesh.triangles.len()).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(loaded.source, Source { path, text });
+    }
+
+    #[test]
+    fn the_working_directory_comes_first() {
+        assert_eq!(places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
+        assert_eq!(places("m.obj", Path::new("")), [Path::new("m.obj")]);
+        assert_eq!(places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
+    }
+
+    #[test]
+    fn a_missing_scene() {
+        let message = load(Path::new("no/such.txt")).unwrap_err().to_string();
+        assert!(message.starts_with("no/such.txt: error: cannot read the scene: "), "{message}");
+    }
+
+    #[test]
+    fn a_missing_mesh_is_shown_in_the_scene() {
+        let text = mesh_scene(&["no-such.obj"]);
+        let message = refuse(&[("a.txt", text.as_bytes())]);
+        for part in
+            ["a.txt:3:25: error: cannot read the mesh `no-such.obj`: tried `no-such.obj` (", ", then `", "^"]
+        {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_broken_mesh_names_both_files() {
+        let text = mesh_scene(&["bad.obj"]);
+        let message = refuse(&[("a.txt", text.as_bytes()), ("bad.obj", b"v 0 0 0\nf 1 1 2")]);
+        assert!(message.contains("a.txt:3:25: error: in the mesh `"), "{message}");
+        assert!(message.contains("bad.obj`: line 2: a face names a vertex"), "{message}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_skipped() {
+        let text = format!("\u{feff}{CAMERA}Grup");
+        let message = refuse(&[("a.txt", text.as_bytes())]);
+        assert!(message.contains("a.txt:2:1: error: expected"), "{message}");
+    }
+
+    #[test]
+    fn other_encodings_are_refused() {
+        let message = refuse(&[("a.txt", b"# ok\n# \xc3\xa9 \xe9\n")]);
+        assert!(message.ends_with("a.txt:2:5: error: the scene is not UTF-8 text"), "{message}");
+        let message = refuse(&[("a.txt", b"\xff\xfeG\0r\0")]);
+        assert!(message.contains("a.txt:1:1: error:") && message.contains("UTF-16"), "{message}");
+    }
+}
