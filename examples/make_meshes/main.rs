@@ -17,8 +17,9 @@ use glam::{DVec3, dvec3};
 use polygonise::{Lattice, polygonise, relax};
 use rabbit::Rabbit;
 use simplify::Simplifier;
+use std::ffi::OsString;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use topology::{Mesh, check_closed_sphere};
 
@@ -28,33 +29,54 @@ const RABBITS: [(&str, usize); 4] =
 /// The height of the ground the rabbit sits on.
 const GROUND: f64 = 0.0667;
 /// The height of the rabbit, in scene units, per unit of its own frame.
-const SCALE: f64 = 0.3;
+const SCALE: f64 = 0.335;
 /// Where the origin of the rabbit's frame comes to lie.
-const PLACE: DVec3 = dvec3(-0.03, GROUND, 0.0);
+const PLACE: DVec3 = dvec3(-0.043, GROUND, 0.009);
 /// How far the nose is turned from -x towards the camera at +z, in radians.
 const TURN: f64 = 0.45;
-/// The sculpture is sampled this finely.
+/// The distance between the points at which the sculpture is sampled, in the
+/// rabbit's own units.
 const STEP: f64 = 1.0 / 140.0;
 /// How often the triangles of the sculpture are evened out.
 const RELAX_ROUNDS: usize = 3;
 
+/// What the command line asks for.
+struct Request {
+    folder: PathBuf,
+    check: bool,
+}
+
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let check = arguments.iter().any(|argument| argument == "--check");
-    let folder = arguments.iter().find(|argument| *argument != "--check").map_or("scenes", String::as_str);
-    let result = make_all().and_then(|files| {
-        files.iter().try_for_each(|(name, text)| {
-            let path = Path::new(folder).join(name);
-            if check { compare(&path, text) } else { write(&path, text) }
-        })
-    });
-    match result {
+    match request(std::env::args_os().skip(1)).and_then(|request| run(&request)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("make_meshes: {message}");
             ExitCode::FAILURE
         }
     }
+}
+
+fn request(arguments: impl Iterator<Item = OsString>) -> Result<Request, String> {
+    let (options, folders): (Vec<_>, Vec<_>) =
+        arguments.partition(|argument| argument.to_string_lossy().starts_with('-'));
+    if folders.len() > 1 || options.iter().any(|option| option != "--check") {
+        return Err("usage: make_meshes [--check] [FOLDER]".to_string());
+    }
+    let folder = folders.first().map_or("scenes".into(), PathBuf::from);
+    Ok(Request { folder, check: !options.is_empty() })
+}
+
+/// Writes all files, or compares them with those that are there.
+fn run(request: &Request) -> Result<(), String> {
+    for (name, text) in make_all()? {
+        let path = request.folder.join(name);
+        if request.check {
+            compare(&path, &text)?;
+        } else {
+            write(&path, &text)?;
+        }
+    }
+    Ok(())
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
@@ -73,7 +95,6 @@ fn make_all() -> Result<Vec<(&'static str, String)>, String> {
     let field = |point| rabbit.distance(point);
     let mut sculpture = polygonise(&rabbit_lattice(), &field);
     relax(&mut sculpture, &field, RELAX_ROUNDS);
-    eprintln!("base {}", sculpture.faces.len());
     let mut simplifier = Simplifier::new(sculpture, &|point| rabbit.importance(point));
     for (name, faces) in RABBITS {
         simplifier.reduce_to(faces).map_err(|error| format!("{name}: {error}"))?;
@@ -92,7 +113,8 @@ fn cube() -> Mesh {
     Mesh { positions, faces }
 }
 
-/// The box around the rabbit in its own frame, with a margin.
+/// The box around the rabbit in its own frame, with a margin. No lattice plane
+/// coincides with the ground, where all values would be 0.
 fn rabbit_lattice() -> Lattice {
     let (low, high) = (dvec3(-0.6, -0.0331, -0.4), dvec3(0.6, 1.15, 0.4));
     let counts = ((high - low) / STEP).to_array().map(|count| count as usize + 1);

@@ -2,7 +2,7 @@
 //!
 //! The rabbit's own frame: the nose points along +x, up is +y, its feet stand
 //! on y = 0, and it is about one unit high. Distances are negative inside.
-//! The distances to boxes, cones and ellipsoids and the blend follow Quilez,
+//! The distances to ellipsoids and capsules and the blend follow Quilez,
 //! "Distance functions" and "Smooth minimum".
 
 use glam::{DVec3, dvec3};
@@ -32,9 +32,9 @@ struct Frame {
 
 /// All parts of the rabbit, in the order in which they are merged.
 pub struct Rabbit {
-    /// Parts that occur on both sides, given for z > 0, and those in the middle.
-    mirrored: Vec<Part>,
-    /// The head, turned to the side by `head_frame`, given like `mirrored`.
+    /// Torso, limbs and tail: those in the middle, and one of each pair, at z > 0.
+    body: Vec<Part>,
+    /// Skull and face, given like `body` but in the frame of the turned head.
     head: Vec<Part>,
     head_frame: Frame,
     /// The ears in the head's frame, each with a pose of its own.
@@ -43,17 +43,17 @@ pub struct Rabbit {
 
 /// How softly the head merges into the neck.
 const NECK_BLEND: f64 = 0.09;
-/// The height of the fur's waves.
-const FUR_HEIGHT: f64 = 0.0022;
+/// How far the highest tufts of fur stand out.
+const FUR_HEIGHT: f64 = 0.0018;
 
 impl Rabbit {
     pub fn new() -> Self {
-        Self { mirrored: body(), head: head(), head_frame: head_frame(), ears: ears() }
+        Self { body: body(), head: head(), head_frame: head_frame(), ears: ears() }
     }
 
     /// The signed distance, roughly, from the rabbit's surface.
     pub fn distance(&self, point: DVec3) -> f64 {
-        let body = merge(f64::INFINITY, &self.mirrored, mirror(point));
+        let body = merge(f64::INFINITY, &self.body, mirror(point));
         let in_head = self.head_frame.local(point);
         let head = merge(f64::INFINITY, &self.head, mirror(in_head));
         let head = merge(head, &self.ears, in_head);
@@ -77,7 +77,7 @@ fn body() -> Vec<Part> {
         ellipsoid(dvec3(-0.13, 0.27, 0.0), dvec3(0.31, 0.255, 0.215), 0.35, 0.0),
         ellipsoid(dvec3(0.10, 0.32, 0.0), dvec3(0.17, 0.22, 0.165), 0.25, 0.12),
         ellipsoid(dvec3(-0.08, 0.10, 0.0), dvec3(0.27, 0.14, 0.17), 0.0, 0.10),
-        limb((0.12, 0.42, 0.0), 0.135, (0.22, 0.57, 0.0), 0.10, 0.10),
+        limb((0.12, 0.40, 0.0), 0.135, (0.25, 0.52, 0.0), 0.10, 0.10),
         // Haunch and hind foot.
         ellipsoid(dvec3(-0.17, 0.195, 0.165), dvec3(0.185, 0.175, 0.105), -0.3, 0.035),
         limb((-0.26, 0.045, 0.20), 0.062, (0.05, 0.035, 0.225), 0.055, 0.03),
@@ -91,7 +91,7 @@ fn body() -> Vec<Part> {
 
 /// The head sits on the neck and looks aside, towards the camera.
 fn head_frame() -> Frame {
-    Frame::new(dvec3(0.23, 0.60, 0.0), 0.45, -0.12)
+    Frame::new(dvec3(0.275, 0.54, 0.0), 0.42, -0.12)
 }
 
 /// Skull and face; the origin is the middle of the skull.
@@ -105,24 +105,24 @@ fn head() -> Vec<Part> {
         ellipsoid(dvec3(0.198, -0.028, 0.0), dvec3(0.022, 0.017, 0.022), 0.0, 0.015),
         // Brow and eye.
         ellipsoid(dvec3(0.07, 0.055, 0.085), dvec3(0.05, 0.025, 0.025), -0.4, 0.03),
-        ellipsoid(dvec3(0.078, 0.025, 0.098), dvec3(0.027, 0.027, 0.02), 0.0, 0.006),
+        ellipsoid(dvec3(0.078, 0.025, 0.098), dvec3(0.028, 0.028, 0.023), 0.0, 0.004),
     ]
 }
 
 /// The two ears; the one away from the camera stands more upright.
 fn ears() -> Vec<Part> {
-    vec![ear(-1.0, 0.42, 0.20), ear(1.0, 0.22, 0.24)]
+    vec![ear(-1.0, 0.72, 0.18), ear(1.0, 0.46, 0.24)]
 }
 
 /// An ear on one side (-1 or 1 along z), tilted back and outwards by angles.
 fn ear(side: f64, back: f64, out: f64) -> Part {
     let root = dvec3(-0.04, 0.09, 0.055 * side);
     let up = dvec3(-libm::sin(back), libm::cos(back), side * libm::sin(out)).normalize();
-    // The hollow looks half to the front and half to the ear's own side.
-    let front = dvec3(0.62, 0.0, 0.78 * side);
+    // The hollow looks to the front and a little to the ear's own side.
+    let front = dvec3(0.95, 0.0, 0.32 * side);
     let across = up.cross(front).normalize();
-    let frame = Frame { origin: root + up * 0.17, axes: [across, up, across.cross(up)] };
-    let shape = Shape::Leaf { frame, radii: dvec3(0.075, 0.215, 0.03), curl: 4.5, bend: 0.5 };
+    let frame = Frame { origin: root + up * 0.142, axes: [across, up, across.cross(up)] };
+    let shape = Shape::Leaf { frame, radii: dvec3(0.072, 0.180, 0.032), curl: 8.0, bend: 0.5 };
     Part { shape, blend: 0.025 }
 }
 
@@ -131,6 +131,7 @@ fn ellipsoid(center: DVec3, radii: DVec3, pitch: f64, blend: f64) -> Part {
     Part { shape: Shape::Ellipsoid { frame: Frame::new(center, 0.0, pitch), radii }, blend }
 }
 
+/// A capsule of two radii, from one end to the other.
 fn limb(from: (f64, f64, f64), radius: f64, to: (f64, f64, f64), end_radius: f64, blend: f64) -> Part {
     Part { shape: Shape::Limb { from: (from.into(), radius), to: (to.into(), end_radius) }, blend }
 }
@@ -189,14 +190,20 @@ fn smooth_min(a: f64, b: f64, blend: f64) -> f64 {
     a.min(b) - rounding
 }
 
+/// The point's image on the side of z > 0, where the paired parts are given.
 fn mirror(point: DVec3) -> DVec3 {
     dvec3(point.x, point.y, point.z.abs())
 }
 
-/// Shallow waves that run down the flanks like tufts of fur.
+/// Shallow tufts of fur: waves in directions that have nothing in common, all
+/// nearly square to the lie of the fur, which is back and downwards.
 fn fur(point: DVec3) -> f64 {
-    let DVec3 { x, y, z } = point;
-    let sway = libm::sin(9.0 * y + 5.0 * z) + libm::sin(11.0 * x - 4.0 * z);
-    let tufts = libm::sin(62.0 * x + 24.0 * y + 2.0 * sway) * libm::sin(55.0 * z - 17.0 * y + 1.5 * sway);
-    FUR_HEIGHT * tufts
+    const WAVES: [DVec3; 5] = [
+        dvec3(-31.0, 67.0, 83.0),
+        dvec3(42.0, -61.0, 97.0),
+        dvec3(-57.0, 93.0, -38.0),
+        dvec3(29.0, -38.0, -112.0),
+        dvec3(-49.0, 101.0, 21.0),
+    ];
+    WAVES.iter().map(|wave| libm::sin(wave.dot(point))).sum::<f64>() * (FUR_HEIGHT / WAVES.len() as f64)
 }

@@ -11,11 +11,11 @@ use std::collections::BinaryHeap;
 
 /// How much a vertex is held back from sliding inside its plane, relative to
 /// leaving it. Makes every quadric invertible and spreads vertices evenly.
-const SLIDE_WEIGHT: f64 = 2e-3;
+const SLIDE_WEIGHT: f64 = 5e-3;
 /// A face may turn by at most the angle of this cosine in one collapse.
 const MIN_TURN_COSINE: f64 = 0.3;
 /// Faces rounder than this (1 is equilateral) may lose shape down to it.
-const MIN_ROUNDNESS: f64 = 0.12;
+const MIN_ROUNDNESS: f64 = 0.3;
 /// The share of the faces that a round of collapses leaves.
 const ROUND_SHARE: f64 = 0.9;
 

@@ -4,7 +4,6 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// Vertices and counter-clockwise (seen from outside) triangles over them.
-#[derive(Clone)]
 pub struct Mesh {
     pub positions: Vec<DVec3>,
     pub faces: Vec<[u32; 3]>,
