@@ -45,14 +45,14 @@ impl<'w> Caster<'w> {
     fn run<P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
         let world = self.world;
         let planes = world.first_plane();
-        // The course's program tests everything where there is no grid, also for a shadow.
-        let stop_early = ANY && !(P::COUNTS && self.grid.is_none());
+        // The course's program looks for the nearest hit also where any would do.
+        let stop_early = ANY && !P::COUNTS;
         search.test_all(planes..planes + world.planes.len() as u32, stop_early, probe);
         if stop_early && search.best.is_some() {
             return;
         }
         match &self.grid {
-            Some(grid) if is_near(&search.ray, grid) => march::<P, ANY>(grid, search, probe),
+            Some(grid) if is_near(&search.ray, grid) => march(grid, search, stop_early, probe),
             _ => search.test_all(0..planes, stop_early, probe),
         }
     }
@@ -67,13 +67,13 @@ fn is_near(ray: &Ray, grid: &Grid) -> bool {
 }
 
 /// Tests the cells along the ray until no nearer hit can follow.
-fn march<P: Probe, const ANY: bool>(grid: &Grid, search: &mut Search, probe: &mut P) {
+fn march<P: Probe>(grid: &Grid, search: &mut Search, stop_early: bool, probe: &mut P) {
     let Some(mut march) = March::new(&grid.lattice, &search.ray) else { return };
     loop {
-        search.test_all(grid.items(march.cell).iter().copied(), ANY, probe);
+        search.test_all(grid.items(march.cell).iter().copied(), stop_early, probe);
         let exit = march.exit();
         // A hit on the far face may have an equal in the next cell; the margin lets it compete.
-        let past = |hit: Hit| ANY || hit.t <= exit - 1e-12 * exit.abs();
+        let past = |hit: Hit| stop_early || hit.t <= exit - 1e-12 * exit.abs();
         if search.best.is_some_and(past) || exit > search.ray.t_max {
             return;
         }

@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Receives the events that the course's program counts.
 pub trait Probe: Default + Send {
     /// Whether anybody reads the counters. If so the tracer does what the course's program does: a
-    /// shadow ray for every light, and every primitive tested where there is no grid.
+    /// shadow ray for every light, and the nearest hit sought even where any would do.
     const COUNTS: bool;
     /// A camera ray, or a reflected or refracted one.
     fn non_shadow_ray(&mut self);

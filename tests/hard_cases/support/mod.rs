@@ -1,0 +1,26 @@
+//! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
+
+pub mod exact;
+pub mod record;
+pub mod rng;
+
+/// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
+/// in the long one.
+pub fn rays(ordinary: u64, long: u64) -> u64 {
+    if std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long") { long } else { ordinary }
+}
+
+/// A float's bits in hexadecimal, ready to become a recorded case.
+pub fn hex(x: f64) -> String {
+    format!("f64::from_bits({:#018x})", x.to_bits())
+}
+
+/// A failed input: what `(seed, index)` drew, bit by bit.
+pub fn failed_ray(case: u32, seed: u64, index: u64, origin: glam::DVec3, direction: glam::DVec3) -> String {
+    let bits = |v: glam::DVec3| v.to_array().map(hex).join(", ");
+    format!(
+        "case {case}, seed {seed}, index {index}: origin [{}], direction [{}]",
+        bits(origin),
+        bits(direction)
+    )
+}

@@ -1,0 +1,30 @@
+//! Measurements for the report: one file a case in the folder that `ACCURACY_DIR` names.
+
+/// What a case measured.
+pub struct Record<'a> {
+    /// Its number in the table of hard cases, 1 to 64.
+    pub case: u32,
+    pub name: &'a str,
+    /// What was tried, for example "1000000 rays".
+    pub inputs: String,
+    /// What was measured, for example "leaks".
+    pub measure: &'a str,
+    /// The textbook method and its result on the same inputs.
+    pub textbook: String,
+    /// Ours.
+    pub ours: String,
+    pub target: &'a str,
+}
+
+impl Record<'_> {
+    /// Writes the record, if anybody collects them. Tabs separate the fields.
+    pub fn write(&self) {
+        let fields = [self.name, &self.inputs, self.measure, &self.textbook, &self.ours, self.target];
+        let line = format!("{}\t{}\n", self.case, fields.map(|f| f.replace(['\t', '\n'], " ")).join("\t"));
+        print!("{line}");
+        if let Some(folder) = std::env::var_os("ACCURACY_DIR") {
+            let file = std::path::Path::new(&folder).join(format!("{:02}.tsv", self.case));
+            std::fs::write(&file, line).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        }
+    }
+}
