@@ -1,5 +1,6 @@
 //! Triangles as the filter wants them: eight side by side, in single precision around one centre.
 
+use super::filter::Slack;
 use crate::math::aabb::Aabb;
 use crate::world::World;
 use glam::DVec3;
@@ -7,42 +8,42 @@ use glam::DVec3;
 /// Triangles in a block.
 pub const LANES: usize = 8;
 
-/// The number in a lane that holds no triangle.
+/// The number of no primitive, in a lane that holds no triangle.
 pub const NONE: u32 = u32::MAX;
 
-/// Eight triangles, structure of arrays, in the coordinates of a [`Frame`].
+/// Eight triangles, structure of arrays, in the coordinates of a [`Frame`]: five cache lines with
+/// all that the filter reads and nothing else.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct Block {
     /// x, y and z of the first corner; NaN in an empty lane, which no test passes.
     pub corner: [[f32; LANES]; 3],
     /// From the first corner to the second and to the third.
     pub edges: [[[f32; LANES]; 3]; 2],
-    /// The triangles' numbers in their world.
-    pub numbers: [u32; LANES],
-    /// The largest absolute coordinate of an edge in the block.
-    pub longest: f32,
-    /// Further primitives of the cell that are no triangles, in [`super::cells::Cells`]' list.
-    pub others_start: u32,
-    pub others_count: u32,
+    /// How far the filter may be off for these triangles.
+    pub slack: Slack,
     /// Whether the cell's blocks end here.
     pub is_last: bool,
+    /// Whether the cell holds anything but triangles.
+    pub has_others: bool,
 }
+
+/// The numbers of a block's triangles in their world; [`NONE`] in an empty lane.
+pub type Numbers = [u32; LANES];
 
 impl Block {
     /// Holds nothing, and is its cell's last.
     pub const EMPTY: Self = Self {
         corner: [[f32::NAN; LANES]; 3],
         edges: [[[0.0; LANES]; 3]; 2],
-        numbers: [NONE; LANES],
-        longest: 0.0,
-        others_start: 0,
-        others_count: 0,
+        slack: Slack { edge: 0.0, depth: 0.0 },
         is_last: true,
+        has_others: false,
     };
 
     /// Of at most eight triangles.
     pub fn fill(&mut self, world: &World, frame: &Frame, triangles: &[u32]) {
+        let mut longest = 0.0f32;
         for (lane, &number) in triangles.iter().enumerate() {
             let [a, b, c] = world.corners(number as usize);
             let corner = frame.point(a);
@@ -51,16 +52,11 @@ impl Block {
                 self.corner[axis][lane] = corner[axis] as f32;
                 for (stored, edge) in self.edges.iter_mut().zip(edges) {
                     stored[axis][lane] = edge[axis] as f32;
-                    self.longest = self.longest.max(stored[axis][lane].abs());
+                    longest = longest.max(stored[axis][lane].abs());
                 }
             }
-            self.numbers[lane] = number;
         }
-    }
-
-    /// How many triangles the block holds.
-    pub fn count(&self) -> usize {
-        self.numbers.iter().filter(|&&n| n != NONE).count()
+        self.slack = Slack::of(longest);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Block, Frame, LANES};
+use super::block::{Block, Frame, LANES, NONE, Numbers};
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
@@ -17,9 +17,31 @@ pub const BORDER: u32 = u32::MAX;
 pub struct Cells {
     pub words: Vec<u32>,
     pub blocks: Vec<Block>,
-    /// Numbers of primitives that are no triangles.
-    pub others: Vec<u32>,
+    /// By block.
+    pub numbers: Vec<Numbers>,
+    others: Others,
     pub frame: Frame,
+}
+
+/// The primitives that are no triangles, cell by cell.
+#[derive(Debug, Default)]
+struct Others {
+    /// The first block of each cell that has some, in increasing order, and where its list starts.
+    cells: Vec<(u32, u32)>,
+    numbers: Vec<u32>,
+}
+
+impl Others {
+    fn push(&mut self, block: usize, numbers: &[u32]) {
+        self.cells.push((block as u32, self.numbers.len() as u32));
+        self.numbers.extend_from_slice(numbers);
+    }
+
+    fn of(&self, block: usize) -> &[u32] {
+        let Ok(place) = self.cells.binary_search_by_key(&(block as u32), |cell| cell.0) else { return &[] };
+        let end = self.cells.get(place + 1).map_or(self.numbers.len(), |next| next.1 as usize);
+        &self.numbers[self.cells[place].1 as usize..end]
+    }
 }
 
 /// A cell on its way into the blocks.
@@ -49,11 +71,11 @@ impl Cells {
         let [nx, ny, nz] = lattice.cells;
         for (y, z) in (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))) {
             let row = lattice.index([0, y, z]);
-            for index in row..row + nx {
+            for (index, word) in words.iter_mut().enumerate().skip(row).take(nx) {
                 let items = rows.items(index);
-                words[index] = EMPTY;
+                *word = EMPTY;
                 if !items.is_empty() {
-                    words[index] = count + 1;
+                    *word = count + 1;
                     let cell = Filled::new(index, items, world);
                     count = count.checked_add(cell.blocks() as u32).ok_or(GridTooLarge)?;
                     filled.push(cell);
@@ -62,38 +84,58 @@ impl Cells {
         }
         let frame = Frame::new(&lattice.bounds);
         let items = |cell: &Filled| rows.items(cell.index);
-        let mut others = vec![];
-        let mut blocks = empty_blocks(count as usize)?;
-        fill(world, &frame, &filled, &items, &mut blocks);
+        let mut cells = Self::empty(count as usize, words, frame)?;
+        fill(world, &frame, &filled, &items, &mut cells.blocks, &mut cells.numbers);
         // Few cells hold anything else, and their list is not worth a thread.
         if world.triangles.len() < world.finite_count() {
             for cell in &filled {
-                let rest = &items(cell)[cell.triangles..];
-                let block = &mut blocks[words[cell.index] as usize - 1];
-                (block.others_start, block.others_count) = (others.len() as u32, rest.len() as u32);
-                others.extend_from_slice(rest);
+                cells.add_others(cells.words[cell.index] as usize - 1, &items(cell)[cell.triangles..]);
             }
         }
-        Ok(Self { words, blocks, others, frame })
+        Ok(cells)
     }
 
     /// Everything in one cell, for a world without a grid. There are no words.
     pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
         let triangles: Vec<u32> = (0..world.triangles.len() as u32).collect();
-        let others: Vec<u32> = (world.triangles.len() as u32..world.finite_count() as u32).collect();
+        let others: Vec<u32> = (world.triangles.len() as u32..world.first_plane()).collect();
         let cell = Filled { index: 0, triangles: triangles.len() };
-        let mut blocks = empty_blocks(cell.blocks())?;
-        fill(world, &frame, &[cell], &|_| &triangles, &mut blocks);
-        blocks[0].others_count = others.len() as u32;
-        Ok(Self { words: vec![], blocks, others, frame })
+        let mut cells = Self::empty(cell.blocks(), vec![], frame)?;
+        fill(world, &frame, &[cell], &|_| &triangles, &mut cells.blocks, &mut cells.numbers);
+        cells.add_others(0, &others);
+        Ok(cells)
+    }
+
+    /// The numbers in the cell whose first block this is that are no triangles'.
+    pub fn others_of(&self, block: usize) -> &[u32] {
+        self.others.of(block)
+    }
+
+    fn empty(blocks: usize, words: Vec<u32>, frame: Frame) -> Result<Self, GridTooLarge> {
+        let numbers = filled_with([NONE; LANES], blocks)?;
+        Ok(Self {
+            words,
+            blocks: filled_with(Block::EMPTY, blocks)?,
+            numbers,
+            others: Others::default(),
+            frame,
+        })
+    }
+
+    fn add_others(&mut self, block: usize, others: &[u32]) {
+        if !others.is_empty() {
+            self.blocks[block].has_others = true;
+            self.others.push(block, others);
+        }
     }
 }
 
-fn empty_blocks(count: usize) -> Result<Vec<Block>, GridTooLarge> {
-    let mut blocks = Vec::new();
-    blocks.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    blocks.resize(count, Block::EMPTY);
-    Ok(blocks)
+/// A list of exactly this length, or an error where the memory is not to be had.
+fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    list.resize(count, value);
+    Ok(list)
 }
 
 /// Fills the cells' blocks, which follow one another, on all threads.
@@ -103,24 +145,30 @@ fn fill<'r>(
     cells: &[Filled],
     items: &(impl Fn(&Filled) -> &'r [u32] + Sync),
     blocks: &mut [Block],
+    numbers: &mut [Numbers],
 ) {
     const SERIAL: usize = 512;
     if cells.len() > SERIAL {
         let (left, right) = cells.split_at(cells.len() / 2);
-        let (first, second) = blocks.split_at_mut(left.iter().map(Filled::blocks).sum());
-        rayon::join(|| fill(world, frame, left, items, first), || fill(world, frame, right, items, second));
+        let middle = left.iter().map(Filled::blocks).sum();
+        let (first, second) = blocks.split_at_mut(middle);
+        let (low, high) = numbers.split_at_mut(middle);
+        rayon::join(
+            || fill(world, frame, left, items, first, low),
+            || fill(world, frame, right, items, second, high),
+        );
         return;
     }
-    let mut rest = blocks;
+    let mut next = 0;
     for cell in cells {
-        let (own, behind) = rest.split_at_mut(cell.blocks());
+        let own = next..next + cell.blocks();
+        next = own.end;
+        blocks[own.clone()].iter_mut().rev().skip(1).for_each(|block| block.is_last = false);
         let triangles = &items(cell)[..cell.triangles];
-        for (block, chunk) in own.iter_mut().zip(triangles.chunks(LANES)) {
-            block.fill(world, frame, chunk);
+        for (place, chunk) in own.zip(triangles.chunks(LANES)) {
+            blocks[place].fill(world, frame, chunk);
+            numbers[place][..chunk.len()].copy_from_slice(chunk);
         }
-        let last = own.len() - 1;
-        own[..last].iter_mut().for_each(|block| block.is_last = false);
-        rest = behind;
     }
 }
 

@@ -27,16 +27,27 @@
 //!
 //! Second-order terms are below 1e-5 of these. The double-precision test's own error, a few 2^-53 of
 //! the way from the ray's origin, stays below r for origins up to 2^20 boxes away; farther ones do
-//! not come here. [`EDGE_SLACK`] and [`DEPTH_SLACK`] round the bounds up to cover both.
+//! not come here. [`Slack`] rounds the bounds up to cover both.
 
 use super::block::{Block, LANES};
 use glam::DVec3;
 
-/// What u, v and w may be off by, in units of b.
-const EDGE_SLACK: f32 = 400.0 / (1u32 << 24) as f32;
+/// What the filter's quantities may be off by, for the triangles of one block.
+#[derive(Clone, Copy, Debug)]
+pub struct Slack {
+    /// u, v and w.
+    pub edge: f32,
+    /// e2.q - t det.
+    pub depth: f32,
+}
 
-/// What e2.q - t det may be off by, in units of b^2.
-const DEPTH_SLACK: f32 = 280.0 / (1u32 << 24) as f32;
+impl Slack {
+    /// `longest` is b, the largest absolute coordinate of the block's edges.
+    pub fn of(longest: f32) -> Self {
+        const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
+        Self { edge: 400.0 * ROUNDING * longest, depth: 280.0 * ROUNDING * longest * longest }
+    }
+}
 
 /// No hit lies farther along the ray: the box is 2 wide. Larger values are cut to this.
 pub const FARTHEST: f64 = 2.5;
@@ -77,7 +88,7 @@ pub struct Portable;
 impl Kernel for Portable {
     #[inline(always)]
     fn test(block: &Block, ray: &FilterRay, farthest: f32) -> Verdict {
-        let (edge_slack, depth_slack) = slacks(block);
+        let Slack { edge: edge_slack, depth: depth_slack } = block.slack;
         let mut verdict = Verdict { possible: 0, certain: 0 };
         for lane in 0..LANES {
             let [e1, e2] = block.edges.map(|edge| edge.map(|c| c[lane]));
@@ -100,11 +111,6 @@ impl Kernel for Portable {
         }
         verdict
     }
-}
-
-#[inline(always)]
-fn slacks(block: &Block) -> (f32, f32) {
-    (EDGE_SLACK * block.longest, DEPTH_SLACK * block.longest * block.longest)
 }
 
 #[inline(always)]
@@ -181,7 +187,7 @@ mod avx2 {
         let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
         let beyond = _mm256_fnmadd_ps(_mm256_set1_ps(farthest), det, depth);
         // The least of inside + edge slack, and of the way to both ends in depth.
-        let (edge_slack, depth_slack) = slacks(block);
+        let Slack { edge: edge_slack, depth: depth_slack } = block.slack;
         let edge = _mm256_set1_ps(edge_slack);
         let depth_margin = _mm256_min_ps(depth, _mm256_xor_ps(beyond, minus));
         let deep = _mm256_set1_ps(depth_slack);

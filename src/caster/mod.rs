@@ -15,6 +15,7 @@ use crate::stats::Probe;
 use crate::world::{Primitive, World};
 use block::Frame;
 use cells::Cells;
+use filter::Kernel;
 use search::Search;
 
 /// Which cells a primitive is entered in. More cells change no hit.
@@ -100,28 +101,33 @@ impl<'w> Caster<'w> {
         self.run::<P, true>(ray, probe).is_some()
     }
 
-    #[inline(always)]
     fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut search = Search::new(self.world, ray);
-        search.test_planes(probe);
-        let Some(structure) = &self.structure else { return search.best };
-        if ANY && search.best.is_some() {
-            return search.best;
-        }
         match self.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: only instructions that were found available are kept in `self`.
-            Instructions::Avx2 => unsafe { run_avx2::<P, ANY>(structure, &mut search, probe) },
-            _ => structure.run::<filter::Portable, P, ANY>(&mut search, probe),
+            Instructions::Avx2 => unsafe { run_avx2::<P, ANY>(self, ray, probe) },
+            _ => self.run_with::<filter::Portable, P, ANY>(ray, probe),
         }
-        search.best
+    }
+
+    #[inline(always)]
+    fn run_with<K: Kernel, P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let mut search = Search::new(self.world, ray);
+        search.test_planes(probe);
+        if ANY && search.best().is_some() {
+            return search.best();
+        }
+        if let Some(structure) = &self.structure {
+            structure.run::<K, P, ANY>(&mut search, probe);
+        }
+        search.best()
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn run_avx2<P: Probe, const ANY: bool>(structure: &Structure, search: &mut Search, probe: &mut P) {
-    structure.run::<filter::Avx2, P, ANY>(search, probe);
+fn run_avx2<P: Probe, const ANY: bool>(caster: &Caster, ray: &Ray, probe: &mut P) -> Option<Hit> {
+    caster.run_with::<filter::Avx2, P, ANY>(ray, probe)
 }
 
 impl Structure {

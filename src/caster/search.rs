@@ -1,7 +1,7 @@
 //! The search along one ray: cells in order, eight triangles at a time, each decided exactly.
 
 use super::Structure;
-use super::block::Block;
+use super::block::{NONE, Numbers};
 use super::cells::{BORDER, Cells, EMPTY};
 use super::filter::{FARTHEST, FilterRay, Kernel};
 use crate::grid::march::{March, Passage, clip};
@@ -16,7 +16,8 @@ pub struct Search<'w> {
     ray: Ray,
     /// Computed when the first triangle needs it.
     shear: Option<Shear>,
-    pub best: Option<Hit>,
+    /// At the ray's end and of nothing, until something is found.
+    best: Hit,
 }
 
 /// A ray on its way through the structure, in the filter's coordinates.
@@ -31,24 +32,24 @@ struct Filtered {
 
 impl Filtered {
     #[inline(always)]
-    fn new(structure: &Structure, ray: &Ray, passage: &Passage) -> Self {
-        let frame = &structure.cells.frame;
+    fn new(structure: &Structure, search: &Search, passage: &Passage) -> Self {
+        let (frame, ray) = (&structure.cells.frame, &search.ray);
         let largest = ray.direction.abs().max_element();
         let origin = ((ray.origin - frame.center) + passage.entry * ray.direction) * frame.scale;
         let mut filtered = Self {
-            ray: FilterRay::new(origin, ray.direction / largest),
+            ray: FilterRay::new(origin, ray.direction * (1.0 / largest)),
             entry: passage.entry,
             per_t: largest * frame.scale,
-            farthest: FARTHEST as f32,
+            farthest: 0.0,
         };
-        filtered.cut(ray.t_max);
+        filtered.cut(search);
         filtered
     }
 
-    /// Nothing beyond `t` counts any more.
+    /// Nothing beyond the best hit counts.
     #[inline(always)]
-    fn cut(&mut self, t: f64) {
-        self.farthest = ((t - self.entry) * self.per_t).min(FARTHEST) as f32;
+    fn cut(&mut self, search: &Search) {
+        self.farthest = ((search.best.t - self.entry) * self.per_t).min(FARTHEST) as f32;
     }
 }
 
@@ -60,21 +61,21 @@ impl Structure {
         if from_middle > self.farthest || from_middle.is_nan() {
             return self.run_all::<P, ANY>(search, probe);
         }
-        let ray = search.within_best();
-        let passage = clip(&self.bounds, &ray);
-        match (&self.lattice, passage) {
-            (Some(lattice), Some(passage)) => {
+        let ray = Ray { t_max: search.best.t, ..search.ray };
+        let Some(passage) = clip(&self.bounds, &ray) else {
+            // The course's program tests everything; what is outside the box misses.
+            let untested = if self.lattice.is_none() { search.world.finite_count() } else { 0 };
+            return probe.intersections(untested);
+        };
+        let mut filtered = Filtered::new(self, search, &passage);
+        match &self.lattice {
+            Some(lattice) => {
                 let march = March::new(lattice, &ray, &passage);
-                let filtered = Filtered::new(self, &ray, &passage);
                 self.march::<K, P, ANY>(march, filtered, search, probe);
             }
-            (None, Some(passage)) => {
-                let mut filtered = Filtered::new(self, &ray, &passage);
+            None => {
                 search.test_cell::<K, P, ANY>(&self.cells, 0, &mut filtered, probe);
             }
-            // The course's program tests everything; what is outside the box misses.
-            (None, None) => probe.intersections(search.world.finite_count()),
-            (Some(_), None) => {}
         }
     }
 
@@ -87,28 +88,43 @@ impl Structure {
         search: &mut Search,
         probe: &mut P,
     ) {
-        let mut last_tick = march.tick(search.ray.t_max.min(search.best.map_or(f64::INFINITY, |hit| hit.t)));
-        loop {
-            let word = self.cells.words[march.index];
-            if word != EMPTY {
-                if word == BORDER {
+        let mut last_tick = march.tick(search.best.t);
+        let mut word = self.cells.words[march.index];
+        while word != BORDER {
+            if word != EMPTY
+                && search.test_cell::<K, P, ANY>(&self.cells, word as usize - 1, &mut filtered, probe)
+            {
+                if ANY {
                     return;
                 }
-                if search.test_cell::<K, P, ANY>(&self.cells, word as usize - 1, &mut filtered, probe) {
-                    if ANY {
-                        return;
-                    }
-                    if let Some(hit) = search.best {
-                        last_tick = march.tick(hit.t);
-                    }
-                }
+                last_tick = march.tick(search.best.t);
             }
-            if (P::COUNTS || word != EMPTY) && last_tick <= march.exit() {
+            if last_tick <= march.exit() {
                 return;
             }
-            probe.cell();
-            march.step();
+            word = self.next_cell(&mut march, probe);
         }
+    }
+
+    /// Goes on to the next cell that is not empty. With counters it goes on by one cell, so that
+    /// the march stops as early as the course's program does.
+    #[inline(always)]
+    fn next_cell<P: Probe>(&self, march: &mut March, probe: &mut P) -> u32 {
+        // A copy, so that this innermost loop works in registers.
+        let mut ahead = *march;
+        let word = loop {
+            let set = ahead.step();
+            let word = self.cells.words[ahead.index];
+            if P::COUNTS {
+                (0..set.count_ones()).for_each(|_| probe.cell());
+                break word;
+            }
+            if word != EMPTY {
+                break word;
+            }
+        };
+        *march = ahead;
+        word
     }
 
     /// Without filter and march: every primitive by itself.
@@ -126,14 +142,13 @@ impl Structure {
 impl<'w> Search<'w> {
     #[inline(always)]
     pub fn new(world: &'w World, ray: &Ray) -> Self {
-        Self { world, ray: *ray, shear: None, best: None }
+        Self { world, ray: *ray, shear: None, best: Hit { t: ray.t_max, primitive: NONE } }
     }
 
-    /// The ray up to the best hit.
+    /// The best hit, if there is one.
     #[inline(always)]
-    fn within_best(&self) -> Ray {
-        let t_max = self.best.map_or(self.ray.t_max, |hit| hit.t);
-        Ray { t_max, ..self.ray }
+    pub fn best(&self) -> Option<Hit> {
+        (self.best.primitive != NONE).then_some(self.best)
     }
 
     #[inline(always)]
@@ -158,50 +173,60 @@ impl<'w> Search<'w> {
         probe: &mut P,
     ) -> bool {
         let mut changed = false;
-        for block in &cells.blocks[first..] {
+        let mut number = first;
+        loop {
+            let block = &cells.blocks[number];
             if P::COUNTS {
-                probe.intersections(block.count());
+                probe.intersections(cells.numbers[number].iter().filter(|&&n| n != NONE).count());
             }
             let verdict = K::test(block, &filtered.ray, filtered.farthest);
             if verdict.possible != 0 {
                 if ANY && verdict.certain != 0 {
-                    self.best = Some(Hit { t: self.ray.t_min, primitive: u32::MAX });
+                    // Which one it is nobody asks.
+                    self.best = Hit { t: self.ray.t_min, primitive: 0 };
                     return true;
                 }
-                if self.decide(block, verdict.possible) {
+                if self.decide::<ANY>(&cells.numbers[number], verdict.possible) {
                     changed = true;
                     if ANY {
                         return true;
                     }
-                    filtered.cut(self.best.map_or(f64::INFINITY, |hit| hit.t));
+                    filtered.cut(self);
                 }
             }
             if block.is_last {
                 break;
             }
+            number += 1;
         }
-        let Block { others_start, others_count, .. } = cells.blocks[first];
-        if others_count > 0 {
-            let others = &cells.others[others_start as usize..][..others_count as usize];
-            probe.intersections(others.len());
-            for &number in others {
-                changed |= self.test(number);
-            }
-            filtered.cut(self.best.map_or(self.ray.t_max, |hit| hit.t));
+        if cells.blocks[first].has_others && self.test_others(cells, first, probe) {
+            changed = true;
+            filtered.cut(self);
         }
         changed
     }
 
+    /// Tests what is no triangle in the cell whose first block is `first`.
+    #[inline(never)]
+    fn test_others<P: Probe>(&mut self, cells: &Cells, first: usize, probe: &mut P) -> bool {
+        let others = cells.others_of(first);
+        probe.intersections(others.len());
+        others.iter().fold(false, |changed, &number| self.test(number) | changed)
+    }
+
     /// Decides the lanes of a block that the filter left open; says whether the best hit changed.
     #[inline(always)]
-    fn decide(&mut self, block: &Block, mut lanes: u32) -> bool {
+    fn decide<const ANY: bool>(&mut self, numbers: &Numbers, mut lanes: u32) -> bool {
         let mut changed = false;
         while lanes != 0 {
-            let number = block.numbers[lanes.trailing_zeros() as usize];
+            let number = numbers[lanes.trailing_zeros() as usize];
             lanes &= lanes - 1;
             // What is already the best need not be found again in the next cell.
-            if self.best.is_none_or(|best| best.primitive != number) {
+            if number != self.best.primitive {
                 changed |= self.test_triangle(number);
+                if ANY && changed {
+                    return true;
+                }
             }
         }
         changed
@@ -209,7 +234,7 @@ impl<'w> Search<'w> {
 
     #[inline(always)]
     fn test_triangle(&mut self, number: u32) -> bool {
-        let shear = *self.shear.get_or_insert_with(|| Shear::new(&self.ray));
+        let shear = self.shear.get_or_insert_with(|| Shear::new(&self.ray));
         match shear.intersect(self.world.corners(number as usize)) {
             Some(crossing) if self.ray.covers(crossing.t) => {
                 self.offer(Hit { t: crossing.t, primitive: number })
@@ -232,9 +257,9 @@ impl<'w> Search<'w> {
     /// Keeps the hit if it precedes the best one.
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> bool {
-        let better = self.best.is_none_or(|best| hit.precedes(&best));
+        let better = hit.precedes(&self.best);
         if better {
-            self.best = Some(hit);
+            self.best = hit;
         }
         better
     }

@@ -2,8 +2,8 @@
 //! Tracing", Eurographics 1987), in fixed point and without branches on the axis.
 //!
 //! The ray's way through the lattice is cut into 2^29 ticks. Each axis holds the tick at which the
-//! ray crosses its next face. The least decides by masks which axis steps. A border cell ends the
-//! march.
+//! ray crosses its next face; the least decides, and a table of index strides, looked up by which
+//! axes are least, moves on. A border cell ends the march.
 //!
 //! *Drift.* A face's tick is the rounded one of the first face plus a whole number of rounded
 //! distances, so after k steps along an axis it is off by at most (k + 1) / 2 ticks, and by two more
@@ -14,8 +14,10 @@
 //! of its best hit has missed nothing nearer.
 
 use super::Lattice;
+use super::ticks::Ticks;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
+use glam::DVec3;
 
 /// The ray's whole way through the lattice, in ticks.
 const WAY: f64 = (1u64 << 29) as f64;
@@ -34,11 +36,11 @@ pub struct March {
     /// Index of the current cell, in the lattice or on its border.
     pub index: usize,
     /// The tick at which the ray crosses the next face along each axis.
-    next: [i32; 3],
+    next: Ticks,
     /// The ticks between such crossings.
-    between: [i32; 3],
-    /// What a step along each axis adds to the index.
-    moves: [isize; 3],
+    between: Ticks,
+    /// What to add to the index, by the set of axes that step (bit 0 for x).
+    moves: [isize; 8],
     clock: Clock,
 }
 
@@ -55,8 +57,8 @@ struct Clock {
 pub struct Passage {
     pub entry: f64,
     pub exit: f64,
-    /// The axis across whose face it enters; none where it begins inside.
-    pub by: Option<usize>,
+    /// One over the ray's direction.
+    inverse: DVec3,
 }
 
 impl March {
@@ -69,27 +71,32 @@ impl March {
         let clock = Clock { entry, per_tick: WAY / length };
         let start = lattice.to_cells(ray.at(entry));
         let strides = lattice.strides();
-        let mut march = Self { index: 0, next: [0; 3], between: [0; 3], moves: [0; 3], clock };
+        let (mut index, mut next, mut between, mut moves) = (0, [0; 3], [0; 3], [0; 3]);
         for axis in 0..3 {
-            let (size, d) = (lattice.cell_size[axis], ray.direction[axis]);
-            let cell = lattice.cell_at(axis, start[axis]);
-            march.index += (cell + 1) * strides[axis];
-            let ahead = d > 0.0;
-            let face = lattice.bounds.min[axis] + size * (cell + ahead as usize) as f64;
-            // Alongside a face (d = 0) both are infinite or NaN, which `min` turns into never.
-            let crossing = ((face - ray.origin[axis]) / d - entry) * clock.per_tick;
-            let distance = size / d.abs() * clock.per_tick;
-            march.next[axis] = (if d == 0.0 { NEVER } else { crossing.min(NEVER) }).round_ties_even() as i32;
-            march.between[axis] = distance.min(NEVER).round_ties_even() as i32;
-            march.moves[axis] = if ahead { strides[axis] as isize } else { -(strides[axis] as isize) };
+            let (size, inverse) = (lattice.cell_size[axis], passage.inverse[axis]);
+            // On a face either cell will do: the march corrects it with its first step.
+            let last = (lattice.cells[axis] - 1) as f64;
+            let (cell, number) = nearest(bounded(start[axis] - 0.5, 0.0, last));
+            index += (number as usize + 1) * strides[axis];
+            let ahead = inverse > 0.0;
+            let face = lattice.bounds.min[axis] + size * (cell + f64::from(ahead));
+            let crossing = ((face - ray.origin[axis]) * inverse - entry) * clock.per_tick;
+            // Alongside a face this is infinite, or NaN within it.
+            let crossing = if inverse.is_infinite() { NEVER } else { crossing };
+            next[axis] = nearest(bounded(crossing, -WAY, NEVER)).1;
+            between[axis] = nearest(bounded(size * inverse.abs() * clock.per_tick, 0.0, NEVER)).1;
+            let stride = strides[axis] as isize;
+            moves[axis] = if ahead { stride } else { -stride };
         }
-        march
+        let [x, y, z] = moves;
+        let moves = [0, x, y, x + y, z, x + z, y + z, x + y + z];
+        Self { index, next: Ticks::new(next), between: Ticks::new(between), moves, clock }
     }
 
     /// The tick at which the ray leaves the current cell.
     #[inline(always)]
     pub fn exit(&self) -> i32 {
-        self.next[0].min(self.next[1]).min(self.next[2])
+        self.next.least()
     }
 
     /// The first tick not before `t`.
@@ -99,55 +106,57 @@ impl March {
         ((t - self.clock.entry) * self.clock.per_tick).ceil() as i32
     }
 
-    /// Goes on to the next cell and gives the axis stepped along; where faces meet, x comes before y
-    /// and y before z.
+    /// Goes on to the next cell, or over an edge or a corner to the one behind it; gives the set of
+    /// axes stepped along.
     #[inline(always)]
     pub fn step(&mut self) -> usize {
-        let [x, y, z] = self.next;
-        let (xy, xz, yz) = (x <= y, x <= z, y <= z);
-        let steps = [xy & xz, !xy & yz, !xz & !yz];
-        let mut moved = 0;
-        for axis in 0..3 {
-            // All ones or nothing, so that no branch depends on the axis.
-            let mask = -i32::from(steps[axis]);
-            // A ray that but touches a corner may come to "never"; it wraps, and the border ends it.
-            self.next[axis] = self.next[axis].wrapping_add(self.between[axis] & mask);
-            moved |= self.moves[axis] & mask as isize;
-        }
-        self.index = self.index.wrapping_add_signed(moved);
-        usize::from(!xy | !xz) + usize::from(steps[2])
+        // A ray that but touches a corner may come to "never"; it wraps, and the border ends it.
+        let set = self.next.step(self.between);
+        self.index = self.index.wrapping_add_signed(self.moves[set]);
+        set
     }
+
+    /// What a step along one axis adds to the index.
+    pub fn stride(&self, axis: usize) -> isize {
+        self.moves[1 << axis]
+    }
+}
+
+/// `x` between two bounds; the lower one for a NaN.
+#[inline(always)]
+fn bounded(x: f64, low: f64, high: f64) -> f64 {
+    let raised = if x > low { x } else { low };
+    if raised < high { raised } else { high }
+}
+
+/// The nearest whole number, for numbers below 2^31: faster than a conversion that must also say
+/// what becomes of others.
+#[inline(always)]
+fn nearest(x: f64) -> (f64, i32) {
+    // Adding 1.5 * 2^52 leaves no bits for a fraction, and the number in the lowest ones.
+    const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+    let shifted = x + TO_WHOLE;
+    (shifted - TO_WHOLE, shifted.to_bits() as i32)
 }
 
 /// Where the ray enters and leaves the box, if it does so before it ends.
 #[inline(always)]
 pub fn clip(bounds: &Aabb, ray: &Ray) -> Option<Passage> {
-    let mut passage = Passage { entry: ray.t_min, exit: f64::INFINITY, by: None };
-    for axis in 0..3 {
-        let (o, d) = (ray.origin[axis], ray.direction[axis]);
-        let (low, high) = (bounds.min[axis], bounds.max[axis]);
-        if d == 0.0 {
-            if o < low || o > high {
-                return None;
-            }
-            continue;
-        }
-        let (near, far) = if d > 0.0 { (low, high) } else { (high, low) };
-        let t = (near - o) / d;
-        if t > passage.entry {
-            (passage.entry, passage.by) = (t, Some(axis));
-        }
-        passage.exit = passage.exit.min((far - o) / d);
-    }
-    // A ray without direction or with a NaN passes nowhere, and never out again.
-    let passes = passage.entry <= passage.exit.min(ray.t_max) && passage.exit < f64::INFINITY;
-    passes.then_some(passage)
+    let inverse = 1.0 / ray.direction;
+    let (low, high) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
+    let (near, far) = (low.min(high), low.max(high));
+    let greater = |a: f64, b: f64| if a > b { a } else { b };
+    let lesser = |a: f64, b: f64| if a < b { a } else { b };
+    let entry = greater(greater(near.x, near.y), greater(near.z, ray.t_min));
+    let exit = lesser(lesser(far.x, far.y), far.z);
+    // A ray without direction never gets out again.
+    let passes = entry <= exit && entry <= ray.t_max && exit < f64::INFINITY;
+    passes.then_some(Passage { entry, exit, inverse })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn unit(n: [usize; 3]) -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)

@@ -3,6 +3,7 @@
 pub mod build;
 pub mod footprint;
 pub mod march;
+mod ticks;
 pub mod visualize;
 
 use crate::math::aabb::Aabb;

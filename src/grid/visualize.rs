@@ -86,19 +86,35 @@ impl Occupancy {
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
         let passage = clip(&self.lattice.bounds, ray)?;
         let mut march = March::new(&self.lattice, ray, &passage);
-        let (mut entry, mut by) = (passage.entry, passage.by);
-        loop {
-            match self.counts[march.index] {
-                BORDER => return None,
-                0 => {}
-                count => {
-                    return Some(Face { t: entry, normal: face_normal(by, ray), color: count_color(count) });
+        let mut face = self.face(march.index, passage.entry, self.face_at(passage.entry, ray), ray);
+        while face.is_none() {
+            let mut index = march.index;
+            let set = march.step();
+            // Where faces meet, cells are passed one by one: x before y before z.
+            for axis in (0..3).filter(|axis| set >> axis & 1 == 1) {
+                index = index.wrapping_add_signed(march.stride(axis));
+                if self.counts[index] == BORDER {
+                    return None;
                 }
+                let entry = self.entry_across(axis, index, ray);
+                face = face.or_else(|| self.face(index, entry, Some(axis), ray));
             }
-            let axis = march.step();
-            by = Some(axis);
-            entry = self.entry_across(axis, march.index, ray);
         }
+        face
+    }
+
+    /// The face by which the ray enters a cell, if the cell is occupied.
+    fn face(&self, index: usize, t: f64, by: Option<usize>, ray: &Ray) -> Option<Face> {
+        let count = self.counts[index];
+        (count > 0).then(|| Face { t, normal: face_normal(by, ray), color: count_color(count) })
+    }
+
+    /// The axis whose face the ray crosses at its entry; none where it begins inside.
+    fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
+        let at = ray.at(entry);
+        let Aabb { min, max } = self.lattice.bounds;
+        let away = (at - min).abs().min((at - max).abs());
+        (entry > ray.t_min).then(|| away.min_position())
     }
 
     /// Where the ray enters a cell across the face that `axis` pierces.
