@@ -61,7 +61,8 @@ fn every_reference_has_a_command_and_every_picture_a_reference() {
     let mut found: BTreeSet<_> =
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     assert!(found.remove("commands.txt"));
-    assert_eq!(found, named);
+    let unmatched: Vec<_> = found.symmetric_difference(&named).collect();
+    assert!(unmatched.is_empty(), "only in the list or only in the folder: {unmatched:?}");
 }
 
 #[test]
