@@ -1,7 +1,7 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::cli::{self, Command, Options};
 use raytracer::grid::visualize::Occupancy;
 use raytracer::image_io::{ImageError, OutputFile};
@@ -123,8 +123,10 @@ fn draw<P: Probe>(
 ) -> Result<Report, String> {
     let start = Instant::now();
     let world = World::new(scene, meshes).map_err(|error| source.render(&error))?;
-    // Planes alone have no box, and then no grid has anything to speed up.
-    let caster = Caster::new(&world, options.grid.filter(|_| !options.visualize_grid)).map_err(failed)?;
+    let cells = options.grid.filter(|_| !options.visualize_grid);
+    let insertion = if P::COUNTS { Insertion::Course } else { Insertion::Exact };
+    let instructions = Instructions::available()[0];
+    let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
     let occupancy = match options.grid {
         Some(cells) if options.visualize_grid => {
             Some(Occupancy::new(scene, meshes, world.bounds, cells).map_err(failed)?)
