@@ -58,7 +58,7 @@ fn depth(t0: f64, t1: f64) -> Option<Depth> {
 }
 
 fn accepts(line: &str, expected: Options) {
-    assert_eq!(parse_line(line), Ok(Command::Render(expected)), "{line}");
+    assert_eq!(parse_line(line), Ok(Command::Render(Box::new(expected))), "{line}");
 }
 
 #[test]
@@ -419,7 +419,7 @@ mod not_utf8 {
         let name = b"\xff\xfe.tga";
         let parsed = parse_bytes(&[b"raytracer", b"-input", b"s.txt", b"-output", name]);
         let output = Some(PathBuf::from(OsString::from_vec(name.to_vec())));
-        assert_eq!(parsed, Ok(Command::Render(Options { output, ..plain() })));
+        assert_eq!(parsed, Ok(Command::Render(Box::new(Options { output, ..plain() }))));
     }
 
     #[test]
