@@ -141,6 +141,10 @@ fn the_enlarged_pictures() {
         Options { samples: enlarged("s.tga", 655), filter_picture: enlarged("f.tga", 655), ..plain() },
     );
     accepts(
+        "-input s.txt -size 1 4369 -render_samples s.tga 15",
+        Options { size: [1, 4369], samples: enlarged("s.tga", 15), ..plain() },
+    );
+    accepts(
         "-input s.txt -size 9 9 -render_samples s.tga 15 -random_samples 36",
         Options {
             size: [9, 9],
