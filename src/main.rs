@@ -23,12 +23,12 @@ fn main() -> ExitCode {
             Ok(Some(report)) => print(&report.to_string()),
             Ok(None) => ExitCode::SUCCESS,
             Err(message) => {
-                eprintln!("{message}");
+                tell(&message);
                 ExitCode::FAILURE
             }
         },
         Err(error) => {
-            eprintln!("{error}");
+            tell(&error.to_string());
             ExitCode::from(2)
         }
     }
@@ -42,6 +42,11 @@ fn print(text: &str) -> ExitCode {
     }
 }
 
+/// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 fn failed(error: impl Display) -> String {
     format!("error: {error}")
 }
@@ -50,13 +55,13 @@ fn failed(error: impl Display) -> String {
 /// the error that ends the program.
 fn run(options: &Options) -> Result<Option<Report>, String> {
     if options.preview {
-        eprintln!("note: this build has no preview; the picture is rendered directly");
+        tell("note: this build has no preview; the picture is rendered directly");
     }
     let outputs = Outputs::prepare(options).map_err(failed)?;
     let start = Instant::now();
     let loaded = scene_io::load(&options.input).map_err(|error| error.to_string())?;
     if loaded.scene.lights.is_empty() {
-        eprintln!("WARNING:  No lights specified");
+        tell("WARNING:  No lights specified");
     }
     if let Some(threads) = options.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
@@ -136,7 +141,7 @@ fn draw<P: Probe>(
     let (pictures, probe) = render::<P>(&camera, &caster, &options.request(view)).map_err(failed)?;
     timings.rendering = start.elapsed();
     if pictures.nans > 0 {
-        eprintln!("warning: the colours of {} pixels are not numbers; they are black", pictures.nans);
+        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", pictures.nans));
     }
 
     let start = Instant::now();
