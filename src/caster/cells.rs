@@ -198,19 +198,15 @@ mod tests {
             Rows::new(&lattice, 55, |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
         let cells = Cells::new(&world, &lattice, &rows).unwrap();
         for index in 0..lattice.index_count() {
-            let mut found = vec![];
+            let mut found: Vec<u32> = vec![];
             match cells.words[index] {
                 EMPTY | BORDER => {}
                 word => {
                     let first = word as usize - 1;
                     let length = cells.blocks[first..].iter().position(|b| b.is_last).unwrap() + 1;
-                    let own = &cells.blocks[first..first + length];
-                    found.extend(
-                        own.iter().flat_map(|b| b.numbers).filter(|&n| n != super::super::block::NONE),
-                    );
-                    found.extend(
-                        &cells.others[own[0].others_start as usize..][..own[0].others_count as usize],
-                    );
+                    let own = &cells.numbers[first..first + length];
+                    found.extend(own.iter().flatten().filter(|&&n| n != NONE));
+                    found.extend(cells.others_of(first));
                 }
             }
             assert_eq!(found, rows.items(index));
