@@ -58,13 +58,13 @@ fn run(options: &Options) -> Result<Option<Report>, String> {
         tell("note: this build has no preview; the picture is rendered directly");
     }
     let outputs = Outputs::prepare(options).map_err(failed)?;
+    if let Some(threads) = options.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
+    }
     let start = Instant::now();
     let loaded = scene_io::load(&options.input).map_err(|error| error.to_string())?;
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
-    }
-    if let Some(threads) = options.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
     }
     let timings = Timings { reading: start.elapsed(), ..Timings::default() };
     if options.stats {
