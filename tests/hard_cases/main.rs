@@ -6,3 +6,5 @@
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod support;
+mod triangles_accuracy;
+mod triangles_watertight;
