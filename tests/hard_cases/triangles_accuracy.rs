@@ -11,6 +11,7 @@ use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, woop};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
+use num_traits::ToPrimitive;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
@@ -48,10 +49,16 @@ fn compare(
                 Exact::Boundary(_) | Exact::Coplanar => continue,
             };
             counts[4] += 1;
+            let nearest = exact.as_ref().and_then(|t| t.to_f64()).unwrap_or(f64::NAN);
             for (method, found) in found.into_iter().enumerate() {
                 counts[method] += (found.is_some() != exact.is_some()) as u64;
                 if let (Some(found), Some(exact)) = (found, &exact) {
-                    errors[method] = errors[method].max(relative_error(found, exact));
+                    let error = match method {
+                        0 => relative_error(found, exact),
+                        // Exact differences would be wasted on these.
+                        _ => ((found - nearest) / nearest).abs(),
+                    };
+                    errors[method] = errors[method].max(error);
                 }
             }
         }
@@ -166,7 +173,7 @@ fn case_13_a_mesh_far_from_the_origin() {
     let m = compare(13, rays(20_000, 1_000_000), at_surface(&mesh, 1.6), 1e-13);
     m.record(13, "the rabbit at (1e3, 1e3, 1e3)", "0 wrong, t within 1e-13");
     assert!(m.wrong[0] == 0 && m.error[0] <= 1e-13, "{m:?}");
-    assert!(m.wrong[3] > m.pairs / 20, "the case tests nothing: {m:?}");
+    assert!(m.wrong[3] > m.pairs / 100, "the case tests nothing: {m:?}");
 }
 
 /// A sphere whose coordinates, and a ray whose direction, are scaled by powers of two.

@@ -1,8 +1,8 @@
 //! Every triangle against a ray, without any grid: the oracle of the grid's cases.
 //!
-//! Triangles stand in clusters of neighbours. A cluster is skipped when the ray's line keeps clear
-//! of a ball half as large again as it needs to be, which no rounding can undo; apart from that
-//! nothing is left out.
+//! Triangles stand in balls of neighbours, balls in larger balls. What a ball holds is skipped when
+//! the ray's line keeps clear of it by a tenth of its radius, which no rounding can undo; apart from
+//! that nothing is left out.
 
 use glam::DVec3;
 use raytracer::math::ray::{Hit, Ray};
@@ -11,20 +11,24 @@ use raytracer::world::World;
 
 pub struct Brute<'w> {
     world: &'w World,
-    clusters: Vec<Cluster>,
+    /// Each ball stands before those inside it.
+    balls: Vec<Ball>,
 }
 
-struct Cluster {
+struct Ball {
     center: DVec3,
     radius: f64,
+    /// The index of the next ball that is not inside this one.
+    next: usize,
+    /// Empty where smaller balls follow.
     triangles: Vec<u32>,
 }
 
 impl<'w> Brute<'w> {
     pub fn new(world: &'w World) -> Self {
-        let mut clusters = Vec::new();
-        split(world, (0..world.triangles.len() as u32).collect(), &mut clusters);
-        Self { world, clusters }
+        let mut balls = Vec::new();
+        split(world, (0..world.triangles.len() as u32).collect(), &mut balls);
+        Self { world, balls }
     }
 
     /// The nearest hit, and of equally near ones that of the lowest number.
@@ -38,22 +42,22 @@ impl<'w> Brute<'w> {
         best
     }
 
-    /// How many triangles the ray crosses.
-    pub fn crossings(&self, ray: &Ray) -> u64 {
-        let mut count = 0;
-        self.each_hit(ray, |_| count += 1);
-        count
-    }
-
     /// The triangles that stand near the ray's line, in no order.
     pub fn near(&self, ray: &Ray) -> impl Iterator<Item = u32> {
-        let line = ray.direction.normalize();
-        let origin = ray.origin;
-        let is_near = move |c: &&Cluster| {
-            let from_line = line.cross(c.center - origin).length();
-            from_line <= 1.5 * c.radius + 1e-9 * (c.center - origin).length()
-        };
-        self.clusters.iter().filter(is_near).flat_map(|c| c.triangles.iter().copied())
+        let (origin, line) = (ray.origin, ray.direction.normalize());
+        let mut i = 0;
+        std::iter::from_fn(move || {
+            while let Some(ball) = self.balls.get(i) {
+                let from_line = line.cross(ball.center - origin).length();
+                let is_near = from_line <= 1.1 * ball.radius + 1e-9 * (ball.center - origin).length();
+                i = if is_near { i + 1 } else { ball.next };
+                if is_near && !ball.triangles.is_empty() {
+                    return Some(ball.triangles.iter().copied());
+                }
+            }
+            None
+        })
+        .flatten()
     }
 
     fn each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
@@ -67,21 +71,24 @@ impl<'w> Brute<'w> {
     }
 }
 
-fn split(world: &World, mut triangles: Vec<u32>, clusters: &mut Vec<Cluster>) {
-    const LARGEST: usize = 32;
+fn split(world: &World, mut triangles: Vec<u32>, balls: &mut Vec<Ball>) {
+    const LARGEST: usize = 8;
     let corners = |i: u32| world.corners(i as usize);
     let points = || triangles.iter().flat_map(|&i| corners(i));
     let low = points().fold(DVec3::INFINITY, |a, b| a.min(b));
     let high = points().fold(DVec3::NEG_INFINITY, |a, b| a.max(b));
     let extent = high - low;
+    let (this, radius) = (balls.len(), 0.5 * extent.length());
+    balls.push(Ball { center: low + 0.5 * extent, radius, next: 0, triangles: vec![] });
     if triangles.len() <= LARGEST {
-        clusters.push(Cluster { center: low + 0.5 * extent, radius: 0.5 * extent.length(), triangles });
-        return;
+        balls[this].triangles = triangles;
+    } else {
+        let axis = (0..3).fold(0, |best, i| if extent[i] > extent[best] { i } else { best });
+        let place = |i: u32| corners(i).iter().map(|v| v[axis]).sum::<f64>();
+        triangles.sort_by(|&i, &j| place(i).total_cmp(&place(j)));
+        let rest = triangles.split_off(triangles.len() / 2);
+        split(world, triangles, balls);
+        split(world, rest, balls);
     }
-    let axis = (0..3).fold(0, |best, i| if extent[i] > extent[best] { i } else { best });
-    let place = |i: u32| corners(i).iter().map(|v| v[axis]).sum::<f64>();
-    triangles.sort_by(|&i, &j| place(i).total_cmp(&place(j)));
-    let rest = triangles.split_off(triangles.len() / 2);
-    split(world, triangles, clusters);
-    split(world, rest, clusters);
+    balls[this].next = balls.len();
 }
