@@ -119,7 +119,7 @@ impl<'w> Search<'w> {
         };
         let Some(t) = t else { return };
         let hit = Hit { t, primitive };
-        if self.best.is_none_or(|best| hit.precedes(&best)) {
+        if self.best.is_none_or(|best| world.precedes(hit, best)) {
             self.best = Some(hit);
         }
     }
