@@ -7,4 +7,5 @@
 
 mod support;
 mod triangles_accuracy;
+mod triangles_degenerate;
 mod triangles_watertight;

@@ -31,11 +31,11 @@ impl<'w> Brute<'w> {
         Self { world, balls }
     }
 
-    /// The nearest hit, and of equally near ones that of the lowest number.
+    /// The nearest hit, and of equally near ones the one that the world puts first.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.each_hit(ray, |hit| {
-            if best.is_none_or(|b| hit.t < b.t || (hit.t == b.t && hit.primitive < b.primitive)) {
+            if best.is_none_or(|best| self.world.precedes(hit, best)) {
                 best = Some(hit);
             }
         });

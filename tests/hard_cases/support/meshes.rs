@@ -155,3 +155,10 @@ pub fn aimed(origin: DVec3, target: DVec3, unit: bool) -> Ray {
     let d = target - origin;
     Ray::new(origin, rounded(if unit { d.normalize() } else { d }))
 }
+
+/// Puts the items into a random order.
+pub fn shuffle<T>(items: &mut [T], rng: &mut super::rng::Rng) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, rng.below(i + 1));
+    }
+}
