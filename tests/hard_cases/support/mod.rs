@@ -6,9 +6,11 @@ pub mod exact;
 pub mod exact_triangle;
 pub mod measure;
 pub mod meshes;
+pub mod product_grid;
 pub mod record;
 pub mod rng;
 pub mod textbook;
+pub mod textbook_grid;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
 /// in the long one.
