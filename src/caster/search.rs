@@ -257,7 +257,7 @@ impl<'w> Search<'w> {
     /// Keeps the hit if it precedes the best one.
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> bool {
-        let better = hit.precedes(&self.best);
+        let better = self.world.precedes(hit, self.best);
         if better {
             self.best = hit;
         }

@@ -1,5 +1,7 @@
 //! What everything stands on: boxes, rays and the robust arithmetic around them.
 
 pub mod aabb;
+pub mod double_double;
+pub mod predicate;
 pub mod ray;
 pub mod robust;

@@ -5,4 +5,8 @@
 //! `HARD_CASES=long cargo test --release --test hard_cases`. With `ACCURACY_DIR` set to a folder,
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
+mod grid;
 mod support;
+mod triangles_accuracy;
+mod triangles_degenerate;
+mod triangles_watertight;

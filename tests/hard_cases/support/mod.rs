@@ -1,8 +1,16 @@
 //! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
 
+pub mod brute;
+pub mod double_double;
 pub mod exact;
+pub mod exact_triangle;
+pub mod measure;
+pub mod meshes;
+pub mod product_grid;
 pub mod record;
 pub mod rng;
+pub mod textbook;
+pub mod textbook_grid;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
 /// in the long one.
