@@ -1,5 +1,6 @@
 //! What everything stands on: boxes, rays and the robust arithmetic around them.
 
 pub mod aabb;
+pub mod double;
 pub mod ray;
 pub mod robust;

@@ -1,7 +1,7 @@
 //! Ellipsoids: what a sphere becomes under a transform that is no similarity. They alone keep a
 //! matrix at trace time.
 
-use super::sphere;
+use super::sphere::{self, Sphere};
 use crate::math::{aabb::Aabb, ray::Ray};
 use glam::{DMat3, DVec3};
 
@@ -30,7 +30,8 @@ impl Ellipsoid {
     /// space, so t is the world's.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let origin = self.inverse * (ray.origin - self.center);
-        let roots = sphere::roots(origin, self.inverse * ray.direction, 1.0)?;
+        let unit_sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let roots = unit_sphere.roots(origin, self.inverse * ray.direction)?;
         sphere::first_on_ray(roots, ray)
     }
 
