@@ -1,8 +1,11 @@
 //! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
 
+pub mod double_double;
 pub mod exact;
+pub mod measure;
 pub mod record;
 pub mod rng;
+pub mod spheres;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
 /// in the long one.
