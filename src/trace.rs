@@ -173,7 +173,7 @@ impl Tracer<'_> {
     fn reflect(&self, branch: &Branch, lit: &Lit, pending: &mut Pending) {
         let Some((filter, weight)) = self.passes(branch, lit.material.reflective) else { return };
         let (d, n) = (branch.ray.direction, lit.surface.normal);
-        let ray = self.secondary(&lit.surface, (d - 2.0 * d.dot(n) * n).normalize());
+        let ray = self.secondary(&lit.surface, reflected(d, n));
         pending.0.push(Branch { ray, filter, weight, bounces: branch.bounces + 1, index: branch.index });
     }
 
@@ -192,6 +192,11 @@ impl Tracer<'_> {
         let weight = branch.weight * color.length();
         (weight > self.effects.min_weight).then(|| (branch.filter * color, weight))
     }
+}
+
+/// The direction of a mirrored ray, a unit vector; the normal may point to either side.
+pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
+    (direction - 2.0 * direction.dot(normal) * normal).normalize()
 }
 
 /// The direction of a refracted ray; none at total internal reflection. `ratio` is the index of

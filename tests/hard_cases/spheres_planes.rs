@@ -5,14 +5,14 @@ use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure, ulps32};
 use crate::support::record::Record;
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of;
 use crate::support::spheres::{nearest, tangency, textbook32, textbook64};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::{UNIT_ROUNDOFF, offset_origin};
 use raytracer::primitive::{plane::Plane, sphere::Sphere};
-use raytracer::scene::{Background, Camera, Object, Scene, material};
-use raytracer::world::World;
+use raytracer::scene::Object;
 
 /// What a sphere case counts: wrong decisions of three methods, then their largest errors in t.
 #[derive(Default)]
@@ -222,21 +222,6 @@ fn case_36_tangents() {
     assert_eq!((wrong, turns), (0, 0));
 }
 
-/// A world of one sphere.
-fn world_of(sphere: Sphere) -> World {
-    let Sphere { center, radius } = sphere;
-    let scene = Scene {
-        camera: Camera::Orthographic { center: DVec3::Z, direction: -DVec3::Z, up: DVec3::Y, size: 1.0 },
-        background: Background::default(),
-        lights: vec![],
-        materials: vec![material::Material::Phong(material::Phong::default())],
-        objects: vec![Object::Sphere { center, radius, material: 0 }],
-        root: 0,
-        meshes: vec![],
-    };
-    World::new(&scene, &[]).expect("a sphere")
-}
-
 /// A sphere far from or near the origin, a ray that hits it, and the direction in which another
 /// leaves the hit, in half of the cases almost along the surface.
 fn leaving(rng: &mut Rng) -> (Sphere, Ray, DVec3) {
@@ -256,7 +241,8 @@ fn leaving(rng: &mut Rng) -> (Sphere, Ray, DVec3) {
 /// side, and whether the f32 textbook finds a crossing close by; then our error in t at the far side.
 fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let (sphere, ray, out) = leaving(rng);
-    let world = world_of(sphere);
+    let object = Object::Sphere { center: sphere.center, radius: sphere.radius, material: 0 };
+    let world = world_of(vec![object]);
     let hit = Hit { t: sphere.intersect(&ray)?, primitive: 0 };
     let surface = world.surface(&ray, hit);
     let origin = offset_origin(surface.position, surface.normal, out, world.reach);

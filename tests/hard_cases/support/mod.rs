@@ -3,9 +3,12 @@
 pub mod double_double;
 pub mod exact;
 pub mod measure;
+pub mod occlusion;
 pub mod record;
 pub mod rng;
+pub mod scenes;
 pub mod spheres;
+pub mod textbook_offsets;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
 /// in the long one.
