@@ -203,10 +203,17 @@ pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
 /// refraction before the surface over the one behind it, `normal` points against `direction`.
 ///
 /// Split into its parts along the surface and into it, so that both keep their digits at grazing
-/// incidence, where a formula that subtracts cosines loses them.
+/// incidence, where a formula that subtracts cosines loses them. The square of the part inward is
+/// one less that of the part along, and also 1 - ratio^2 more than that of `ratio` times the cosine.
+/// The form that subtracts the smaller number loses the less.
 pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
-    let along = ratio * (direction - direction.dot(normal) * normal);
-    let inward = 1.0 - along.length_squared();
+    let cosine = direction.dot(normal);
+    let along = ratio * (direction - cosine * normal);
+    let inward = if ratio * ratio < 1.5 {
+        (1.0 - ratio) * (1.0 + ratio) + (ratio * cosine) * (ratio * cosine)
+    } else {
+        1.0 - along.length_squared()
+    };
     (inward >= 0.0).then(|| (along - inward.sqrt() * normal).normalize())
 }
 

@@ -7,5 +7,7 @@
 
 mod near_lights;
 mod secondary_rays;
+mod shading;
+mod shading_textures;
 mod spheres_planes;
 mod support;

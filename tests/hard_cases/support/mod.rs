@@ -8,6 +8,7 @@ pub mod record;
 pub mod rng;
 pub mod scenes;
 pub mod spheres;
+pub mod textbook_noise;
 pub mod textbook_offsets;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second

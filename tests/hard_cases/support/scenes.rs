@@ -1,9 +1,15 @@
 //! Scenes built in code.
 
 use glam::DVec3;
+use raytracer::camera::Camera;
+use raytracer::caster::Caster;
+use raytracer::render::{Request, View, render};
+use raytracer::sampling::{filter::Filter, sampler::Sampler};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::{Background, Camera, Light, MeshFile, Object, Position, Scene};
+use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
+use raytracer::stats::Quiet;
+use raytracer::trace::Effects;
 use raytracer::world::World;
 
 /// A scene of these objects in one group; they use material 0, which is white.
@@ -12,7 +18,12 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
     objects.push(Object::Group(children));
     let named = objects.iter().filter(|o| matches!(o, Object::Mesh { .. })).count();
     Scene {
-        camera: Camera::Orthographic { center: DVec3::Z, direction: -DVec3::Z, up: DVec3::Y, size: 1.0 },
+        camera: scene::Camera::Orthographic {
+            center: DVec3::Z,
+            direction: -DVec3::Z,
+            up: DVec3::Y,
+            size: 1.0,
+        },
         background: Background { color: DVec3::ZERO, ambient: DVec3::ZERO },
         lights,
         materials: vec![Material::Phong(Phong::default())],
@@ -70,4 +81,34 @@ fn divided([i, j, k]: [u32; 3], vertices: &mut Vec<DVec3>) -> [[u32; 3]; 4] {
     };
     let (ij, jk, ki) = (middle(i, j), middle(j, k), middle(k, i));
     [[i, ij, ki], [j, jk, ij], [k, ki, jk], [ij, jk, ki]]
+}
+
+/// The bytes of a scene's colour picture, one centred sample a pixel.
+pub fn render_picture(
+    scene: &Scene,
+    meshes: &[Mesh],
+    cells: Option<[usize; 3]>,
+    size: [usize; 2],
+    effects: Effects,
+) -> Vec<u8> {
+    let world = World::new(scene, meshes).expect("a sound scene");
+    let caster = Caster::new(&world, cells).expect("a grid");
+    let request = Request { view: View::Scene(effects), ..color_request(size) };
+    let (pictures, _) =
+        render::<Quiet>(&Camera::new(&scene.camera, size), &caster, &request).expect("a picture");
+    pictures.color.expect("it was asked for").pixels().to_vec()
+}
+
+/// Asks for the colour picture, one centred sample a pixel, without shadows or secondary rays.
+pub fn color_request(size: [usize; 2]) -> Request<'static> {
+    Request {
+        size,
+        view: View::Scene(Effects::default()),
+        sampler: Sampler::CENTER,
+        filter: Filter::PIXEL,
+        color: true,
+        depth: None,
+        normals: false,
+        samples: None,
+    }
 }
