@@ -8,6 +8,7 @@
 mod near_lights;
 mod secondary_rays;
 mod shading;
+mod shading_output;
 mod shading_textures;
 mod spheres_planes;
 mod support;
