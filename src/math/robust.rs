@@ -34,6 +34,18 @@ pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, reach: 
     point + side * unit_normal
 }
 
+/// `v` scaled to unit length, also where the square of its length is not representable; NaN for a
+/// vector without a direction.
+pub fn unit(v: DVec3) -> DVec3 {
+    const REPRESENTABLE: std::ops::Range<f64> = 1e-290..1e290;
+    if REPRESENTABLE.contains(&v.length_squared()) { v.normalize() } else { unit_of_extreme(v) }
+}
+
+#[cold]
+fn unit_of_extreme(v: DVec3) -> DVec3 {
+    (v / v.abs().max_element()).normalize()
+}
+
 /// The cofactor matrix: the inverse transpose times the determinant. It maps normals, and unlike
 /// the inverse transpose it stays finite when the matrix is singular.
 pub fn cofactor(m: DMat3) -> DMat3 {
@@ -73,6 +85,15 @@ mod tests {
         assert!((up.y - p.y) < 1e-13);
         let steep = offset_origin(p, DVec3::Y, DVec3::new(0.6, -0.8, 0.0), 4.0);
         assert!(steep.y < p.y && (steep.y - p.y) > -1e-13 && steep.x > p.x);
+    }
+
+    #[test]
+    fn every_vector_has_its_direction() {
+        let v = DVec3::new(3.0, 0.0, -4.0);
+        for scale in [1e-320, 1e-200, 1e-100, 1.0, 1e200, 1e307] {
+            assert!((unit(scale * v) - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-3, "{scale}");
+        }
+        assert!(unit(DVec3::ZERO).is_nan() && unit(DVec3::INFINITY).is_nan());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! matrix at trace time.
 
 use super::sphere::{self, Sphere};
-use crate::math::{aabb::Aabb, ray::Ray};
+use crate::math::{aabb::Aabb, ray::Ray, robust::unit};
 use glam::{DMat3, DVec3};
 
 /// The image of the unit sphere under `p -> center + linear * p`.
@@ -37,9 +37,9 @@ impl Ellipsoid {
 
     /// The outward unit normal, and a surface point within rounding of `point`.
     pub fn surface(&self, point: DVec3) -> (DVec3, DVec3) {
-        let unit = (self.inverse * (point - self.center)).normalize();
-        let normal = (self.inverse.transpose() * unit).normalize();
-        (normal, self.center + self.linear * unit)
+        let on_sphere = unit(self.inverse * (point - self.center));
+        let normal = unit(self.inverse.transpose() * on_sphere);
+        (normal, self.center + self.linear * on_sphere)
     }
 }
 

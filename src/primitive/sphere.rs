@@ -1,7 +1,7 @@
 //! Spheres, by the quadratic form that survives distance.
 
 use crate::math::double::{self, Double};
-use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF};
+use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::DVec3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +79,7 @@ impl Sphere {
 
     /// The outward unit normal, and the surface point nearest to `point`.
     pub fn surface(&self, point: DVec3) -> (DVec3, DVec3) {
-        let normal = (point - self.center).normalize();
+        let normal = unit(point - self.center);
         (normal, self.center + self.radius * normal)
     }
 }

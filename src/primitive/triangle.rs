@@ -2,7 +2,7 @@
 //! so that every ray through a closed mesh's shared edge or vertex hits exactly one triangle there.
 
 use crate::math::ray::Ray;
-use crate::math::robust::difference_of_products;
+use crate::math::robust::{difference_of_products, unit};
 use glam::DVec3;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
@@ -42,7 +42,9 @@ impl Shear {
             2
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        Self { origin: ray.origin, axes: [x, y, z], scale: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
+        // Without a length no t is right; NaN makes every triangle a miss.
+        let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
+        Self { origin: ray.origin, axes: [x, y, z], scale: DVec3::new(d[x] / d[z], d[y] / d[z], inverse) }
     }
 
     /// A vertex seen along the ray: x and y across it, z the depth along the longest axis.
@@ -104,7 +106,8 @@ fn side(weight: f64, from: DVec3, to: DVec3) -> i32 {
 
 /// The outward unit normal: vertices run counter-clockwise seen from outside.
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize()
+    let normal = (b - a).cross(c - a);
+    if normal.length_squared() > 1e-290 { unit(normal) } else { unit(unit(b - a).cross(unit(c - a))) }
 }
 
 #[cfg(test)]
