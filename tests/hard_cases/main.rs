@@ -6,6 +6,13 @@
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod grid;
+mod hostile_input;
+mod near_lights;
+mod secondary_rays;
+mod shading;
+mod shading_output;
+mod shading_textures;
+mod spheres_planes;
 mod support;
 mod triangles_accuracy;
 mod triangles_degenerate;
