@@ -9,10 +9,11 @@ use raytracer::primitive::triangle::Shear;
 /// Neighbouring floats along each side of the map.
 const SIDE: usize = 256;
 
+/// The triangles name the ends of their edge in different places, as those of a mesh do.
 const LEFT: [DVec3; 3] =
-    [DVec3::new(-12.0, -12.0, 3.0), DVec3::new(24.0, 24.0, 3.0), DVec3::new(-8.0, 17.0, 3.0)];
+    [DVec3::new(-12.0, -12.0, 3.0), DVec3::new(24.0, 24.0, 3.1), DVec3::new(-8.3, 17.1, 3.7)];
 const RIGHT: [DVec3; 3] =
-    [DVec3::new(24.0, 24.0, 3.0), DVec3::new(-12.0, -12.0, 3.0), DVec3::new(19.0, -7.0, 3.0)];
+    [DVec3::new(19.2, -7.4, 2.6), DVec3::new(24.0, 24.0, 3.1), DVec3::new(-12.0, -12.0, 3.0)];
 
 /// Left, right, both, none.
 const COLORS: [[u8; 3]; 4] = [[70, 120, 190], [235, 150, 60], [255, 255, 255], [0, 0, 0]];
@@ -52,9 +53,9 @@ fn side(left: bool, right: bool) -> usize {
     }
 }
 
-/// The origin from which a ray meets the edge at its point (0.5, 0.5).
+/// The origin from which a ray meets the edge near (0.5, 0.5).
 fn middle() -> DVec3 {
-    DVec3::new(0.5, 0.5, 3.0) - 3.0 * DIRECTION
+    LEFT[0] + (12.5 / 36.0) * (LEFT[1] - LEFT[0]) - 3.0 * DIRECTION
 }
 
 fn origin64(x: usize, y: usize) -> DVec3 {
