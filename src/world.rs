@@ -1,7 +1,7 @@
 //! Flattening: the object tree times its matrices becomes lists of world-space primitives.
 //!
 //! After this only true ellipsoids keep a matrix. Primitives are numbered through the lists in one
-//! order - triangles, spheres, ellipsoids, planes - and that number decides between equal hits.
+//! order: triangles, spheres, ellipsoids, planes.
 
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
@@ -11,6 +11,7 @@ use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Object, ObjectId, Position, Scene, material::Material};
 use glam::{DAffine3, DVec3};
+use std::cmp::Ordering;
 
 /// What the tracer works on.
 #[derive(Clone, Debug)]
@@ -165,6 +166,27 @@ impl World {
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize])
+    }
+
+    /// Whether `hit` is seen and not `other`: the nearer. Of two at the same t it is the one that the
+    /// primitives' own places put first, so that the answer depends neither on the grid, nor on the
+    /// order of tests, nor on that of a mesh's faces.
+    #[inline]
+    pub fn precedes(&self, hit: Hit, other: Hit) -> bool {
+        hit.t < other.t || (hit.t == other.t && self.comes_first(hit.primitive, other.primitive))
+    }
+
+    /// Triangles by their corners, and all else, or two triangles at one place, by their numbers.
+    #[cold]
+    fn comes_first(&self, one: u32, other: u32) -> bool {
+        let by_place = match (self.primitive(one), self.primitive(other)) {
+            (Primitive::Triangle(i), Primitive::Triangle(j)) => {
+                let coordinates = |k| self.corners(k).into_iter().flat_map(|v| v.to_array());
+                coordinates(i).partial_cmp(coordinates(j)).unwrap_or(Ordering::Equal)
+            }
+            _ => Ordering::Equal,
+        };
+        by_place.then(one.cmp(&other)).is_lt()
     }
 
     /// The surface where `ray` meets a primitive.

@@ -1,6 +1,7 @@
 //! What everything stands on: boxes, rays and the robust arithmetic around them.
 
 pub mod aabb;
-pub mod double;
+pub mod double_double;
+pub mod predicate;
 pub mod ray;
 pub mod robust;

@@ -36,11 +36,3 @@ pub struct Hit {
     /// The primitive's number in its world.
     pub primitive: u32,
 }
-
-impl Hit {
-    /// The order that decides which hit is seen: the nearer, and of two at the same t the one with
-    /// the lower number, so that the answer depends neither on the grid nor on the order of tests.
-    pub fn precedes(&self, other: &Hit) -> bool {
-        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
-    }
-}

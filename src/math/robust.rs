@@ -5,15 +5,6 @@ use glam::{DMat3, DVec3};
 /// The largest relative error of one rounded f64 operation, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// `a * b - c * d` within 1.5 units in the last place and with the exact sign, zero included,
-/// unless a product underflows (Kahan; Jeannerod, Louvet, Muller, "Further analysis of Kahan's
-/// algorithm for the accurate computation of 2x2 determinants", Math. Comp. 82, 2013).
-pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
-    let cd = c * d;
-    let rounding = (-c).mul_add(d, cd);
-    a.mul_add(b, -cd) + rounding
-}
-
 /// Where a secondary ray along the unit vector `direction` starts, so that it neither meets the
 /// surface it leaves nor skips what stands close by.
 ///
@@ -67,14 +58,6 @@ pub fn is_singular(m: DMat3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn difference_of_products_sees_what_rounding_hides() {
-        let (a, b) = (1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
-        assert_eq!(a * b - 1.0 * 1.0, 0.0, "the plain form loses the difference");
-        assert_eq!(difference_of_products(a, b, 1.0, 1.0), -f64::EPSILON * f64::EPSILON);
-        assert_eq!(difference_of_products(0.1, 0.3, 0.3, 0.1), 0.0);
-    }
 
     #[test]
     fn offset_goes_to_the_side_the_ray_leaves_by() {

@@ -1,6 +1,6 @@
 //! Spheres, by the quadratic form that survives distance.
 
-use crate::math::double::{self, Double};
+use crate::math::double_double::{Dd, difference, dot};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::DVec3;
 
@@ -55,11 +55,11 @@ impl Sphere {
     /// The square of the radius less that of the line's distance to the centre.
     #[cold]
     fn precise_discriminant(&self, origin: DVec3, direction: DVec3) -> f64 {
-        let f = double::difference(origin, self.center);
-        let d = direction.to_array().map(Double::from);
-        let r = Double::from(self.radius);
-        let (a, b) = (double::dot(d, d), double::dot(f, d));
-        (b * b - a * (double::dot(f, f) - r * r)).value() / a.value()
+        let f = difference(origin, self.center);
+        let d = direction.to_array().map(Dd::from);
+        let r = Dd::from(self.radius);
+        let (a, b) = (dot(d, d), dot(f, d));
+        (b * b - a * (dot(f, f) - r * r)).value() / a.value()
     }
 
     /// The square of the origin's distance to the centre less that of the radius.
@@ -72,9 +72,9 @@ impl Sphere {
 
     #[cold]
     fn precise_power(&self, origin: DVec3) -> f64 {
-        let f = double::difference(origin, self.center);
-        let r = Double::from(self.radius);
-        (double::dot(f, f) - r * r).value()
+        let f = difference(origin, self.center);
+        let r = Dd::from(self.radius);
+        (dot(f, f) - r * r).value()
     }
 
     /// The outward unit normal, and the surface point nearest to `point`.

@@ -1,8 +1,11 @@
-//! Triangles by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), decided in f64
-//! so that every ray through a closed mesh's shared edge or vertex hits exactly one triangle there.
+//! Triangles by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: whether
+//! a ray hits a triangle is decided as without any rounding, so that every ray through a closed
+//! mesh's shared edge or vertex hits exactly one triangle there.
 
+use crate::math::double_double::{Dd, cross as exact_cross, difference, dot};
+use crate::math::predicate::{difference_of_products, triple_product};
 use crate::math::ray::Ray;
-use crate::math::robust::{difference_of_products, unit};
+use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use glam::DVec3;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
@@ -10,6 +13,7 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
     origin: DVec3,
+    direction: DVec3,
     axes: [usize; 3],
     /// x and y shear per unit of z; the scale that turns a depth along z into t.
     scale: DVec3,
@@ -44,7 +48,8 @@ impl Shear {
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         // Without a length no t is right; NaN makes every triangle a miss.
         let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
-        Self { origin: ray.origin, axes: [x, y, z], scale: DVec3::new(d[x] / d[z], d[y] / d[z], inverse) }
+        let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
+        Self { origin: ray.origin, direction: d, axes: [x, y, z], scale }
     }
 
     /// A vertex seen along the ray: x and y across it, z the depth along the longest axis.
@@ -57,27 +62,84 @@ impl Shear {
 
     /// Where the ray's line crosses the triangle, whatever its winding; any t, also a negative one.
     ///
-    /// The three edge functions are exact in sign, since a rounded product difference that is not
-    /// zero has the right sign and one that is zero is recomputed. Both triangles at an edge see
-    /// the same two sheared vertices, so their edge functions are exact negatives, and where one is
-    /// truly zero the tie is broken as if the ray were moved by an infinitesimal amount. The edge
-    /// functions must not be contracted into fused operations: that breaks the antisymmetry.
+    /// It does where the three edge functions have one sign. Where rounding leaves a doubt about a
+    /// sign, it is decided exactly, and where an edge function is truly zero, as if the ray were
+    /// moved by an infinitesimal amount. So neighbours never disagree about an edge, and a triangle
+    /// without area, or one that lies along the ray, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, vertices: [DVec3; 3]) -> Option<Crossing> {
         let [a, b, c] = vertices.map(|v| self.apply(v));
         let mut weights = [cross(b, c), cross(c, a), cross(a, b)];
         let [u, v, w] = weights;
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        let (lowest, highest) = (u.min(v).min(w), u.max(v).max(w));
+        let doubt = doubt([a, b, c]);
+        if lowest < -doubt && highest > doubt {
             return None;
         }
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            weights = decide_on_edge([a, b, c])?;
+        if !(lowest > doubt || highest < -doubt) {
+            weights = self.decide(vertices)?;
         }
         let [u, v, w] = weights;
-        let t = self.scale.z * ((u * a.z + v * b.z + w * c.z) / (u + v + w));
+        let sum = u + v + w;
+        // In this form vertices in another order move t by hardly more than its rounding.
+        let mut t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
+        if !is_well_seen([a, b, c], sum) {
+            t = self.refined(vertices, [a.z, b.z, c.z], t);
+        }
         // The sum is zero only for a triangle seen edge on; a NaN comes from a broken ray.
         t.is_finite().then_some(Crossing { t, weights })
     }
+
+    /// The t of a crossing that the weights give only roughly: where the ray meets the triangle's
+    /// plane, in twice the digits.
+    #[cold]
+    fn refined(&self, [a, b, c]: [DVec3; 3], depths: [f64; 3], rough: f64) -> f64 {
+        let normal = exact_cross(difference(b, a), difference(c, a));
+        let along = dot(normal, self.direction.to_array().map(Dd::from)).value();
+        let t = dot(normal, difference(a, self.origin)).value() / along;
+        if !t.is_finite() {
+            return rough;
+        }
+        // Not beyond the vertices by rounding, so that the grid finds the hit where it keeps them.
+        let [p, q, r] = depths.map(|z| self.scale.z * z);
+        t.max(p.min(q).min(r)).min(p.max(q).max(r))
+    }
+
+    /// The edge functions with exact signs, if the ray, moved by an infinitesimal amount, lies on
+    /// one side of all three edges.
+    #[cold]
+    fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
+        let [a, b, c] = vertices.map(|v| difference(v, self.origin));
+        let edges = [(b, c), (c, a), (a, b)];
+        let along = self.scale.z;
+        let weights = edges.map(|(p, q)| along * triple_product(self.direction, p, q));
+        let sides = [0, 1, 2].map(|i| match sign(weights[i]) {
+            0 => self.side_of_edge_met(vertices[(i + 1) % 3], vertices[(i + 2) % 3]),
+            side => side,
+        });
+        let inside = sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
+        inside.then_some(weights)
+    }
+
+    /// On which side of an edge the ray is that truly meets the edge's line: as if it had moved, in
+    /// the sheared plane, towards negative x, and infinitely less towards negative y. Zero for an
+    /// edge along the ray.
+    fn side_of_edge_met(&self, from: DVec3, to: DVec3) -> i32 {
+        let (edge, d, [x, y, z]) = (difference(to, from), self.direction, self.axes);
+        let sheared = |axis: usize| sign(difference_of_products(d[z], edge[axis], d[axis], edge[z]));
+        let toward_z = sign(d[z]);
+        [toward_z * sheared(y), -toward_z * sheared(x)].into_iter().find(|&s| s != 0).unwrap_or(0)
+    }
+}
+
+/// Whether the weights give t to within about a hundred roundings. A sheared vertex is off by a few
+/// roundings of its distance D. Over an extent E that changes the area by E roundings of D, and as
+/// t varies by Z over the triangle, t by E Z / area of them: much for a needle, or a triangle seen
+/// nearly edge on.
+#[inline(always)]
+fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
+    let extent = a.max(b).max(c) - a.min(b).min(c);
+    (extent.x + extent.y) * extent.z <= 32.0 * area.abs()
 }
 
 /// The edge function of `p` and `q` in the sheared plane: twice the area they span with the ray.
@@ -86,22 +148,23 @@ fn cross(p: DVec3, q: DVec3) -> f64 {
     p.x * q.y - p.y * q.x
 }
 
-/// The decision where the ray meets an edge within rounding: the edge functions if the ray, moved
-/// by an infinitesimal amount, lies on one side of all three edges.
-#[cold]
-fn decide_on_edge([a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
-    let edges = [(b, c), (c, a), (a, b)];
-    let weights = edges.map(|(p, q)| difference_of_products(p.x, q.y, p.y, q.x));
-    let sides = [0, 1, 2].map(|i| side(weights[i], edges[i].0, edges[i].1));
-    let inside = sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
-    inside.then_some(weights)
+/// How far rounding may have moved an edge function.
+///
+/// Let e be the unit roundoff, M the largest |x| + |y| of a sheared vertex and D = M + |z| then a
+/// bound of the vertex' unsheared coordinates. A sheared x or y carries the roundings of the
+/// subtraction of the origin (e D), of the shear factor, the depth and their product (3 e D) and of
+/// the difference (e M): at most 5 e D. Hence an edge function is off by 10 e D M + 50 e^2 D^2, and
+/// its own three roundings add no more than e M^2.
+#[inline(always)]
+fn doubt([a, b, c]: [DVec3; 3]) -> f64 {
+    let largest = a.abs().max(b.abs()).max(c.abs());
+    let across = largest.x + largest.y;
+    let reach = across + largest.z;
+    16.0 * UNIT_ROUNDOFF * reach * (across + 4.0 * UNIT_ROUNDOFF * reach)
 }
 
-/// The sign of an edge function; of a zero one, as if the ray had moved towards negative x, and
-/// infinitely less towards negative y. Zero only for an edge without length.
-fn side(weight: f64, from: DVec3, to: DVec3) -> i32 {
-    let sign = |x: f64| (x > 0.0) as i32 - (x < 0.0) as i32;
-    [weight, to.y - from.y, from.x - to.x].into_iter().map(sign).find(|&s| s != 0).unwrap_or(0)
+fn sign(x: f64) -> i32 {
+    (x > 0.0) as i32 - (x < 0.0) as i32
 }
 
 /// The outward unit normal: vertices run counter-clockwise seen from outside.
@@ -168,6 +231,23 @@ mod tests {
             assert_eq!(test(DVec3::ZERO, p, t), None);
         }
         assert_eq!(test(DVec3::NEG_X, DVec3::X, [DVec3::ZERO, DVec3::X, DVec3::Y]), None);
+    }
+
+    #[test]
+    fn a_triangle_on_one_line_is_missed_and_leaves_no_gap() {
+        // The long side of one triangle is shared by two halves, and a triangle without area stands
+        // between. Its third corner lies on the side exactly.
+        let (p, q) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.7, -0.4, 0.9));
+        let [p, q] = [p, q].map(|v| v.as_vec3().as_dvec3());
+        let m = 0.5 * (p + q);
+        let (left, right) = (DVec3::new(-1.0, 2.0, 0.5), DVec3::new(1.5, 1.0, -2.0));
+        for i in 0..2000 {
+            let origin = DVec3::new(3.0, libm::sin(i as f64), 4.0);
+            let direction = p.lerp(q, i as f64 / 2000.0) - origin;
+            assert_eq!(test(origin, direction, [p, m, q]), None);
+            let around = [[p, q, left], [q, m, right], [m, p, right]];
+            assert_eq!(around.into_iter().filter(|&t| test(origin, direction, t).is_some()).count(), 1);
+        }
     }
 
     #[test]

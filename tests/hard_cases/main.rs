@@ -5,6 +5,7 @@
 //! `HARD_CASES=long cargo test --release --test hard_cases`. With `ACCURACY_DIR` set to a folder,
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
+mod grid;
 mod hostile_input;
 mod near_lights;
 mod secondary_rays;
@@ -13,3 +14,6 @@ mod shading_output;
 mod shading_textures;
 mod spheres_planes;
 mod support;
+mod triangles_accuracy;
+mod triangles_degenerate;
+mod triangles_watertight;

@@ -1,13 +1,19 @@
 //! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
 
+pub mod brute;
 pub mod double_double;
 pub mod exact;
+pub mod exact_triangle;
 pub mod measure;
+pub mod meshes;
 pub mod occlusion;
+pub mod product_grid;
 pub mod record;
 pub mod rng;
 pub mod scenes;
 pub mod spheres;
+pub mod textbook;
+pub mod textbook_grid;
 pub mod textbook_noise;
 pub mod textbook_offsets;
 

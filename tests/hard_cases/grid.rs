@@ -1,0 +1,277 @@
+//! Section B, cases 21 to 25: a grid changes no hit, on the rays that run along cells' faces, edges
+//! and corners. The oracle tests every triangle; t has to agree bit by bit.
+
+use crate::support::brute::Brute;
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{Closed, bunny, middle_and_reach, rounded, world_of};
+use crate::support::product_grid::lattice;
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::textbook_grid::TextbookGrid;
+use crate::support::{failed_ray, rays};
+use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::grid::Lattice;
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::Mesh;
+use raytracer::stats::Quiet;
+use raytracer::world::World;
+
+/// Compares the caster and the textbook's grid with the brute force on `n` rays, and counts the rays
+/// on which they differ, and those which hit something.
+pub fn differences(
+    case: u32,
+    world: &World,
+    cells: [usize; 3],
+    n: u64,
+    draw: impl Fn(&mut Rng, u64) -> Ray + Sync,
+) -> [u64; 3] {
+    let seed = 1000 + case as u64;
+    let caster = Caster::new(world, Some(cells)).expect("a grid that fits");
+    let brute = Brute::new(world);
+    let textbook = TextbookGrid::new(world, cells.map(|n| n.min(128)));
+    let failures = Failures::default();
+    let one = |index| {
+        let ray = draw(&mut Rng::at(seed, index), index);
+        let expected = brute.closest(&ray);
+        let found = caster.closest(&ray, &mut Quiet);
+        let differs = found.map(|h| (h.t.to_bits(), h.primitive))
+            != expected.map(|h| (h.t.to_bits(), h.primitive))
+            || caster.any(&ray, &mut Quiet) != expected.is_some();
+        failures.note(differs, || {
+            format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
+        });
+        let theirs = textbook.first_hit::<f64>(&ray) != expected.map(|h| h.primitive);
+        ([differs as u64, theirs as u64, expected.is_some() as u64], [])
+    };
+    measure::<3, 0>(n, one).0
+}
+
+/// Writes the record of a case that compares hits, and demands its target.
+pub fn conclude(case: u32, name: &str, n: u64, [ours, textbook, hits]: [u64; 3]) {
+    Record {
+        case,
+        name,
+        inputs: format!("{n} rays, {hits} of which hit"),
+        measure: "rays whose hit differs from brute force",
+        textbook: format!("march ends in the first cell with a hit, no padding: {textbook}"),
+        ours: ours.to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(ours, 0);
+    assert!(textbook > 0 && hits > 0, "the case tests nothing");
+}
+
+fn sum(counts: impl IntoIterator<Item = [u64; 3]>) -> [u64; 3] {
+    counts.into_iter().fold([0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
+}
+
+/// Rays from a camera, and rays to vertices and edges, from `distance` times the mesh's reach.
+pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + Sync {
+    let (middle, reach) = middle_and_reach(&mesh.mesh);
+    move |rng, index| {
+        let vertex = |i: u32| mesh.mesh.vertices[i as usize];
+        let origin = middle + distance * reach * rng.direction();
+        let target = match index % 3 {
+            0 => vertex(rng.below(mesh.mesh.vertices.len()) as u32),
+            1 => {
+                let [a, b] = mesh.edges[rng.below(mesh.edges.len())];
+                vertex(a).lerp(vertex(b), rng.unit())
+            }
+            _ => middle + reach * rng.in_ball(),
+        };
+        Ray::new(origin, target - origin)
+    }
+}
+
+#[test]
+fn case_21_grid_and_brute_force() {
+    let mesh = Closed::new(bunny("40k"));
+    let world = world_of(&mesh.mesh);
+    let n = rays(20_000, 2_000_000);
+    let counts =
+        [48, 50, 128, 200, 256].map(|side| differences(21, &world, [side; 3], n, outside(&mesh, 4.0)));
+    conclude(21, "the rabbit in grids of 48 to 256", 5 * n, sum(counts));
+}
+
+/// A plane between cells, or the coordinate of a vertex, along each axis.
+fn notable_point(mesh: &Mesh, lattice: &Lattice, rng: &mut Rng) -> DVec3 {
+    let corner = lattice_corner(lattice, rng);
+    let vertex = mesh.vertices[rng.below(mesh.vertices.len())];
+    DVec3::from_array([0, 1, 2].map(|axis| if rng.below(2) == 0 { corner[axis] } else { vertex[axis] }))
+}
+
+/// Where eight cells meet.
+pub fn lattice_corner(lattice: &Lattice, rng: &mut Rng) -> DVec3 {
+    let index = lattice.cells.map(|n| rng.below(n + 1) as f64);
+    lattice.bounds.min + lattice.cell_size * DVec3::from_array(index)
+}
+
+#[test]
+fn case_22_directions_with_zeros() {
+    let mesh = bunny("5k");
+    let world = world_of(&mesh);
+    let lattice = lattice(&world, [50; 3]);
+    let draw = |rng: &mut Rng, _| {
+        let zero = |rng: &mut Rng| if rng.below(2) == 0 { 0.0 } else { -0.0 };
+        let mut direction = DVec3::new(zero(rng), zero(rng), zero(rng));
+        for _ in 0..1 + rng.below(2) {
+            direction[rng.below(3)] = rng.range(-1.0, 1.0);
+        }
+        let origin = notable_point(&mesh, &lattice, rng) - (rng.below(3) as f64) * direction.normalize();
+        Ray::new(origin, direction)
+    };
+    let n = rays(100_000, 10_000_000);
+    conclude(
+        22,
+        "axis-parallel rays on cell faces and at vertices",
+        n,
+        differences(22, &world, [50; 3], n, draw),
+    );
+}
+
+#[test]
+fn case_23_diagonals_through_corners() {
+    let mesh = bunny("5k");
+    let world = world_of(&mesh);
+    let lattice = lattice(&world, [40; 3]);
+    let draw = |rng: &mut Rng, index: u64| {
+        let signs = DVec3::from_array([0, 1, 2].map(|_| if rng.below(2) == 0 { 1.0 } else { -1.0 }));
+        // From corner to corner of cells, or at equal angles to the axes.
+        let direction = if index.is_multiple_of(2) { signs * lattice.cell_size } else { signs * rng.unit() };
+        Ray::new(lattice_corner(&lattice, rng) - (rng.below(60) as f64) * direction, direction)
+    };
+    let n = rays(100_000, 10_000_000);
+    conclude(23, "diagonals through cell corners", n, differences(23, &world, [40; 3], n, draw));
+}
+
+#[test]
+fn case_24_origins_on_cell_faces() {
+    let mesh = bunny("5k");
+    let world = world_of(&mesh);
+    let lattice = lattice(&world, [64, 32, 50]);
+    let draw = |rng: &mut Rng, _| {
+        let corner = lattice_corner(&lattice, rng);
+        let mut origin = lattice.bounds.min + lattice.bounds.extent() * rng.in_cube().abs();
+        for axis in 0..=rng.below(3) {
+            origin[axis] = corner[axis];
+        }
+        Ray::new(origin, rng.direction())
+    };
+    let n = rays(100_000, 10_000_000);
+    conclude(24, "origins on cell faces", n, differences(24, &world, [64, 32, 50], n, draw));
+}
+
+/// Two small triangles in opposite corners of the unit cube, so that its cells are known before
+/// what stands in them.
+pub fn frame() -> Mesh {
+    let spike =
+        |at: f64, to: f64| [(0.0, 0.0), (to, 0.0), (0.0, to)].map(|(x, y)| DVec3::new(at + x, at + y, at));
+    let vertices = [spike(0.0, 0.01), spike(1.0, -0.01)].concat();
+    Mesh { vertices, triangles: vec![[0, 1, 2], [3, 4, 5]] }
+}
+
+pub fn push(mesh: &mut Mesh, triangle: [DVec3; 3]) {
+    let first = mesh.vertices.len() as u32;
+    mesh.vertices.extend(triangle);
+    mesh.triangles.push([first, first + 1, first + 2]);
+}
+
+#[test]
+fn case_25_rays_in_cell_faces() {
+    let rng = &mut Rng::new(1025);
+    let mut mesh = frame();
+    let lattice = lattice(&world_of(&mesh), [16; 3]);
+    let inside = |rng: &mut Rng| 0.5 + 0.45 * rng.in_cube();
+    for i in 0..3000 {
+        let center = inside(rng);
+        let mut triangle = [0, 1, 2].map(|_| center + 0.04 * rng.in_cube());
+        // Two in three lie in a face's plane.
+        if i % 3 > 0 {
+            let axis = rng.below(3);
+            let plane = lattice_corner(&lattice, rng)[axis].clamp(0.05, 0.95);
+            triangle.iter_mut().for_each(|v| v[axis] = plane);
+        }
+        push(&mut mesh, triangle);
+    }
+    let world = world_of(&mesh);
+    let draw = |rng: &mut Rng, _| {
+        let (corner, mut origin) = (lattice_corner(&lattice, rng), inside(rng));
+        let mut direction = rng.direction();
+        // In a face, or along an edge.
+        for _ in 0..1 + rng.below(2) {
+            let axis = rng.below(3);
+            (origin[axis], direction[axis]) = (corner[axis], 0.0);
+        }
+        Ray::new(origin - (rng.below(2) as f64) * direction, direction)
+    };
+    let n = rays(100_000, 10_000_000);
+    conclude(25, "rays in cell faces with triangles in them", n, differences(25, &world, [16; 3], n, draw));
+}
+
+#[test]
+fn case_19_no_rejection_is_wrong() {
+    let small = |corners: usize, rng: &mut Rng| -> Mesh {
+        let mut mesh = Mesh::default();
+        let (center, normal) = (rng.in_cube(), rng.direction());
+        let x = normal.cross(rng.direction()).normalize();
+        let rim = |k: usize| {
+            let angle = k as f64 / corners as f64 * std::f64::consts::TAU;
+            rounded(center + libm::cos(angle) * x + libm::sin(angle) * normal.cross(x))
+        };
+        for k in 0..corners {
+            push(&mut mesh, [rounded(center), rim(k), rim((k + 1) % corners)]);
+        }
+        mesh
+    };
+    let far = DVec3::new(148_376.0, 1234.0, -223_423.0);
+    let per_ring = rays(2000, 200_000);
+    let mut counts = Vec::new();
+    for (i, shift) in [DVec3::ZERO, far].into_iter().enumerate() {
+        for corners in [1, 2, 3, 4, 7, 8, 30] {
+            for turn in 0..4 {
+                let mut mesh = small(corners, &mut Rng::at(1019, (i * 1000 + corners * 10 + turn) as u64));
+                mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v + shift));
+                let ring = Closed::new(mesh);
+                let (world, aim) = (world_of(&ring.mesh), outside(&ring, 8.0));
+                counts.push(filtered(&world, per_ring, |rng, index| aim(rng, index)));
+            }
+        }
+    }
+    let n = counts.len() as u64 * per_ring;
+    let [ours, textbook, hits] = sum(counts);
+    Record {
+        case: 19,
+        name: "no hit is rejected before the exact test",
+        inputs: format!("{n} rays at the edges and vertices of rings of triangles, {hits} of which hit"),
+        measure: "hits that are lost",
+        textbook: format!("filtered by the same test in f32 without a margin: {textbook}"),
+        ours: ours.to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(ours, 0);
+    assert!(textbook > 0 && hits > n / 3, "the case tests nothing");
+}
+
+/// Counts the hits that the caster loses, those that a filter in f32 without a margin would lose,
+/// and all.
+fn filtered(world: &World, n: u64, draw: impl Fn(&mut Rng, u64) -> Ray + Sync) -> [u64; 3] {
+    use crate::support::textbook::{Edges, lower, lower_triangle, woop};
+    let caster = Caster::new(world, Some([3; 3])).expect("a small grid");
+    let brute = Brute::new(world);
+    let failures = Failures::default();
+    let one = |index| {
+        let ray = draw(&mut Rng::at(2019, index), index);
+        let expected = brute.closest(&ray);
+        let lost = caster.closest(&ray, &mut Quiet) != expected;
+        failures.note(lost, || failed_ray(19, 2019, index, ray.origin, ray.direction));
+        let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
+        let rejected = expected.is_some_and(|h| {
+            woop(o, d, lower_triangle(world.corners(h.primitive as usize)), Edges::Inclusive).is_none()
+        });
+        ([lost as u64, rejected as u64, expected.is_some() as u64], [])
+    };
+    measure::<3, 0>(n, one).0
+}

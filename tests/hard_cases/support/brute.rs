@@ -1,0 +1,94 @@
+//! Every triangle against a ray, without any grid: the oracle of the grid's cases.
+//!
+//! Triangles stand in balls of neighbours, balls in larger balls. What a ball holds is skipped when
+//! the ray's line keeps clear of it by a tenth of its radius, which no rounding can undo; apart from
+//! that nothing is left out.
+
+use glam::DVec3;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::primitive::triangle::Shear;
+use raytracer::world::World;
+
+pub struct Brute<'w> {
+    world: &'w World,
+    /// Each ball stands before those inside it.
+    balls: Vec<Ball>,
+}
+
+struct Ball {
+    center: DVec3,
+    radius: f64,
+    /// The index of the next ball that is not inside this one.
+    next: usize,
+    /// Empty where smaller balls follow.
+    triangles: Vec<u32>,
+}
+
+impl<'w> Brute<'w> {
+    pub fn new(world: &'w World) -> Self {
+        let mut balls = Vec::new();
+        split(world, (0..world.triangles.len() as u32).collect(), &mut balls);
+        Self { world, balls }
+    }
+
+    /// The nearest hit, and of equally near ones the one that the world puts first.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        self.each_hit(ray, |hit| {
+            if best.is_none_or(|best| self.world.precedes(hit, best)) {
+                best = Some(hit);
+            }
+        });
+        best
+    }
+
+    /// The triangles that stand near the ray's line, in no order.
+    pub fn near(&self, ray: &Ray) -> impl Iterator<Item = u32> {
+        let (origin, line) = (ray.origin, ray.direction.normalize());
+        let mut i = 0;
+        std::iter::from_fn(move || {
+            while let Some(ball) = self.balls.get(i) {
+                let from_line = line.cross(ball.center - origin).length();
+                let is_near = from_line <= 1.1 * ball.radius + 1e-9 * (ball.center - origin).length();
+                i = if is_near { i + 1 } else { ball.next };
+                if is_near && !ball.triangles.is_empty() {
+                    return Some(ball.triangles.iter().copied());
+                }
+            }
+            None
+        })
+        .flatten()
+    }
+
+    fn each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
+        let shear = Shear::new(ray);
+        for primitive in self.near(ray) {
+            let crossing = shear.intersect(self.world.corners(primitive as usize));
+            if let Some(t) = crossing.map(|c| c.t).filter(|&t| ray.covers(t)) {
+                visit(Hit { t, primitive });
+            }
+        }
+    }
+}
+
+fn split(world: &World, mut triangles: Vec<u32>, balls: &mut Vec<Ball>) {
+    const LARGEST: usize = 8;
+    let corners = |i: u32| world.corners(i as usize);
+    let points = || triangles.iter().flat_map(|&i| corners(i));
+    let low = points().fold(DVec3::INFINITY, |a, b| a.min(b));
+    let high = points().fold(DVec3::NEG_INFINITY, |a, b| a.max(b));
+    let extent = high - low;
+    let (this, radius) = (balls.len(), 0.5 * extent.length());
+    balls.push(Ball { center: low + 0.5 * extent, radius, next: 0, triangles: vec![] });
+    if triangles.len() <= LARGEST {
+        balls[this].triangles = triangles;
+    } else {
+        let axis = (0..3).fold(0, |best, i| if extent[i] > extent[best] { i } else { best });
+        let place = |i: u32| corners(i).iter().map(|v| v[axis]).sum::<f64>();
+        triangles.sort_by(|&i, &j| place(i).total_cmp(&place(j)));
+        let rest = triangles.split_off(triangles.len() / 2);
+        split(world, triangles, balls);
+        split(world, rest, balls);
+    }
+    balls[this].next = balls.len();
+}

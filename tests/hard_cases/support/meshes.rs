@@ -1,0 +1,164 @@
+//! Meshes with their neighbourhoods, and the worlds made of them.
+
+use glam::{DMat3, DVec3};
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::parser::parse;
+use raytracer::world::World;
+use std::collections::BTreeSet;
+
+/// A mesh that knows the triangles around each vertex.
+pub struct Closed {
+    pub mesh: Mesh,
+    /// The triangles at each vertex, in increasing order.
+    pub rings: Vec<Vec<u32>>,
+    /// Each edge once, the lower index first.
+    pub edges: Vec<[u32; 2]>,
+}
+
+impl Closed {
+    pub fn new(mesh: Mesh) -> Self {
+        let mut rings = vec![Vec::new(); mesh.vertices.len()];
+        let mut edges = BTreeSet::new();
+        for (i, t) in mesh.triangles.iter().enumerate() {
+            for k in 0..3 {
+                rings[t[k] as usize].push(i as u32);
+                edges.insert([t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3])]);
+            }
+        }
+        Self { mesh, rings, edges: edges.into_iter().collect() }
+    }
+
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.mesh.triangles[triangle as usize].map(|v| self.mesh.vertices[v as usize])
+    }
+
+    /// The triangles at either end of an edge, each once.
+    pub fn around(&self, [a, b]: [u32; 2]) -> Vec<u32> {
+        let (a, b) = (&self.rings[a as usize], &self.rings[b as usize]);
+        a.iter().chain(b.iter().filter(|t| !a.contains(t))).copied().collect()
+    }
+}
+
+/// A matrix that turns nothing onto an axis.
+pub fn oblique_rotation() -> DMat3 {
+    let axis = DVec3::new(0.267_261_241_912_424_4, -0.534_522_483_824_848_8, 0.801_783_725_737_273_2);
+    DMat3::from_axis_angle(axis, 0.7)
+}
+
+/// Coordinates as single-precision programs store them.
+pub fn rounded(v: DVec3) -> DVec3 {
+    v.as_vec3().as_dvec3()
+}
+
+/// A sphere of 20 * 4^level triangles whose vertices are representable in f32.
+pub fn icosphere(level: u32, radius: f64, center: DVec3) -> Closed {
+    let mut mesh = icosahedron();
+    for _ in 0..level {
+        mesh = subdivided(&mesh);
+    }
+    let turn = oblique_rotation();
+    for v in &mut mesh.vertices {
+        *v = rounded(center + radius * (turn * *v));
+    }
+    Closed::new(mesh)
+}
+
+fn icosahedron() -> Mesh {
+    let g = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut vertices = Vec::new();
+    for axis in 0..3 {
+        for (s, t) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
+            let mut v = DVec3::ZERO;
+            (v[axis], v[(axis + 1) % 3]) = (s, t);
+            vertices.push(v.normalize());
+        }
+    }
+    let edge = (vertices[0] - vertices[1]).length();
+    let near = |i: usize, j: usize| (vertices[i] - vertices[j]).length() < 1.1 * edge;
+    let mut triangles = Vec::new();
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(i, k) {
+                    triangles.push(outward(&vertices, [i as u32, j as u32, k as u32]));
+                }
+            }
+        }
+    }
+    Mesh { vertices, triangles }
+}
+
+fn outward(vertices: &[DVec3], [a, b, c]: [u32; 3]) -> [u32; 3] {
+    let [p, q, r] = [a, b, c].map(|i| vertices[i as usize]);
+    if (q - p).cross(r - p).dot(p) > 0.0 { [a, b, c] } else { [a, c, b] }
+}
+
+fn subdivided(mesh: &Mesh) -> Mesh {
+    let mut vertices = mesh.vertices.clone();
+    let mut middles = std::collections::HashMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            vertices.push((vertices[a as usize] + vertices[b as usize]).normalize());
+            vertices.len() as u32 - 1
+        })
+    };
+    let mut triangles = Vec::new();
+    for &[a, b, c] in &mesh.triangles {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+    }
+    Mesh { vertices, triangles }
+}
+
+/// One of the rabbits in `scenes/`, by the number of its triangles.
+pub fn bunny(triangles: &str) -> Mesh {
+    let path = format!("{}/scenes/bunny_{triangles}.obj", env!("CARGO_MANIFEST_DIR"));
+    let mut mesh = parse_obj(&std::fs::read(&path).expect(&path)).expect(&path);
+    // As a single-precision program sees it, so that both work on the same mesh.
+    mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v));
+    mesh
+}
+
+pub fn moved(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Mesh {
+    Mesh { vertices: mesh.vertices.iter().map(|&v| map(v)).collect(), triangles: mesh.triangles.clone() }
+}
+
+/// A world that holds the mesh alone.
+pub fn world_of(mesh: &Mesh) -> World {
+    let text = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
+        Materials { numMaterials 1 Material { } }
+        Group { numObjects 1 MaterialIndex 0 TriangleMesh { obj_file m.obj } }";
+    let scene = parse(text).expect("a scene of one mesh");
+    World::new(&scene, std::slice::from_ref(mesh)).expect("a world of one mesh")
+}
+
+/// The middle of the mesh's box and half its diagonal.
+pub fn middle_and_reach(mesh: &Mesh) -> (DVec3, f64) {
+    let low = mesh.vertices.iter().fold(DVec3::INFINITY, |a, &b| a.min(b));
+    let high = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |a, &b| a.max(b));
+    ((low + high) / 2.0, (high - low).length() / 2.0)
+}
+
+/// A random point of a triangle.
+pub fn point_in([a, b, c]: [DVec3; 3], rng: &mut super::rng::Rng) -> DVec3 {
+    let (mut u, mut v) = (rng.unit(), rng.unit());
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
+    }
+    a + u * (b - a) + v * (c - a)
+}
+
+/// The ray from `origin` to `target`: of unit length every other time, and rounded to f32 so that
+/// methods of either precision get the same one.
+pub fn aimed(origin: DVec3, target: DVec3, unit: bool) -> Ray {
+    let d = target - origin;
+    Ray::new(origin, rounded(if unit { d.normalize() } else { d }))
+}
+
+/// Puts the items into a random order.
+pub fn shuffle<T>(items: &mut [T], rng: &mut super::rng::Rng) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, rng.below(i + 1));
+    }
+}

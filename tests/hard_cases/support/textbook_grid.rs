@@ -1,0 +1,109 @@
+//! The uniform grid of the textbooks: crossing times accumulated step by step in a chosen precision,
+//! no padding, and the first cell in which something is hit ends the march.
+
+use super::textbook::{V, lower};
+use glam::DVec3;
+use num_traits::Float;
+use raytracer::grid::Lattice;
+use raytracer::math::aabb::Aabb;
+use raytracer::math::ray::Ray;
+use raytracer::primitive::triangle::Shear;
+use raytracer::world::World;
+use std::collections::HashMap;
+
+fn float<T: Float>(x: f64) -> T {
+    T::from(x).expect("a float fits into a float")
+}
+
+/// Calls `visit` with each cell along the ray and the t at which the ray leaves it, until it
+/// returns false or the lattice ends.
+pub fn march<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usize; 3], f64) -> bool) {
+    let (o, d): (V<T>, V<T>) = (lower(ray.origin), lower(ray.direction));
+    let (low, size): (V<T>, V<T>) = (lower(lattice.bounds.min), lower(lattice.cell_size));
+    let Some(entry) = clip(&lower(lattice.bounds.min), &lower(lattice.bounds.max), &o, &d) else { return };
+    let mut cell = [0; 3];
+    let (mut next, mut between) = ([T::infinity(); 3], [T::infinity(); 3]);
+    for i in 0..3 {
+        let place = (o[i] + entry * d[i] - low[i]) / size[i];
+        cell[i] = place.max(T::zero()).to_usize().unwrap_or(0).min(lattice.cells[i] - 1);
+        if d[i] != T::zero() {
+            let face = cell[i] + (d[i] > T::zero()) as usize;
+            next[i] = (low[i] + size[i] * float(face as f64) - o[i]) / d[i];
+            between[i] = size[i] / d[i].abs();
+        }
+    }
+    loop {
+        let axis = (0..3).fold(0, |best, i| if next[i] < next[best] { i } else { best });
+        if !visit(cell, next[axis].to_f64().unwrap_or(f64::NAN)) || next[axis].is_infinite() {
+            return;
+        }
+        let after = if d[axis] > T::zero() { Some(cell[axis] + 1) } else { cell[axis].checked_sub(1) };
+        match after.filter(|&c| c < lattice.cells[axis]) {
+            Some(after) => cell[axis] = after,
+            None => return,
+        }
+        next[axis] = next[axis] + between[axis];
+    }
+}
+
+/// Where the ray enters the box, or its beginning inside.
+fn clip<T: Float>(low: &V<T>, high: &V<T>, o: &V<T>, d: &V<T>) -> Option<T> {
+    let (mut entry, mut exit) = (T::zero(), T::infinity());
+    for i in 0..3 {
+        let (a, b) = ((low[i] - o[i]) / d[i], (high[i] - o[i]) / d[i]);
+        // The comparisons are false for the NaN of a ray in a face's plane.
+        entry = if a.min(b) > entry { a.min(b) } else { entry };
+        exit = if a.max(b) < exit { a.max(b) } else { exit };
+    }
+    (entry <= exit).then_some(entry)
+}
+
+/// Triangles in the cells that their boxes touch.
+pub struct TextbookGrid<'w> {
+    world: &'w World,
+    pub lattice: Lattice,
+    cells: HashMap<[usize; 3], Vec<u32>>,
+}
+
+impl<'w> TextbookGrid<'w> {
+    pub fn new(world: &'w World, cells: [usize; 3]) -> Self {
+        Self::over(world, Lattice::new(world.bounds, cells))
+    }
+
+    pub fn over(world: &'w World, lattice: Lattice) -> Self {
+        let mut cells: HashMap<[usize; 3], Vec<u32>> = HashMap::new();
+        for i in 0..world.triangles.len() {
+            let b = Aabb::around(world.corners(i));
+            let place = |v: DVec3, axis: usize| {
+                let place = (v[axis] - lattice.bounds.min[axis]) / lattice.cell_size[axis];
+                (place as usize).min(lattice.cells[axis] - 1)
+            };
+            let range = |axis| place(b.min, axis)..=place(b.max, axis);
+            for x in range(0) {
+                for y in range(1) {
+                    for z in range(2) {
+                        cells.entry([x, y, z]).or_default().push(i as u32);
+                    }
+                }
+            }
+        }
+        Self { world, lattice, cells }
+    }
+
+    /// The triangle that the textbook sees.
+    pub fn first_hit<T: Float>(&self, ray: &Ray) -> Option<u32> {
+        let shear = Shear::new(ray);
+        let mut found = None;
+        march::<T>(&self.lattice, ray, |cell, _| {
+            let mut nearest = f64::INFINITY;
+            for &i in self.cells.get(&cell).map_or(&[][..], |list| list) {
+                let t = shear.intersect(self.world.corners(i as usize)).map(|c| c.t);
+                if let Some(t) = t.filter(|&t| ray.covers(t) && t < nearest) {
+                    (nearest, found) = (t, Some(i));
+                }
+            }
+            found.is_none()
+        });
+        found
+    }
+}

@@ -1,0 +1,249 @@
+//! Section A, cases 9 to 13 and 20: the distance to a triangle and the decision whether it is hit,
+//! against exact rationals.
+
+use crate::support::exact_triangle::{Exact, intersect, relative_error};
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{
+    Closed, aimed, bunny, icosphere, middle_and_reach, moved, point_in, rounded, world_of,
+};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, woop};
+use crate::support::{failed_ray, rays};
+use glam::DVec3;
+use num_traits::ToPrimitive;
+use raytracer::caster::Caster;
+use raytracer::math::ray::Ray;
+use raytracer::primitive::triangle::Shear;
+use raytracer::stats::Quiet;
+
+/// What the methods get wrong: ours, Moeller-Trumbore, Woop and Baldwin-Weber, the last three in f32.
+#[derive(Debug)]
+struct Measured {
+    /// Hits where there is none and misses where there is one.
+    wrong: [u64; 4],
+    /// The largest relative errors of t, where both a method and the oracle see a hit.
+    error: [f64; 4],
+    /// How many pairs of a ray and a triangle were compared.
+    pairs: u64,
+}
+
+/// Compares each triangle that `draw` gives with its ray to the exact answer.
+fn compare(
+    case: u32,
+    n: u64,
+    draw: impl Fn(&mut Rng, u64) -> (Ray, Vec<[DVec3; 3]>) + Sync,
+    worst: f64,
+) -> Measured {
+    let seed = 1000 + case as u64;
+    let failures = Failures::default();
+    let one = |index| {
+        let (ray, triangles) = draw(&mut Rng::at(seed, index), index);
+        let (mut counts, mut errors) = ([0; 5], [0.0f64; 4]);
+        for t in triangles {
+            let found = answers(&ray, t);
+            let exact = match intersect(&ray, t) {
+                Exact::Inside(t) => Some(t),
+                Exact::Outside => None,
+                // The rule decides; the watertight cases see to it.
+                Exact::Boundary(_) | Exact::Coplanar => continue,
+            };
+            counts[4] += 1;
+            let nearest = exact.as_ref().and_then(|t| t.to_f64()).unwrap_or(f64::NAN);
+            for (method, found) in found.into_iter().enumerate() {
+                counts[method] += (found.is_some() != exact.is_some()) as u64;
+                if let (Some(found), Some(exact)) = (found, &exact) {
+                    let error = match method {
+                        0 => relative_error(found, exact),
+                        // Exact differences would be wasted on these.
+                        _ => ((found - nearest) / nearest).abs(),
+                    };
+                    errors[method] = errors[method].max(error);
+                }
+            }
+        }
+        let failed = counts[0] > 0 || errors[0] > worst;
+        failures.note(failed, || failed_ray(case, seed, index, ray.origin, ray.direction));
+        (counts, errors)
+    };
+    let ([a, b, c, d, pairs], error) = measure(n, one);
+    Measured { wrong: [a, b, c, d], error, pairs }
+}
+
+fn answers(ray: &Ray, triangle: [DVec3; 3]) -> [Option<f64>; 4] {
+    let (o, d, t) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction), lower_triangle::<f32>(triangle));
+    [
+        Shear::new(ray).intersect(triangle).map(|c| c.t),
+        moller_trumbore(o, d, t, 0.0).map(f64::from),
+        woop(o, d, t, Edges::Inclusive).map(f64::from),
+        baldwin_weber(o, d, t).map(f64::from),
+    ]
+}
+
+impl Measured {
+    fn record(&self, case: u32, name: &str, target: &str) {
+        let [ours, mt, woop, bw] =
+            [0, 1, 2, 3].map(|i| format!("{} wrong, t off by {:.1e}", self.wrong[i], self.error[i]));
+        Record {
+            case,
+            name,
+            inputs: format!("{} pairs of ray and triangle", self.pairs),
+            measure: "wrong decisions, largest relative error of t",
+            textbook: format!("Moeller-Trumbore f32 {mt}; Woop f32 {woop}; Baldwin-Weber f32 {bw}"),
+            ours,
+            target,
+        }
+        .write();
+    }
+}
+
+#[test]
+fn case_09_needles() {
+    let draw = |rng: &mut Rng, index: u64| {
+        let along = rng.direction();
+        let across = along.cross(rng.direction()).normalize();
+        let start = rng.in_cube();
+        let needle = [start, start + along, start + rng.unit() * along + 1e-4 * across].map(rounded);
+        let target = point_in(needle, rng);
+        let origin = rounded(target + rng.range(1.0, 5.0) * rng.direction());
+        (aimed(origin, target, index.is_multiple_of(2)), vec![needle])
+    };
+    let m = compare(9, rays(100_000, 10_000_000), draw, 1e-11);
+    m.record(9, "needles, 1 by 1e-4", "0 wrong, t within 1e-11");
+    assert!(m.wrong[0] == 0 && m.error[0] <= 1e-11, "{m:?}");
+    assert!(m.wrong[1] > 0 && m.error[1] > 1e-3, "the case tests nothing: {m:?}");
+}
+
+#[test]
+fn case_10_grazing() {
+    let draw = |rng: &mut Rng, index: u64| {
+        let normal = rng.direction();
+        let x = normal.cross(rng.direction()).normalize();
+        let y = normal.cross(x);
+        let corner = rng.in_cube();
+        let triangle = [corner, corner + 4.0 * x, corner + 4.0 * y].map(rounded);
+        let target = point_in(triangle, rng);
+        let angle = rng.range(0.0, std::f64::consts::TAU);
+        let level = libm::cos(angle) * x + libm::sin(angle) * y;
+        let origin = rounded(target + 5.0 * (level + 1e-3 * normal));
+        (aimed(origin, target, index.is_multiple_of(2)), vec![triangle])
+    };
+    let m = compare(10, rays(100_000, 10_000_000), draw, 1e-12);
+    m.record(10, "grazing at 1e-3", "0 wrong, t within 1e-12");
+    assert!(m.wrong[0] == 0 && m.error[0] <= 1e-12, "{m:?}");
+    assert!(m.error[1] > 1e-6, "the case tests nothing: {m:?}");
+}
+
+/// Rays from a distance around a mesh to random points on it, with the triangles around the point.
+fn at_surface(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> (Ray, Vec<[DVec3; 3]>) + Sync {
+    let (middle, _) = middle_and_reach(&mesh.mesh);
+    move |rng, index| {
+        let target = rng.below(mesh.mesh.triangles.len());
+        let point = point_in(mesh.corners(target as u32), rng);
+        let origin = rounded(middle + distance * rng.direction());
+        let d = point - origin;
+        // Not rounded to f32: from afar no direction in f32 would meet its target.
+        let ray = Ray::new(origin, if index.is_multiple_of(2) { d.normalize() } else { d });
+        let [a, b, _] = mesh.mesh.triangles[target];
+        (ray, mesh.around([a, b]).into_iter().map(|i| mesh.corners(i)).collect())
+    }
+}
+
+#[test]
+fn case_11_distance_of_a_mesh() {
+    let mesh = Closed::new(bunny("40k"));
+    let m = compare(11, rays(20_000, 1_000_000), at_surface(&mesh, 1.6), 1e-13);
+    m.record(11, "distance of the rabbit, seen from 1.6", "0 wrong, t within 1e-13");
+    assert!(m.wrong[0] == 0 && m.error[0] <= 1e-13, "{m:?}");
+    assert!(m.error[1] > 1e-6, "the case tests nothing: {m:?}");
+}
+
+#[test]
+fn case_12_a_mesh_seen_from_afar() {
+    let mesh = Closed::new(bunny("40k"));
+    let m = compare(12, rays(20_000, 1_000_000), at_surface(&mesh, 1e4), 1e-13);
+    m.record(12, "the rabbit seen from 1e4", "0 wrong");
+    assert!(m.wrong[0] == 0, "{m:?}");
+    assert!(m.wrong[1] > 0 && m.wrong[2] > 0, "the case tests nothing: {m:?}");
+}
+
+#[test]
+fn case_13_a_mesh_far_from_the_origin() {
+    let mesh = Closed::new(moved(&bunny("40k"), |v| rounded(v + 1e3)));
+    let m = compare(13, rays(20_000, 1_000_000), at_surface(&mesh, 1.6), 1e-13);
+    m.record(13, "the rabbit at (1e3, 1e3, 1e3)", "0 wrong, t within 1e-13");
+    assert!(m.wrong[0] == 0 && m.error[0] <= 1e-13, "{m:?}");
+    assert!(m.wrong[3] > m.pairs / 100, "the case tests nothing: {m:?}");
+}
+
+/// A sphere whose coordinates, and a ray whose direction, are scaled by powers of two.
+#[test]
+fn case_20_tiny_and_huge_numbers() {
+    const SEED: u64 = 1020;
+    let n = rays(40_000, 1_000_000);
+    let failures = Failures::default();
+    let unit = icosphere(3, 1.0, DVec3::new(0.25, 0.5, -0.125));
+    let mut sums = [0; 2];
+    // 2^100 = 1.3e30, and 2^-126 = 1.2e-38 is where f32 begins to lose bits.
+    for exponent in [-126, -100, -60, 0, 60, 100] {
+        let mesh = moved(&unit.mesh, |v| v * 2f64.powi(exponent));
+        let world = world_of(&mesh);
+        let caster = Caster::new(&world, Some([16; 3])).expect("a small grid");
+        let closed = Closed::new(mesh);
+        let one = |index: u64| {
+            let rng = &mut Rng::at(SEED, index);
+            let size = 2f64.powi(exponent);
+            let origin = size * rounded(DVec3::new(0.25, 0.5, -0.125) + 0.5 * rng.in_ball());
+            let i = rng.below(closed.mesh.vertices.len());
+            let length = [1e-30, 1.0, 1e30][rng.below(3)];
+            let ray = Ray::new(origin, length * (closed.mesh.vertices[i] - origin) / size);
+            let shear = Shear::new(&ray);
+            let hits = closed.rings[i]
+                .iter()
+                .filter_map(|&t| shear.intersect(closed.corners(t)))
+                .collect::<Vec<_>>();
+            let in_front = hits.iter().filter(|c| c.t > 0.0 && c.t.is_finite()).count();
+            let wrong = in_front != 1 || caster.closest(&ray, &mut Quiet).is_none();
+            failures.note(wrong, || failed_ray(20, SEED, index, ray.origin, ray.direction));
+            let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
+            let textbook = closed.rings[i].iter().any(|&t| {
+                moller_trumbore(o, d, lower_triangle(closed.corners(t)), 0.0).is_some_and(|t| t > 0.0)
+            });
+            ([wrong as u64, !textbook as u64], [])
+        };
+        let (counts, []) = measure(n, one);
+        sums = [sums[0] + counts[0], sums[1] + counts[1]];
+    }
+    let [wrong, textbook] = sums;
+    Record {
+        case: 20,
+        name: "coordinates 1e-38 to 1e30, directions 1e-30 to 1e30",
+        inputs: format!("{} rays at vertices from within", 6 * n),
+        measure: "rays that do not hit exactly one, at a finite t",
+        textbook: format!("Moeller-Trumbore f32 misses {textbook}"),
+        ours: wrong.to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(wrong, 0);
+    assert!(textbook > n, "the case tests nothing");
+}
+
+/// Beyond what products can hold nothing is promised but that no answer is a NaN.
+#[test]
+fn case_20_numbers_beyond_all_products() {
+    const SEED: u64 = 2020;
+    let one = |index: u64| {
+        let rng = &mut Rng::at(SEED, index);
+        let wild = |rng: &mut Rng| {
+            let mut number = || rng.range(-1.0, 1.0) * 2f64.powi(rng.below(2000) as i32 - 1000);
+            DVec3::new(number(), number(), number())
+        };
+        let triangle = [wild(rng), wild(rng), wild(rng)];
+        let ray = Ray::new(wild(rng), wild(rng));
+        let crossing = Shear::new(&ray).intersect(triangle);
+        ([crossing.is_some_and(|c| !c.t.is_finite()) as u64], [])
+    };
+    let ([broken], []) = measure(rays(100_000, 10_000_000), one);
+    assert_eq!(broken, 0);
+}

@@ -1,0 +1,293 @@
+//! Section A, cases 15 to 18: triangles seen edge on, without area, twice, and with their vertices
+//! in another order.
+
+use crate::support::brute::Brute;
+use crate::support::exact_triangle::{Exact, intersect};
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{Closed, aimed, bunny, middle_and_reach, point_in, rounded, shuffle, world_of};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
+use crate::support::{failed_ray, rays};
+use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::primitive::triangle::Shear;
+use raytracer::scene::mesh::Mesh;
+use raytracer::stats::Quiet;
+
+/// The six orders of three vertices; the last three reverse the winding.
+const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+
+/// A whole number from -n to n.
+fn whole(rng: &mut Rng, n: usize) -> f64 {
+    rng.below(2 * n + 1) as f64 - n as f64
+}
+
+fn whole_vector(rng: &mut Rng, n: usize) -> DVec3 {
+    DVec3::new(whole(rng, n), whole(rng, n), whole(rng, n))
+}
+
+/// A ray and a triangle in one plane, exactly: all are whole combinations of two whole vectors.
+/// Every other time two of the vertices stand on the ray itself.
+fn coplanar(rng: &mut Rng, direction: DVec3) -> (Ray, [DVec3; 3]) {
+    let (origin, other) = (whole_vector(rng, 1000), whole_vector(rng, 1000));
+    let through_edge = rng.below(2) == 0;
+    let triangle = [0, 1, 2].map(|k| {
+        let off = if through_edge && k < 2 { 0.0 } else { whole(rng, 50) };
+        origin + (60.0 + whole(rng, 50)) * direction + off * other
+    });
+    (Ray::new(origin, direction), triangle)
+}
+
+/// How a coplanar triangle is answered under the six orders: whether they disagree, whether t is
+/// broken, whether it is hit; and whether the textbook's answers disagree.
+fn coplanar_answers(ray: &Ray, triangle: [DVec3; 3]) -> [u64; 4] {
+    let orders = ORDERS.map(|o| o.map(|k| triangle[k]));
+    let ours = orders.map(|t| Shear::new(ray).intersect(t).map(|c| c.t));
+    let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
+    let textbook = orders.map(|t| moller_trumbore(o, d, lower_triangle(t), 0.0).is_some());
+    [
+        ours.iter().any(|t| t.is_some() != ours[0].is_some()) as u64,
+        ours.iter().flatten().any(|t| !t.is_finite()) as u64,
+        ours[0].is_some() as u64,
+        textbook.iter().any(|&hit| hit != textbook[0]) as u64,
+    ]
+}
+
+#[test]
+fn case_15_a_ray_in_the_plane_of_the_triangle() {
+    const SEED: u64 = 1015;
+    let n = rays(60_000, 6_000_000);
+    let failures = Failures::default();
+    let count = |sheared_exactly: bool| {
+        let one = |index| {
+            let rng = &mut Rng::at(SEED, index);
+            // Divided by 64 the shear of the ray is exact; by another length it is rounded.
+            let longest = if sheared_exactly { 64.0 } else { 67.0 + rng.below(50) as f64 };
+            let mut direction = whole_vector(rng, 60);
+            direction[rng.below(3)] = longest;
+            let (ray, triangle) = coplanar(rng, direction);
+            assert_eq!(intersect(&ray, triangle), Exact::Coplanar);
+            let counts = coplanar_answers(&ray, triangle);
+            let wrong = counts[..3] != [0; 3];
+            failures.note(wrong, || failed_ray(15, SEED, index, ray.origin, ray.direction));
+            (counts, [])
+        };
+        measure::<4, 0>(n, one).0
+    };
+    let (exactly, roughly) = (count(true), count(false));
+    Record {
+        case: 15,
+        name: "a ray in the triangle's plane",
+        inputs: format!("{} rays, 6 orders of the vertices", 2 * n),
+        measure: "answers that depend on the order, not a number; hits",
+        textbook: format!("Moeller-Trumbore f32: {} depend on the order", exactly[3] + roughly[3]),
+        ours: format!(
+            "{} depend on the order, {} not a number, {} hits",
+            exactly[0] + roughly[0],
+            exactly[1] + roughly[1],
+            exactly[2] + roughly[2],
+        ),
+        target: "0, miss by rule",
+    }
+    .write();
+    assert_eq!((&exactly[..3], &roughly[..3]), (&[0; 3][..], &[0; 3][..]));
+    assert!(exactly[3] + roughly[3] > 0, "the case tests nothing");
+}
+
+/// The mesh with as many triangles of no area mixed in: a vertex repeated twice or three times, or
+/// three points of one line.
+fn with_degenerate_triangles(mesh: &Mesh, seed: u64) -> Mesh {
+    let mut mixed = mesh.clone();
+    let rng = &mut Rng::new(seed);
+    let first = mesh.triangles.len();
+    for i in 0..first {
+        let [a, b, _] = mesh.triangles[i];
+        let [p, q] = [a, b].map(|v| mesh.vertices[v as usize]);
+        let degenerate = match rng.below(4) {
+            0 => [a, a, a],
+            1 => [a, b, a],
+            2 => [b, a, a],
+            _ => {
+                // The far point is exact: these are floats of 24 bits, and the factor is small.
+                mixed.vertices.push(p + (1.0 + rng.below(3) as f64) * (q - p));
+                [a, b, mixed.vertices.len() as u32 - 1]
+            }
+        };
+        mixed.triangles.push(degenerate);
+    }
+    shuffle(&mut mixed.triangles, rng);
+    mixed
+}
+
+/// Rays from around a mesh to its vertices, edges and faces.
+fn at_everything(mesh: &Closed, rng: &mut Rng, index: u64) -> Ray {
+    let (middle, reach) = middle_and_reach(&mesh.mesh);
+    let origin = rounded(middle + 4.0 * reach * rng.direction());
+    let vertex = |i: u32| mesh.mesh.vertices[i as usize];
+    let target = match index % 3 {
+        0 => vertex(rng.below(mesh.mesh.vertices.len()) as u32),
+        1 => {
+            let [a, b] = mesh.edges[rng.below(mesh.edges.len())];
+            vertex(a).lerp(vertex(b), rng.unit())
+        }
+        _ => point_in(mesh.corners(rng.below(mesh.mesh.triangles.len()) as u32), rng),
+    };
+    aimed(origin, target, index.is_multiple_of(2))
+}
+
+#[test]
+fn case_16_triangles_without_area() {
+    const SEED: u64 = 1016;
+    let plain = Closed::new(bunny("40k"));
+    let mixed = with_degenerate_triangles(&plain.mesh, SEED);
+    let (world, mixed_world) = (world_of(&plain.mesh), world_of(&mixed));
+    let cells = Some([40; 3]);
+    let caster = Caster::new(&world, cells).expect("a small grid");
+    let mixed_caster = Caster::new(&mixed_world, cells).expect("a small grid");
+    let failures = Failures::default();
+    let n = rays(100_000, 10_000_000);
+    let one = |index| {
+        let ray = at_everything(&plain, &mut Rng::at(SEED, index), index);
+        let [without, with] = [&caster, &mixed_caster].map(|c| {
+            let hit = c.closest(&ray, &mut Quiet)?;
+            Some((hit.t.to_bits(), c.world.surface(&ray, hit).normal))
+        });
+        let wrong = without != with || with.is_some_and(|(_, normal)| normal.is_nan());
+        failures.note(wrong, || failed_ray(16, SEED, index, ray.origin, ray.direction));
+        ([wrong as u64, textbook_breaks(&ray, &mixed, index) as u64], [])
+    };
+    let ([wrong, textbook], []) = measure(n, one);
+    Record {
+        case: 16,
+        name: "triangles without area mixed in",
+        inputs: format!("{n} rays, {} triangles of which half have no area", mixed.triangles.len()),
+        measure: "hits that change, or have no normal",
+        textbook: format!("Moeller-Trumbore f32 with no test of the determinant: {textbook} not a number"),
+        ours: wrong.to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(wrong, 0);
+    assert!(textbook > 0, "the case tests nothing");
+}
+
+/// Whether dividing by the determinant without a look at it gives no number for some triangle.
+fn textbook_breaks(ray: &Ray, mesh: &Mesh, index: u64) -> bool {
+    let t = mesh.triangles[index as usize % mesh.triangles.len()].map(|v| mesh.vertices[v as usize]);
+    let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
+    // An epsilon below zero lets every determinant pass.
+    let t = lower_triangle(t);
+    let [e1, e2] = [1, 2].map(|k| glam::Vec3::from_array(t[k]) - glam::Vec3::from_array(t[0]));
+    let determinant = e1.dot(glam::Vec3::from_array(d).cross(e2));
+    let s = glam::Vec3::from_array(o) - glam::Vec3::from_array(t[0]);
+    (e2.dot(s.cross(e1)) / determinant).is_nan()
+}
+
+/// The hit with the number of the triangle it was before the mesh was changed.
+fn original(hit: Option<Hit>, numbers: &[u32]) -> Option<(u64, u32)> {
+    hit.map(|h| (h.t.to_bits(), numbers[h.primitive as usize]))
+}
+
+#[test]
+fn case_17_every_triangle_twice() {
+    const SEED: u64 = 1017;
+    let plain = Closed::new(bunny("40k"));
+    let count = plain.mesh.triangles.len() as u32;
+    let mut numbers: Vec<u32> = (0..count).chain(0..count).collect();
+    shuffle(&mut numbers, &mut Rng::new(SEED));
+    let triangles = numbers.iter().map(|&i| plain.mesh.triangles[i as usize]).collect();
+    let doubled = Mesh { vertices: plain.mesh.vertices.clone(), triangles };
+    let (world, doubled_world) = (world_of(&plain.mesh), world_of(&doubled));
+    let cells = Some([40; 3]);
+    let caster = Caster::new(&world, cells).expect("a small grid");
+    let doubled_caster = Caster::new(&doubled_world, cells).expect("a small grid");
+    let brute = Brute::new(&doubled_world);
+    let failures = Failures::default();
+    let n = rays(100_000, 10_000_000);
+    let one = |index| {
+        let ray = at_everything(&plain, &mut Rng::at(SEED, index), index);
+        let (once, twice) = (caster.closest(&ray, &mut Quiet), doubled_caster.closest(&ray, &mut Quiet));
+        let same = once.map(|h| (h.t.to_bits(), h.primitive)) == original(twice, &numbers);
+        // Of two equal hits the lower number.
+        let canonical = twice == brute.closest(&ray);
+        failures.note(!same || !canonical, || failed_ray(17, SEED, index, ray.origin, ray.direction));
+        let last_wins = last_of_the_nearest(&brute, &doubled_world, &ray);
+        ([(!same || !canonical) as u64, (last_wins != twice.map(|h| h.primitive)) as u64], [])
+    };
+    let ([wrong, textbook], []) = measure(n, one);
+    Record {
+        case: 17,
+        name: "every triangle twice, shuffled",
+        inputs: format!("{n} rays"),
+        measure: "rays whose hit changes",
+        textbook: format!("the last of equal hits wins: {textbook} depend on the order of tests"),
+        ours: wrong.to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(wrong, 0);
+    assert!(textbook > 0, "the case tests nothing");
+}
+
+/// What a loop with `t <= nearest` finds.
+fn last_of_the_nearest(brute: &Brute, world: &raytracer::world::World, ray: &Ray) -> Option<u32> {
+    let shear = Shear::new(ray);
+    let (mut nearest, mut found) = (f64::INFINITY, None);
+    for i in brute.near(ray) {
+        let t = shear.intersect(world.corners(i as usize)).map(|c| c.t);
+        if let Some(t) = t.filter(|&t| ray.covers(t) && t <= nearest) {
+            (nearest, found) = (t, Some(i));
+        }
+    }
+    found
+}
+
+/// How far apart two floats of one sign are, counted in floats.
+fn floats_between(a: f64, b: f64) -> u64 {
+    a.to_bits().abs_diff(b.to_bits())
+}
+
+#[test]
+fn case_18_the_order_of_the_vertices() {
+    const SEED: u64 = 1018;
+    let mesh = Closed::new(bunny("5k"));
+    let world = world_of(&mesh.mesh);
+    let brute = Brute::new(&world);
+    let failures = Failures::default();
+    let n = rays(100_000, 10_000_000);
+    let one = |index: u64| {
+        let rng = &mut Rng::at(SEED, index);
+        let ray = at_everything(&mesh, rng, index);
+        let shear = Shear::new(&ray);
+        let (o, d) = (lower::<f64>(ray.origin), lower::<f64>(ray.direction));
+        let (mut changed, mut textbook, mut apart) = (0, 0, 0);
+        for i in brute.near(&ray) {
+            let orders = ORDERS.map(|o| o.map(|k| mesh.corners(i)[k]));
+            let hits = orders.map(|t| shear.intersect(t).map(|c| c.t));
+            let theirs = orders.map(|t| moller_trumbore(o, d, lower_triangle(t), 0.0).is_some());
+            changed += hits.iter().any(|h| h.is_some() != hits[0].is_some()) as u64;
+            textbook += theirs.iter().any(|&h| h != theirs[0]) as u64;
+            for t in hits.iter().flatten() {
+                apart = apart.max(floats_between(*t, hits[0].unwrap_or(*t)));
+            }
+        }
+        let wrong = changed > 0 || apart > 4;
+        failures.note(wrong, || failed_ray(18, SEED, index, ray.origin, ray.direction));
+        ([changed, textbook], [apart as f64])
+    };
+    let ([changed, textbook], [apart]) = measure(n, one);
+    Record {
+        case: 18,
+        name: "vertices in all six orders",
+        inputs: format!("{n} rays"),
+        measure: "hits that change; how far t moves, in units in the last place",
+        textbook: format!("Moeller-Trumbore f64: {textbook} hits change"),
+        ours: format!("{changed}; {apart}"),
+        target: "0; 4",
+    }
+    .write();
+    assert!(changed == 0 && apart <= 4.0, "{changed} {apart}");
+    assert!(textbook > 0, "the case tests nothing");
+}
