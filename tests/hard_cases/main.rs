@@ -6,6 +6,8 @@
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod grid;
+mod grid_march;
+mod grid_scenes;
 mod support;
 mod triangles_accuracy;
 mod triangles_degenerate;
