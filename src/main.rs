@@ -1,7 +1,7 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::cli::{self, Command, Options};
 use raytracer::grid::visualize::Occupancy;
 use raytracer::image_io::{ImageError, OutputFile};
@@ -23,12 +23,12 @@ fn main() -> ExitCode {
             Ok(Some(report)) => print(&report.to_string()),
             Ok(None) => ExitCode::SUCCESS,
             Err(message) => {
-                eprintln!("{message}");
+                tell(&message);
                 ExitCode::FAILURE
             }
         },
         Err(error) => {
-            eprintln!("{error}");
+            tell(&error.to_string());
             ExitCode::from(2)
         }
     }
@@ -42,6 +42,11 @@ fn print(text: &str) -> ExitCode {
     }
 }
 
+/// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 fn failed(error: impl Display) -> String {
     format!("error: {error}")
 }
@@ -50,16 +55,16 @@ fn failed(error: impl Display) -> String {
 /// the error that ends the program.
 fn run(options: &Options) -> Result<Option<Report>, String> {
     if options.preview {
-        eprintln!("note: this build has no preview; the picture is rendered directly");
+        tell("note: this build has no preview; the picture is rendered directly");
     }
     let outputs = Outputs::prepare(options).map_err(failed)?;
+    if let Some(threads) = options.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
+    }
     let start = Instant::now();
     let loaded = scene_io::load(&options.input).map_err(|error| error.to_string())?;
     if loaded.scene.lights.is_empty() {
-        eprintln!("WARNING:  No lights specified");
-    }
-    if let Some(threads) = options.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
+        tell("WARNING:  No lights specified");
     }
     let timings = Timings { reading: start.elapsed(), ..Timings::default() };
     if options.stats {
@@ -118,8 +123,10 @@ fn draw<P: Probe>(
 ) -> Result<Report, String> {
     let start = Instant::now();
     let world = World::new(scene, meshes).map_err(|error| source.render(&error))?;
-    // Planes alone have no box, and then no grid has anything to speed up.
-    let caster = Caster::new(&world, options.grid.filter(|_| !options.visualize_grid)).map_err(failed)?;
+    let cells = options.grid.filter(|_| !options.visualize_grid);
+    let insertion = if P::COUNTS { Insertion::Course } else { Insertion::Exact };
+    let instructions = Instructions::available()[0];
+    let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
     let occupancy = match options.grid {
         Some(cells) if options.visualize_grid => {
             Some(Occupancy::new(scene, meshes, world.bounds, cells).map_err(failed)?)
@@ -134,7 +141,7 @@ fn draw<P: Probe>(
     let (pictures, probe) = render::<P>(&camera, &caster, &options.request(view)).map_err(failed)?;
     timings.rendering = start.elapsed();
     if pictures.nans > 0 {
-        eprintln!("warning: the colours of {} pixels are not numbers; they are black", pictures.nans);
+        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", pictures.nans));
     }
 
     let start = Instant::now();

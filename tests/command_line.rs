@@ -1,6 +1,10 @@
 //! Tables of command lines: what each means, or the exact line that says why it means nothing.
 
-use raytracer::cli::{CliError, Command, Depth, Options, Shadows, parse};
+use raytracer::cli::{CliError, Command, Depth, Enlarged, Options, parse};
+use raytracer::sampling::drand48::Drand48;
+use raytracer::sampling::filter::Filter;
+use raytracer::sampling::sampler::{Pattern, Sampler};
+use raytracer::trace::{Effects, Shadows};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -12,6 +16,18 @@ fn parse_line(line: &str) -> Result<Command, CliError> {
     parse(words(&format!("raytracer {line}")))
 }
 
+fn none() -> Effects {
+    Effects { shadows: Shadows::None, shade_back: false, bounces: 0, min_weight: 0.0 }
+}
+
+fn with_effects(effects: Effects) -> Options {
+    Options { effects, ..plain() }
+}
+
+fn with_shadows(shadows: Shadows) -> Options {
+    with_effects(Effects { shadows, ..none() })
+}
+
 /// The options of `-input s.txt` alone.
 fn plain() -> Options {
     Options {
@@ -20,10 +36,11 @@ fn plain() -> Options {
         size: [100, 100],
         depth: None,
         normals: None,
-        shade_back: false,
-        shadows: Shadows::Off,
-        bounces: 0,
-        weight: 0.0,
+        samples: None,
+        filter_picture: None,
+        effects: none(),
+        sampler: Sampler::CENTER,
+        filter: Filter::Box { radius: 0.5 },
         grid: None,
         visualize_grid: false,
         stats: false,
@@ -41,7 +58,7 @@ fn depth(t0: f64, t1: f64) -> Option<Depth> {
 }
 
 fn accepts(line: &str, expected: Options) {
-    assert_eq!(parse_line(line), Ok(Command::Render(expected)), "{line}");
+    assert_eq!(parse_line(line), Ok(Command::Render(Box::new(expected))), "{line}");
 }
 
 #[test]
@@ -52,16 +69,13 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
     accepts("-input s.txt -normals n.png", Options { normals: path("n.png"), ..plain() });
     accepts("-input s.txt -normal n.tga", Options { normals: path("n.tga"), ..plain() });
-    accepts("-shade_back -input s.txt", Options { shade_back: true, ..plain() });
-    accepts("-input s.txt -shadows", Options { shadows: Shadows::Opaque, ..plain() });
+    accepts("-shade_back -input s.txt", with_effects(Effects { shade_back: true, ..none() }));
+    accepts("-input s.txt -shadows", with_shadows(Shadows::Opaque));
     accepts("-input s.txt -no_shadows", plain());
-    accepts("-input s.txt -transparent_shadows", Options { shadows: Shadows::Transparent, ..plain() });
-    accepts(
-        "-input s.txt -transparent_shadows -shadows",
-        Options { shadows: Shadows::Transparent, ..plain() },
-    );
-    accepts("-input s.txt -bounces 2147483647", Options { bounces: 2147483647, ..plain() });
-    accepts("-input s.txt -weight 0.01", Options { weight: 0.01, ..plain() });
+    accepts("-input s.txt -transparent_shadows", with_shadows(Shadows::Transparent));
+    accepts("-input s.txt -transparent_shadows -shadows", with_shadows(Shadows::Transparent));
+    accepts("-input s.txt -bounces 2147483647", with_effects(Effects { bounces: 2147483647, ..none() }));
+    accepts("-input s.txt -weight 0.01", with_effects(Effects { min_weight: 0.01, ..none() }));
     accepts("-input s.txt -grid 10 +20 5", Options { grid: Some([10, 20, 5]), ..plain() });
     accepts("-input s.txt -grid 1 2147483647 1", Options { grid: Some([1, 2147483647, 1]), ..plain() });
     accepts(
@@ -71,6 +85,74 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });
+}
+
+#[test]
+fn each_sampler_and_its_count() {
+    let sampled = |pattern, count, rng| Options { sampler: Sampler::new(pattern, count, rng), ..plain() };
+    let unseeded = Drand48::UNSEEDED;
+    accepts("-input s.txt -random_samples 9", sampled(Pattern::Random, 9, unseeded));
+    accepts("-uniform_samples 4 -input s.txt", sampled(Pattern::Uniform, 4, unseeded));
+    accepts("-input s.txt -jittered_samples 16", sampled(Pattern::Jittered, 16, unseeded));
+    accepts("-input s.txt -uniform_samples 7", sampled(Pattern::Uniform, 7, unseeded));
+    accepts("-input s.txt -uniform_samples 1", plain());
+    accepts("-input s.txt -random_samples 1", sampled(Pattern::Random, 1, unseeded));
+    accepts("-input s.txt -random_samples 65536", sampled(Pattern::Random, 65536, unseeded));
+    accepts("-seed 7 -input s.txt -random_samples 2", sampled(Pattern::Random, 2, Drand48::seeded(7)));
+    accepts(
+        "-input s.txt -jittered_samples 4 -seed 4294967295",
+        sampled(Pattern::Jittered, 4, Drand48::seeded(u32::MAX)),
+    );
+    // `srand48(0)` is not the state of a program that never seeds.
+    assert_ne!(Drand48::seeded(0), unseeded);
+    accepts("-input s.txt -random_samples 2 -seed 0", sampled(Pattern::Random, 2, Drand48::seeded(0)));
+}
+
+#[test]
+fn each_filter_and_its_size() {
+    let filtered = |filter| Options { filter, ..plain() };
+    accepts("-input s.txt -box_filter .5", plain());
+    accepts("-input s.txt -box_filter 1.7", filtered(Filter::Box { radius: 1.7 }));
+    accepts("-input s.txt -tent_filter 2", filtered(Filter::Tent { radius: 2.0 }));
+    accepts("-gaussian_filter 0.4 -input s.txt", filtered(Filter::Gaussian { sigma: 0.4 }));
+    accepts("-input s.txt -mitchell_filter 2.", filtered(Filter::Mitchell { radius: 2.0 }));
+    accepts("-input s.txt -box_filter 1e-6", filtered(Filter::Box { radius: 1e-6 }));
+    accepts("-input s.txt -tent_filter 1000000", filtered(Filter::Tent { radius: 1e6 }));
+    accepts(
+        "-tent_filter 1 -jittered_samples 9 -input s.txt",
+        Options {
+            filter: Filter::Tent { radius: 1.0 },
+            sampler: Sampler::new(Pattern::Jittered, 9, Drand48::UNSEEDED),
+            ..plain()
+        },
+    );
+}
+
+#[test]
+fn the_enlarged_pictures() {
+    let enlarged = |name: &str, zoom| Some(Enlarged { file: name.into(), zoom });
+    accepts("-input s.txt -render_samples s.tga 10", Options { samples: enlarged("s.tga", 10), ..plain() });
+    accepts(
+        "-input s.txt -render_filter f.png 1",
+        Options { filter_picture: enlarged("f.png", 1), ..plain() },
+    );
+    accepts(
+        "-render_filter f.tga 655 -input s.txt -render_samples s.tga 655",
+        Options { samples: enlarged("s.tga", 655), filter_picture: enlarged("f.tga", 655), ..plain() },
+    );
+    accepts(
+        "-input s.txt -size 1 4369 -render_samples s.tga 15",
+        Options { size: [1, 4369], samples: enlarged("s.tga", 15), ..plain() },
+    );
+    accepts(
+        "-input s.txt -size 9 9 -render_samples s.tga 15 -random_samples 36",
+        Options {
+            size: [9, 9],
+            samples: enlarged("s.tga", 15),
+            sampler: Sampler::new(Pattern::Random, 36, Drand48::UNSEEDED),
+            ..plain()
+        },
+    );
 }
 
 #[test]
@@ -103,7 +185,12 @@ fn lines_in_the_style_of_the_course() {
     );
     accepts(
         "-input s.txt -size 200 200 -output o.tga -depth 9 11 d.tga -normals n.tga -shade_back",
-        Options { depth: depth(9.0, 11.0), normals: path("n.tga"), shade_back: true, ..sized() },
+        Options {
+            depth: depth(9.0, 11.0),
+            normals: path("n.tga"),
+            effects: Effects { shade_back: true, ..none() },
+            ..sized()
+        },
     );
     accepts(
         "-input s.txt -size 200 200 -output o.tga -gui -tessellation 20 10 -gouraud",
@@ -112,10 +199,7 @@ fn lines_in_the_style_of_the_course() {
     accepts(
         "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
         Options {
-            shadows: Shadows::Opaque,
-            bounces: 5,
-            weight: 0.01,
-            shade_back: true,
+            effects: Effects { shadows: Shadows::Opaque, bounces: 5, min_weight: 0.01, shade_back: true },
             preview: true,
             ..sized()
         },
@@ -205,6 +289,63 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -no_shadows -shadows", "`-no_shadows` contradicts `-shadows`"),
     ("-input s.txt -no_shadows -transparent_shadows", "`-no_shadows` contradicts `-transparent_shadows`"),
     ("-input s.txt -no_shadows -shadows -transparent_shadows", "`-no_shadows` contradicts `-shadows`"),
+    ("-input s.txt -random_samples", "`-random_samples` misses its value"),
+    ("-input s.txt -random_samples 0", "`-random_samples`: `0` is not between 1 and 65536"),
+    ("-input s.txt -random_samples -4", "`-random_samples`: `-4` is not between 1 and 65536"),
+    ("-input s.txt -uniform_samples 65537", "`-uniform_samples`: `65537` is not between 1 and 65536"),
+    ("-input s.txt -jittered_samples 4.0", "`-jittered_samples`: `4.0` is not a whole number"),
+    ("-input s.txt -jittered_samples 4 -jittered_samples 4", "`-jittered_samples` given twice"),
+    ("-input s.txt -random_samples 4 -uniform_samples 4", "`-random_samples` contradicts `-uniform_samples`"),
+    (
+        "-input s.txt -jittered_samples 4 -random_samples 4",
+        "`-jittered_samples` contradicts `-random_samples`",
+    ),
+    (
+        "-input s.txt -uniform_samples 4 -jittered_samples 4",
+        "`-uniform_samples` contradicts `-jittered_samples`",
+    ),
+    ("-input s.txt -uniform_sample 4", "unknown flag `-uniform_sample`; did you mean `-uniform_samples`?"),
+    ("-input s.txt -seed", "`-seed` misses its value"),
+    ("-input s.txt -seed -1", "`-seed`: `-1` is not between 0 and 4294967295"),
+    ("-input s.txt -seed 4294967296", "`-seed`: `4294967296` is not between 0 and 4294967295"),
+    ("-input s.txt -seed now", "`-seed`: `now` is not a whole number"),
+    ("-input s.txt -box_filter", "`-box_filter` misses its value"),
+    ("-input s.txt -box_filter 0", "`-box_filter`: `0` is not between 0.000001 and 1000000 pixels"),
+    ("-input s.txt -box_filter -1", "`-box_filter`: `-1` is not between 0.000001 and 1000000 pixels"),
+    ("-input s.txt -tent_filter 1e7", "`-tent_filter`: `1e7` is not between 0.000001 and 1000000 pixels"),
+    (
+        "-input s.txt -gaussian_filter 1e-7",
+        "`-gaussian_filter`: `1e-7` is not between 0.000001 and 1000000 pixels",
+    ),
+    ("-input s.txt -mitchell_filter nan", "`-mitchell_filter`: `nan` is not a finite number"),
+    ("-input s.txt -gaussian_filter wide", "`-gaussian_filter`: `wide` is not a finite number"),
+    ("-input s.txt -box_filter 1 -tent_filter 1", "`-box_filter` contradicts `-tent_filter`"),
+    ("-input s.txt -gaussian_filter 1 -tent_filter 1", "`-gaussian_filter` contradicts `-tent_filter`"),
+    (
+        "-input s.txt -gaussian_filter 1 -mitchell_filter 1",
+        "`-gaussian_filter` contradicts `-mitchell_filter`",
+    ),
+    ("-input s.txt -mitchell_filter 1 -box_filter 1", "`-mitchell_filter` contradicts `-box_filter`"),
+    ("-input s.txt -render_samples s.tga", "`-render_samples` takes 2 values, 1 given"),
+    ("-input s.txt -render_samples 4 s.tga", "`-render_samples`: `s.tga` is not a whole number"),
+    ("-input s.txt -render_samples s.jpg 4", "`-render_samples`: `s.jpg` ends in neither .tga nor .png"),
+    ("-input s.txt -render_filter f.tga 0", "`-render_filter`: `0` is not between 1 and 65535"),
+    (
+        "-input s.txt -render_samples s.tga 656",
+        "`-render_samples`: the enlarged picture would be above 65535 pixels a side",
+    ),
+    (
+        "-input s.txt -size 1 4369 -render_filter f.tga 15",
+        "`-render_filter`: the enlarged picture would be above 65535 pixels a side",
+    ),
+    (
+        "-input s.txt -render_samples a.tga 4 -output a.tga",
+        "`-output` and `-render_samples` both write `a.tga`",
+    ),
+    (
+        "-input s.txt -render_samples a.tga 4 -render_filter ./a.tga 4",
+        "`-render_samples` and `-render_filter` both write `a.tga`",
+    ),
     ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
     ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),
     ("-input s.txt -tessellation 10", "`-tessellation` takes 2 values, 1 given"),
@@ -224,6 +365,20 @@ fn each_fault_has_its_line() {
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+/// The course's lines in `$COURSE_DIR/commands.txt`.
+#[test]
+fn the_course_s_lines_are_accepted() {
+    let Some(course) = std::env::var_os("COURSE_DIR") else {
+        return println!("skipped: COURSE_DIR is not set");
+    };
+    let text = std::fs::read_to_string(PathBuf::from(course).join("commands.txt")).unwrap();
+    let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("raytracer ")).collect();
+    assert_eq!(lines.len(), 197);
+    for line in lines {
+        assert!(matches!(parse_line(line), Ok(Command::Render(_))), "{line}: {:?}", parse_line(line));
+    }
 }
 
 #[test]
@@ -268,7 +423,7 @@ mod not_utf8 {
         let name = b"\xff\xfe.tga";
         let parsed = parse_bytes(&[b"raytracer", b"-input", b"s.txt", b"-output", name]);
         let output = Some(PathBuf::from(OsString::from_vec(name.to_vec())));
-        assert_eq!(parsed, Ok(Command::Render(Options { output, ..plain() })));
+        assert_eq!(parsed, Ok(Command::Render(Box::new(Options { output, ..plain() }))));
     }
 
     #[test]

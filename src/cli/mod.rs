@@ -18,7 +18,7 @@ use std::ffi::OsString;
 /// What the command line asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    Render(Options),
+    Render(Box<Options>),
     /// Print this text on standard output; it ends with a newline.
     Help(String),
     /// Like [`Command::Help`].
@@ -30,7 +30,7 @@ pub enum Command {
 /// Looks at no file. `-help` and `-version` win over every fault that comes later in the line.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
-        Ok(raw) => Options::from_raw(&raw).map(Command::Render),
+        Ok(raw) => Options::from_raw(&raw).map(|options| Command::Render(Box::new(options))),
         Err(Stop::Help) => Ok(Command::Help(help::text())),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),

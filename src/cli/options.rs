@@ -105,11 +105,12 @@ impl Options {
         if self.visualize_grid && self.grid.is_none() {
             return Err(CliError::GridNeeded);
         }
-        for (flag, enlarged) in
-            [(&flags::RENDER_SAMPLES, &self.samples), (&flags::RENDER_FILTER, &self.filter_picture)]
+        // The filter's picture ends with one more line.
+        for (flag, enlarged, more) in
+            [(&flags::RENDER_SAMPLES, &self.samples, 0), (&flags::RENDER_FILTER, &self.filter_picture, 1)]
         {
-            let side = enlarged.as_ref().map_or(0, |e| e.zoom * self.size[0].max(self.size[1]));
-            if side >= SIZE_RANGE.1 as usize {
+            let side = enlarged.as_ref().map_or(0, |e| e.zoom * self.size[0].max(self.size[1]) + more);
+            if side > SIZE_RANGE.1 as usize {
                 return Err(CliError::EnlargedTooMuch { flag: flag.name });
             }
         }

@@ -1,56 +1,67 @@
 //! The uniform grid. It knows boxes and indices, not what a primitive is.
 
 pub mod build;
+pub mod footprint;
 pub mod march;
+mod ticks;
 pub mod visualize;
 
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 
-/// How a box is cut into cells. Cell (i, j, k) has the index `i + nx (j + ny k)`.
+/// How a box is cut into cells.
+///
+/// Around the cells lies a border one cell thick, so that a march ends when it reads a border cell
+/// and needs no bounds test. Indices count the border: cell (i, j, k) of the lattice, each from 0,
+/// has the index `(i + 1) + sx ((j + 1) + sy (k + 1))` with `sx = nx + 2`, `sy = ny + 2`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     pub bounds: Aabb,
-    /// Cells along each axis, at least one.
+    /// Cells along each axis without the border, at least one.
     pub cells: [usize; 3],
     /// Edge lengths of a cell.
     pub cell_size: DVec3,
+    per_unit: DVec3,
 }
 
 impl Lattice {
     pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
-        let count = DVec3::new(cells[0] as f64, cells[1] as f64, cells[2] as f64);
-        Self { bounds, cells, cell_size: bounds.extent() / count }
+        let count = DVec3::from_array(cells.map(|n| n as f64));
+        let extent = bounds.extent();
+        Self { bounds, cells, cell_size: extent / count, per_unit: count / extent }
     }
 
-    pub fn cell_count(&self) -> usize {
-        self.cells.iter().product()
+    /// How many indices there are, those of the border included.
+    pub fn index_count(&self) -> usize {
+        self.cells.iter().map(|n| n + 2).product()
+    }
+
+    /// How an index changes with a step along each axis.
+    pub fn strides(&self) -> [usize; 3] {
+        let [nx, ny, _] = self.cells;
+        [1, nx + 2, (nx + 2) * (ny + 2)]
     }
 
     pub fn index(&self, cell: [usize; 3]) -> usize {
-        cell[0] + self.cells[0] * (cell[1] + self.cells[1] * cell[2])
+        let [sx, sy, sz] = self.strides();
+        (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz
     }
 
-    /// The cells along `axis` that the interval touches, widened by `slack` cells on both sides and
-    /// clamped to the lattice.
-    pub fn range(&self, axis: usize, low: f64, high: f64, slack: f64) -> std::ops::RangeInclusive<usize> {
-        let last = self.cells[axis] - 1;
-        // A float turns into the nearest index that exists, and a NaN into 0.
-        let cell = |x: f64, slack: f64| {
-            (((x - self.bounds.min[axis]) / self.cell_size[axis] + slack).floor() as usize).min(last)
-        };
-        cell(low, -slack)..=cell(high, slack)
+    /// The lower corner of an index' cell in units of cells; -1 on the border.
+    pub fn cell_of(&self, index: usize) -> DVec3 {
+        let [_, sy, sz] = self.strides();
+        DVec3::from_array([index % sy, index % sz / sy, index / sz].map(|i| i as f64 - 1.0))
     }
 
-    /// Calls `visit` with the index of every cell that touches the box widened by `slack` cells.
-    pub fn for_each_cell(&self, bounds: &Aabb, slack: f64, mut visit: impl FnMut(usize)) {
-        let [xs, ys, zs] = [0, 1, 2].map(|axis| self.range(axis, bounds.min[axis], bounds.max[axis], slack));
-        for z in zs {
-            for y in ys.clone() {
-                for x in xs.clone() {
-                    visit(self.index([x, y, z]));
-                }
-            }
-        }
+    /// A point in units of cells from the lattice's lower corner.
+    pub fn to_cells(&self, point: DVec3) -> DVec3 {
+        (point - self.bounds.min) * self.per_unit
+    }
+
+    /// The cell along `axis` that holds a coordinate in units of cells; the nearest one for a
+    /// coordinate outside, the first for a NaN.
+    pub fn cell_at(&self, axis: usize, coordinate: f64) -> usize {
+        // The conversion cuts below at 0.
+        (coordinate as usize).min(self.cells[axis] - 1)
     }
 }

@@ -3,7 +3,9 @@
 //! The tracer's grid enters a primitive wherever its box reaches. The course's picture shows a
 //! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
 
-use super::{Lattice, build::GridTooLarge, march::March};
+use super::build::GridTooLarge;
+use super::march::{March, clip};
+use super::{Lattice, footprint};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
@@ -17,8 +19,11 @@ const TOUCH: f64 = 1e-5;
 #[derive(Clone, Debug)]
 pub struct Occupancy {
     lattice: Lattice,
+    /// By index; [`BORDER`] around the lattice.
     counts: Vec<u32>,
 }
+
+const BORDER: u32 = u32::MAX;
 
 /// The face by which a ray comes upon an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,74 +45,90 @@ impl Occupancy {
     ) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
         let mut counts = Vec::new();
-        counts.try_reserve_exact(lattice.cell_count()).map_err(|_| GridTooLarge)?;
-        counts.resize(lattice.cell_count(), 0);
+        counts.try_reserve_exact(lattice.index_count()).map_err(|_| GridTooLarge)?;
+        counts.resize(lattice.index_count(), BORDER);
+        let [nx, ny, nz] = cells;
+        for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
+            counts[lattice.index([0, j, k])..][..nx].fill(0);
+        }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            placements(scene).for_each(|placement| occupancy.enter(&placement, meshes));
+            let mut touched = vec![];
+            placements(scene).for_each(|placement| occupancy.enter(&placement, meshes, &mut touched));
         }
         Ok(occupancy)
     }
 
-    fn enter(&mut self, placement: &Placement, meshes: &[Mesh]) {
+    fn enter(&mut self, placement: &Placement, meshes: &[Mesh], touched: &mut Vec<u32>) {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
+        let mut enter_box = |corners: Aabb| {
+            footprint::of_box(&self.lattice, &corners, TOUCH, touched);
+        };
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                self.enter_sphere(center, radius)
+                footprint::of_ball_by_centers(&self.lattice, center, radius, touched);
             }
-            Object::Sphere { center, radius, .. } => {
-                self.enter_box(course_sphere_box(center, radius, placement))
-            }
-            Object::Triangle { vertices, .. } => self.enter_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => {
-                self.enter_box(Aabb::around(Aabb { min, max }.corners().map(map)))
-            }
+            Object::Sphere { center, radius, .. } => enter_box(course_sphere_box(center, radius, placement)),
+            Object::Triangle { vertices, .. } => enter_box(Aabb::around(vertices.map(map))),
+            Object::Box { min, max, .. } => enter_box(Aabb::around(Aabb { min, max }.corners().map(map))),
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
-                let corners = |t: &[u32; 3]| t.map(|v| map(vertices[v as usize]));
-                triangles.iter().for_each(|t| self.enter_box(Aabb::around(corners(t))));
+                for triangle in triangles {
+                    enter_box(Aabb::around(triangle.map(|v| map(vertices[v as usize]))));
+                }
             }
             Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => {}
         }
-    }
-
-    fn enter_box(&mut self, bounds: Aabb) {
-        self.lattice.for_each_cell(&bounds, TOUCH, |cell| self.counts[cell] += 1);
-    }
-
-    /// Every cell whose centre lies within the radius and half the cell's diagonal of the sphere's.
-    fn enter_sphere(&mut self, center: DVec3, radius: f64) {
-        let size = self.lattice.cell_size;
-        let reach = radius + 0.5 * size.length();
-        let [nx, ny, _] = self.lattice.cells;
-        let around = Aabb { min: center - reach, max: center + reach };
-        self.lattice.for_each_cell(&around, 0.0, |cell| {
-            let place = DVec3::new((cell % nx) as f64, (cell / nx % ny) as f64, (cell / nx / ny) as f64);
-            let middle = self.lattice.bounds.min + (place + 0.5) * size;
-            self.counts[cell] += (middle.distance(center) <= reach) as u32;
-        });
+        touched.drain(..).for_each(|index| self.counts[index as usize] += 1);
     }
 
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let mut march = March::new(&self.lattice, ray)?;
-        while self.counts[march.cell] == 0 {
-            if !march.step() {
-                return None;
+        let passage = clip(&self.lattice.bounds, ray)?;
+        let mut march = March::new(&self.lattice, ray, &passage);
+        let mut face = self.face(march.index, passage.entry, self.face_at(passage.entry, ray), ray);
+        while face.is_none() {
+            let mut index = march.index;
+            let set = march.step();
+            // Where faces meet, cells are passed one by one: x before y before z.
+            for axis in (0..3).filter(|axis| set >> axis & 1 == 1) {
+                index = index.wrapping_add_signed(march.stride(axis));
+                if self.counts[index] == BORDER {
+                    return None;
+                }
+                let entry = self.entry_across(axis, index, ray);
+                face = face.or_else(|| self.face(index, entry, Some(axis), ray));
             }
         }
-        Some(Face {
-            t: march.entry,
-            normal: entered_face(&march, ray),
-            color: count_color(self.counts[march.cell]),
-        })
+        face
+    }
+
+    /// The face by which the ray enters a cell, if the cell is occupied.
+    fn face(&self, index: usize, t: f64, by: Option<usize>, ray: &Ray) -> Option<Face> {
+        let count = self.counts[index];
+        (count > 0).then(|| Face { t, normal: face_normal(by, ray), color: count_color(count) })
+    }
+
+    /// The axis whose face the ray crosses at its entry; none where it begins inside.
+    fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
+        let at = ray.at(entry);
+        let Aabb { min, max } = self.lattice.bounds;
+        let away = (at - min).abs().min((at - max).abs());
+        (entry > ray.t_min).then(|| away.min_position())
+    }
+
+    /// Where the ray enters a cell across the face that `axis` pierces.
+    fn entry_across(&self, axis: usize, index: usize, ray: &Ray) -> f64 {
+        let cell = self.lattice.cell_of(index)[axis] + f64::from(ray.direction[axis] < 0.0);
+        let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
+        (face - ray.origin[axis]) / ray.direction[axis]
     }
 }
 
 /// The normal of the face entered by. A ray that begins inside an occupied cell is shown the face it
 /// would have come through if it ran along its longest axis.
-fn entered_face(march: &March, ray: &Ray) -> DVec3 {
-    let axis = march.entered_by.unwrap_or_else(|| ray.direction.abs().max_position());
+fn face_normal(by: Option<usize>, ray: &Ray) -> DVec3 {
+    let axis = by.unwrap_or_else(|| ray.direction.abs().max_position());
     DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 

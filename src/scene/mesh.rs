@@ -6,6 +6,7 @@
 //! from errors in what does not: normals, texture coordinates, colours, comments in any encoding.
 
 use super::obj_lines::{RelevantLines, is_newline, keyword, without_comment, words};
+use super::plain_obj;
 use glam::DVec3;
 use std::cell::Cell;
 use std::fmt;
@@ -68,6 +69,11 @@ impl fmt::Display for MeshError {
 /// everything but positions and faces are ignored. Errors: the first of [`MeshError`] found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    plain_obj::parse(text).map_or_else(|| parse_obj_fully(text), Ok)
+}
+
+/// [`parse_obj`] for any text, without the short cut for plain ones.
+pub(super) fn parse_obj_fully(text: &[u8]) -> Result<Mesh, MeshError> {
     let mesh = read_positions_and_faces(text)?;
     if mesh.triangles.is_empty() {
         return Err(MeshError::NoFaces);

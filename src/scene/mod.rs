@@ -12,6 +12,7 @@ mod obj_lines;
 mod parse_material;
 mod parse_object;
 pub mod parser;
+mod plain_obj;
 mod reader;
 pub(crate) mod snippet;
 mod transform;

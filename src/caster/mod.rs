@@ -1,0 +1,190 @@
+//! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
+
+pub mod block;
+pub mod cells;
+pub mod filter;
+mod search;
+
+use crate::grid::Lattice;
+use crate::grid::build::{GridTooLarge, Rows, widened};
+use crate::grid::footprint;
+use crate::grid::march::drift;
+use crate::math::aabb::Aabb;
+use crate::math::ray::{Hit, Ray};
+use crate::stats::Probe;
+use crate::world::{Primitive, World};
+use block::Frame;
+use cells::Cells;
+use filter::Kernel;
+use search::Search;
+
+/// Which cells a primitive is entered in. More cells change no hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Insertion {
+    /// Those it touches.
+    Exact,
+    /// Those that the course's program enters it in, for counters that compare with the course's.
+    Course,
+}
+
+/// The instructions that the inner loop is compiled for. Every hit is the same with each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    Portable,
+    /// AVX2 and FMA; only after [`Instructions::available`] has named it.
+    Avx2,
+}
+
+impl Instructions {
+    /// What this machine can run, the fastest first.
+    pub fn available() -> Vec<Self> {
+        let mut all = vec![Self::Portable];
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+            all.insert(0, Self::Avx2);
+        }
+        all
+    }
+}
+
+/// Casts rays into a world.
+#[derive(Debug)]
+pub struct Caster<'w> {
+    pub world: &'w World,
+    instructions: Instructions,
+    /// What everything finite lies in; none where nothing is finite.
+    structure: Option<Structure>,
+}
+
+/// The finite primitives, by cells or all in one list.
+#[derive(Debug)]
+struct Structure {
+    bounds: Aabb,
+    lattice: Option<Lattice>,
+    cells: Cells,
+    /// A ray that begins farther than this from the middle, along any axis, is too coarse for the
+    /// proofs of filter and march; everything is tested for it one by one.
+    farthest: f64,
+}
+
+impl<'w> Caster<'w> {
+    /// With a grid of so many cells along each axis, or none.
+    pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
+        Self::with(world, cells, Insertion::Exact, Instructions::available()[0])
+    }
+
+    /// As told, for tests and for counters. `instructions` are among those available.
+    pub fn with(
+        world: &'w World,
+        cells: Option<[usize; 3]>,
+        insertion: Insertion,
+        instructions: Instructions,
+    ) -> Result<Self, GridTooLarge> {
+        let usable = Instructions::available().contains(&instructions);
+        let instructions = if usable { instructions } else { Instructions::Portable };
+        let finite = world.finite_count() > 0;
+        let structure = finite.then(|| Structure::new(world, cells, insertion)).transpose()?;
+        Ok(Self { world, instructions, structure })
+    }
+
+    /// The nearest hit on the ray.
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        self.run::<P, false>(ray, probe)
+    }
+
+    /// Whether anything stands on the ray.
+    pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        if P::COUNTS {
+            // The course's program looks for the nearest hit also where any would do.
+            return self.closest(ray, probe).is_some();
+        }
+        self.run::<P, true>(ray, probe).is_some()
+    }
+
+    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        match self.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: only instructions that were found available are kept in `self`.
+            Instructions::Avx2 => unsafe { run_avx2::<P, ANY>(self, ray, probe) },
+            _ => self.run_with::<filter::Portable, P, ANY>(ray, probe),
+        }
+    }
+
+    #[inline(always)]
+    fn run_with<K: Kernel, P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let mut search = Search::new(self.world, ray);
+        search.test_planes(probe);
+        if ANY && search.best().is_some() {
+            return search.best();
+        }
+        if let Some(structure) = &self.structure {
+            structure.run::<K, P, ANY>(&mut search, probe);
+        }
+        search.best()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx2<P: Probe, const ANY: bool>(caster: &Caster, ray: &Ray, probe: &mut P) -> Option<Hit> {
+    caster.run_with::<filter::Avx2, P, ANY>(ray, probe)
+}
+
+impl Structure {
+    fn new(world: &World, cells: Option<[usize; 3]>, insertion: Insertion) -> Result<Self, GridTooLarge> {
+        let bounds = widened(world.boxes().fold(world.bounds, |all, b| all.union(b)));
+        let Some(cells) = cells else {
+            let all = Cells::all(world, Frame::new(&bounds))?;
+            return Ok(Self {
+                bounds,
+                lattice: None,
+                farthest: farthest(&bounds, f64::INFINITY),
+                cells: all,
+            });
+        };
+        let lattice = Lattice::new(bounds, cells);
+        // A little more than the march needs, for the rounding of a hit's place.
+        let slack = drift(&lattice) + 1e-5;
+        let rows = Rows::new(&lattice, world.finite_count(), |number, out| {
+            enter(world, number as u32, &lattice, insertion, slack, out)
+        })?;
+        let cells = Cells::new(world, &lattice, &rows)?;
+        let farthest = farthest(&bounds, lattice.cell_size.min_element());
+        Ok(Self { bounds, lattice: Some(lattice), cells, farthest })
+    }
+}
+
+/// Up to 2^20 boxes away the filter's proof holds, and up to 2^33 cells away eight roundings of the
+/// ray's way stay below the hundred-thousandth of a cell that cells are widened by.
+fn farthest(bounds: &Aabb, cell: f64) -> f64 {
+    (bounds.extent().max_element() * 0.5f64.powi(-19)).min(cell * 0.5f64.powi(-33))
+}
+
+/// Appends the cells of a primitive.
+fn enter(
+    world: &World,
+    number: u32,
+    lattice: &Lattice,
+    insertion: Insertion,
+    slack: f64,
+    out: &mut Vec<u32>,
+) {
+    match (world.primitive(number), insertion) {
+        (Primitive::Triangle(i), Insertion::Exact) => {
+            footprint::of_triangle(lattice, world.corners(i), slack, out);
+        }
+        (Primitive::Triangle(i), Insertion::Course) => {
+            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out);
+        }
+        (Primitive::Sphere(i), Insertion::Exact) => {
+            let sphere = &world.spheres[i];
+            footprint::of_ball(lattice, sphere.center, sphere.radius, slack, out);
+        }
+        (Primitive::Sphere(i), Insertion::Course) => {
+            let sphere = &world.spheres[i];
+            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, out);
+        }
+        (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
+        (Primitive::Plane(_), _) => {}
+    }
+}

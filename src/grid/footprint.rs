@@ -1,0 +1,211 @@
+//! Which cells a shape touches.
+
+use super::Lattice;
+use crate::math::aabb::Aabb;
+use glam::DVec3;
+
+/// Appends the index of every cell that the box, widened by `slack` cells, touches.
+pub fn of_box(lattice: &Lattice, bounds: &Aabb, slack: f64, out: &mut Vec<u32>) {
+    let range = Range::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), slack);
+    range.for_each(lattice, |index, _| out.push(index));
+}
+
+/// Appends the index of every cell whose centre lies within the radius and half the cell's diagonal
+/// of the centre: the course's rule for spheres. Every cell that the ball touches is among them.
+pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, out: &mut Vec<u32>) {
+    let size = lattice.cell_size;
+    let reach = radius + 0.5 * size.length();
+    let range = Range::new(lattice, lattice.to_cells(center - reach), lattice.to_cells(center + reach), 0.0);
+    range.for_each(lattice, |index, cell| {
+        let middle = lattice.bounds.min + (cell + 0.5) * size;
+        if middle.distance(center) <= reach {
+            out.push(index);
+        }
+    });
+}
+
+/// Appends the index of every cell that the ball touches, each cell widened by `slack` cells.
+pub fn of_ball(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
+    let (middle, size) = (lattice.to_cells(center), lattice.cell_size);
+    let range =
+        Range::new(lattice, lattice.to_cells(center - radius), lattice.to_cells(center + radius), slack);
+    range.for_each(lattice, |index, cell| {
+        let nearest = middle.clamp(cell - slack, cell + (1.0 + slack));
+        let away = (middle - nearest) * size;
+        // The slack may vanish in the rounding of a radius that is large in cells.
+        if away.length_squared() <= radius * radius * (1.0 + 1e-12) {
+            out.push(index);
+        }
+    });
+}
+
+/// Appends the index of every cell that the triangle touches, each cell widened by `slack` cells:
+/// the triangle's plane and its outline along each axis must meet the cell (Schwarz, Seidel, "Fast
+/// Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010).
+pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], slack: f64, out: &mut Vec<u32>) {
+    let v = corners.map(|p| lattice.to_cells(p));
+    let range = Range::new(lattice, v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]), slack);
+    // A row of cells along one axis is touched as a whole.
+    if range.axes_spanned() < 2 {
+        return range.for_each(lattice, |index, _| out.push(index));
+    }
+    let outline = Outline::new(v, 0.5 + slack);
+    range.for_each(lattice, |index, cell| {
+        if outline.meets(cell + 0.5) {
+            out.push(index);
+        }
+    });
+}
+
+/// A block of cells, both ends included.
+struct Range {
+    low: [usize; 3],
+    high: [usize; 3],
+}
+
+impl Range {
+    /// Between two points in units of cells, widened by `slack` cells.
+    fn new(lattice: &Lattice, low: DVec3, high: DVec3, slack: f64) -> Self {
+        let (low, high) = (low - slack, high + slack);
+        Self {
+            low: [0, 1, 2].map(|axis| lattice.cell_at(axis, low[axis])),
+            high: [0, 1, 2].map(|axis| lattice.cell_at(axis, high[axis])),
+        }
+    }
+
+    fn axes_spanned(&self) -> usize {
+        (0..3).filter(|&axis| self.high[axis] > self.low[axis]).count()
+    }
+
+    /// Calls `visit` with each cell's index and its lower corner in units of cells.
+    #[inline(always)]
+    fn for_each(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
+        let [x0, y0, z0] = self.low;
+        let [x1, y1, z1] = self.high;
+        for z in z0..=z1 {
+            for y in y0..=y1 {
+                let row = lattice.index([x0, y, z]) as u32;
+                for x in x0..=x1 {
+                    visit(row + (x - x0) as u32, DVec3::new(x as f64, y as f64, z as f64));
+                }
+            }
+        }
+    }
+}
+
+/// A triangle in units of cells, prepared to be tested against cells of one size.
+struct Outline {
+    normal: DVec3,
+    offset: f64,
+    /// How far the plane may be from a cell's centre, scaled by the normal.
+    reach: f64,
+    /// For each projection along an axis, the three edges as `a u + b v + c >= 0`.
+    edges: [[[f64; 3]; 3]; 3],
+}
+
+impl Outline {
+    /// `half` is half a cell's edge length, its slack included.
+    fn new(v: [DVec3; 3], half: f64) -> Self {
+        let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
+        let normal = sides[0].cross(v[2] - v[0]);
+        let along = |[x, y, z]: [usize; 3]| {
+            let sign = if normal[z] >= 0.0 { 1.0 } else { -1.0 };
+            [0, 1, 2].map(|i| {
+                let (a, b) = (-sides[i][y] * sign, sides[i][x] * sign);
+                [a, b, half * (a.abs() + b.abs()) - (a * v[i][x] + b * v[i][y])]
+            })
+        };
+        Self {
+            normal,
+            offset: normal.dot(v[0]),
+            reach: half * normal.abs().element_sum(),
+            edges: [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(along),
+        }
+    }
+
+    /// Whether the cell around `center` is met. The slack is far above this test's rounding.
+    #[inline(always)]
+    fn meets(&self, center: DVec3) -> bool {
+        if (self.normal.dot(center) - self.offset).abs() > self.reach {
+            return false;
+        }
+        let projected = [(center.x, center.y), (center.y, center.z), (center.z, center.x)];
+        let least = |edges: &[[f64; 3]; 3], (u, v): (f64, f64)| {
+            edges.iter().fold(f64::INFINITY, |least, [a, b, c]| least.min(a * u + b * v + c))
+        };
+        self.edges.iter().zip(projected).all(|(edges, point)| least(edges, point) >= 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice() -> Lattice {
+        Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])
+    }
+
+    fn cell_boxes(l: &Lattice) -> impl Iterator<Item = (u32, Aabb)> + '_ {
+        (0..512).map(|i| [i % 8, i / 8 % 8, i / 64]).map(|c| {
+            let min = l.bounds.min + l.cell_size * DVec3::from_array(c.map(|x| x as f64));
+            (l.index(c) as u32, Aabb { min, max: min + l.cell_size })
+        })
+    }
+
+    /// Points spread over a triangle, its corners and edges among them.
+    fn points([a, b, c]: [DVec3; 3]) -> impl Iterator<Item = DVec3> {
+        (0..=40)
+            .flat_map(move |i| (0..=40 - i).map(move |j| (i as f64 / 40.0, j as f64 / 40.0)))
+            .map(move |(u, v)| a + u * (b - a) + v * (c - a))
+    }
+
+    #[test]
+    fn a_triangle_is_entered_wherever_it_has_a_point_and_hardly_elsewhere() {
+        let l = lattice();
+        let mut state = 1u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut entered, mut boxed) = (0, 0);
+        for _ in 0..200 {
+            let corners = [0; 3].map(|_| l.bounds.max * DVec3::new(random(), random(), random()));
+            let (mut cells, mut by_box) = (vec![], vec![]);
+            of_triangle(&l, corners, 1e-6, &mut cells);
+            of_box(&l, &Aabb::around(corners), 1e-6, &mut by_box);
+            for p in points(corners) {
+                let at = l.to_cells(p);
+                let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
+                assert!(cells.contains(&(l.index(cell) as u32)));
+            }
+            assert!(cells.iter().all(|c| by_box.contains(c)));
+            entered += cells.len();
+            boxed += by_box.len();
+        }
+        assert!(2 * entered < boxed, "{entered} of {boxed}");
+    }
+
+    #[test]
+    fn a_ball_is_entered_just_where_it_reaches() {
+        let l = lattice();
+        let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
+        let (mut cells, mut by_centers) = (vec![], vec![]);
+        of_ball(&l, center, radius, 1e-6, &mut cells);
+        of_ball_by_centers(&l, center, radius, &mut by_centers);
+        for (index, b) in cell_boxes(&l) {
+            let distance = center.distance(center.clamp(b.min, b.max));
+            assert_eq!(cells.contains(&index), distance <= radius, "{index} at {distance}");
+            assert!(by_centers.contains(&index) || distance > radius);
+        }
+    }
+
+    #[test]
+    fn shapes_outside_go_to_the_nearest_cells() {
+        let l = lattice();
+        let far = DVec3::splat(100.0);
+        let mut cells = vec![];
+        of_box(&l, &Aabb { min: far, max: far }, 0.0, &mut cells);
+        of_triangle(&l, [-far, -far, -far], 0.0, &mut cells);
+        assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
+    }
+}

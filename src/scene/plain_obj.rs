@@ -1,0 +1,214 @@
+//! The fast way through an OBJ text that holds nothing but positions and triangles.
+
+use super::mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The mesh of a text of `v x y z` and `f i j k` lines, blank ones and comments; none as soon as
+/// anything else turns up, which is then for the full reader to understand or to refuse.
+///
+/// Where it gives a mesh, it is the full reader's to the last bit: the same numbers, and vertices in
+/// the order in which faces first name them.
+pub fn parse(text: &[u8]) -> Option<Mesh> {
+    const PER_CHUNK: usize = 1 << 20;
+    let pieces: Vec<Piece> = chunks(text, PER_CHUNK).into_par_iter().map(scan).collect::<Option<_>>()?;
+    let vertices: Vec<DVec3> = pieces.iter().flat_map(|piece| &piece.vertices).copied().collect();
+    let faces = pieces.iter().flat_map(|piece| &piece.faces);
+    numbered_by_use(&vertices, faces)
+}
+
+/// What a run of lines holds; corners count from 1.
+struct Piece {
+    vertices: Vec<DVec3>,
+    faces: Vec<[u32; 3]>,
+}
+
+/// Cuts a text at line ends into pieces of about `size` bytes.
+fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
+    let mut chunks = vec![];
+    while text.len() > size {
+        let rest = text[size..].iter().position(|&b| b == b'\n').map_or(text.len(), |end| size + end + 1);
+        let (chunk, behind) = text.split_at(rest);
+        chunks.push(chunk);
+        text = behind;
+    }
+    chunks.push(text);
+    chunks
+}
+
+fn scan(mut text: &[u8]) -> Option<Piece> {
+    // About what a mesh of twice as many faces as vertices has.
+    let mut piece =
+        Piece { vertices: Vec::with_capacity(text.len() / 60), faces: Vec::with_capacity(text.len() / 32) };
+    while let Some((&first, rest)) = text.split_first() {
+        text = match first {
+            b'v' => {
+                let (x, rest) = number(rest)?;
+                let (y, rest) = number(rest)?;
+                let (z, rest) = number(rest)?;
+                piece.vertices.push(DVec3::new(x, y, z));
+                line_end(rest)?
+            }
+            b'f' => {
+                let (a, rest) = corner(rest)?;
+                let (b, rest) = corner(rest)?;
+                let (c, rest) = corner(rest)?;
+                piece.faces.push([a, b, c]);
+                line_end(rest)?
+            }
+            b'#' => &rest[rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len())..],
+            b'\n' | b'\r' => rest,
+            _ => return None,
+        };
+    }
+    Some(piece)
+}
+
+/// The text behind at least one blank.
+fn after_blanks(text: &[u8]) -> Option<&[u8]> {
+    let blanks = text.iter().take_while(|&&b| b == b' ').count();
+    (blanks > 0).then(|| &text[blanks..])
+}
+
+/// The text at the end of its line, if nothing but blanks comes before it.
+fn line_end(text: &[u8]) -> Option<&[u8]> {
+    let rest = after_blanks(text).unwrap_or(text);
+    let rest = rest.strip_prefix(b"\r").unwrap_or(rest);
+    matches!(rest.first(), None | Some(b'\n')).then_some(rest)
+}
+
+/// A run of digits as a number, its length, and the text behind.
+fn digits(text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
+    let mut length = 0;
+    while let Some(digit) = text.get(length).map(|b| b.wrapping_sub(b'0')).filter(|&d| d <= 9) {
+        value = value.wrapping_mul(10).wrapping_add(digit as u64);
+        length += 1;
+    }
+    (value, length, &text[length..])
+}
+
+/// A corner's number, which begins behind a blank.
+fn corner(text: &[u8]) -> Option<(u32, &[u8])> {
+    let (value, length, rest) = digits(after_blanks(text)?, 0);
+    (length > 0 && length < 10).then_some((value as u32, rest))
+}
+
+/// A decimal number, which begins behind a blank, rounded correctly.
+fn number(text: &[u8]) -> Option<(f64, &[u8])> {
+    let text = after_blanks(text)?;
+    let unsigned = text.strip_prefix(b"-").unwrap_or(text);
+    let (whole, before, rest) = digits(unsigned, 0);
+    let (value, after, rest) = match rest.strip_prefix(b".") {
+        Some(fraction) => digits(fraction, whole),
+        None => (whole, 0, rest),
+    };
+    let plain = matches!(rest.first(), None | Some(b' ' | b'\n' | b'\r'));
+    if !plain || before + after == 0 || before + after > 15 {
+        return other_number(text);
+    }
+    // Both operands are exact, so that the quotient is the one rounding there is (Clinger, "How to
+    // Read Floating Point Numbers Accurately", PLDI 1990).
+    let magnitude = value as f64 / POWERS_OF_TEN[after];
+    Some((if unsigned.len() < text.len() { -magnitude } else { magnitude }, rest))
+}
+
+const POWERS_OF_TEN: [f64; 16] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+
+/// A number with an exponent or with many digits; words that are no numbers are not for us.
+fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
+    let length = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+    let value: f64 = str::from_utf8(&text[..length]).ok()?.parse().ok()?;
+    value.is_finite().then_some((value, &text[length..]))
+}
+
+/// The mesh with its vertices in the order of their first use, as the full reader gives it; none if
+/// a corner names no vertex or there is no face.
+fn numbered_by_use<'f>(vertices: &[DVec3], faces: impl Iterator<Item = &'f [u32; 3]>) -> Option<Mesh> {
+    const UNUSED: u32 = u32::MAX;
+    let mut place = vec![UNUSED; vertices.len()];
+    let mut mesh = Mesh { vertices: Vec::with_capacity(vertices.len()), triangles: Vec::new() };
+    for face in faces {
+        let mut corners = [0; 3];
+        for (corner, &named) in corners.iter_mut().zip(face) {
+            let index = (named as usize).wrapping_sub(1);
+            let place = place.get_mut(index)?;
+            if *place == UNUSED {
+                *place = mesh.vertices.len() as u32;
+                mesh.vertices.push(vertices[index]);
+            }
+            *corner = *place;
+        }
+        mesh.triangles.push(corners);
+    }
+    (!mesh.triangles.is_empty()).then_some(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::parse_obj_fully;
+    use super::*;
+
+    #[test]
+    fn agrees_with_the_full_reader() {
+        let texts = [
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_owned(),
+            "# a comment\r\nv -0.1 .5 1.\r\nv 1e-3 2E5 -1.25e+2 \r\n\r\nv 0 1 0\r\nf 3 2 1\r\nf  1 2 3"
+                .to_owned(),
+            "v 0.1234567890123456789 12345678901234567890 0.000001\nv 1 -0 3\nv 3 4 5\nf 2 3 1".to_owned(),
+            "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
+        ];
+        for text in texts {
+            let fast = parse(text.as_bytes()).unwrap();
+            let full = parse_obj_fully(text.as_bytes()).unwrap();
+            assert_eq!(fast, full, "{text}");
+            let bits =
+                |m: &Mesh| m.vertices.iter().flat_map(|v| v.to_array().map(f64::to_bits)).collect::<Vec<_>>();
+            assert_eq!(bits(&fast), bits(&full), "{text}");
+        }
+    }
+
+    #[test]
+    fn leaves_to_the_full_reader_what_it_does_not_know() {
+        const GOOD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        assert!(parse(GOOD.as_bytes()).is_some());
+        for line in [
+            "vn 0 0 1",
+            "vt 0 0",
+            "o x",
+            "g",
+            "f 1/1 2/2 3/3",
+            "f 1 2 -1",
+            "f 1 2 3 1",
+            "f 1 2",
+            "f 1 2 4",
+            "f 1 2 0",
+            "f 1 2 99999999999",
+            "v 1 2",
+            "v 1 2 3 4",
+            "v 1 2 x",
+            "v 1 2 nan",
+            "v 1 2 1e999",
+            "v\t1 2 3",
+            " v 1 2 3",
+            "v 1 2 3 # c",
+            "v - 2 3",
+            "v . 2 3",
+            "v 1..2 2 3",
+            "v 1 2 3x",
+        ] {
+            assert!(parse(format!("{GOOD}{line}\n").as_bytes()).is_none(), "{line}");
+        }
+        assert!(parse(b"").is_none() && parse(b"v 1 2 3\n").is_none());
+    }
+
+    #[test]
+    fn chunks_change_nothing() {
+        let mut text: String = (0..3000).map(|i| format!("v {i} {}.5 -{i}\n", i * 7)).collect();
+        text.extend((1..2999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)));
+        for size in [1, 10, 1000, 1 << 20] {
+            assert_eq!(chunks(text.as_bytes(), size).concat(), text.as_bytes());
+        }
+        assert_eq!(parse(text.as_bytes()).unwrap(), parse_obj_fully(text.as_bytes()).unwrap());
+    }
+}

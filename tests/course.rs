@@ -1,0 +1,68 @@
+//! The course's own scenes and pictures, where they are at hand: `COURSE_DIR` names a folder with them in `scenes/`
+//! and `pictures/`. They are no part of this project, and without them these tests say that they are skipped.
+
+mod support;
+
+use raytracer::scene_io::load;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use support::{Folder, course, finish, program};
+
+fn scenes(course: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(course.join("scenes")).expect("COURSE_DIR has scenes");
+    let paths = entries.map(|entry| entry.expect("a readable folder").path());
+    let mut scenes: Vec<_> = paths.filter(|path| path.extension().is_some_and(|end| end == "txt")).collect();
+    scenes.sort();
+    assert!(!scenes.is_empty());
+    scenes
+}
+
+#[test]
+fn every_scene_of_the_course_loads() {
+    let Some(course) = course() else { return };
+    for path in scenes(&course) {
+        let loaded = load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(loaded.meshes.len(), loaded.scene.meshes.len());
+        for mesh in &loaded.meshes {
+            assert!(
+                mesh.triangles.as_flattened().iter().all(|&index| (index as usize) < mesh.vertices.len())
+            );
+        }
+    }
+}
+
+/// The course's script compares each picture of its command lines and prints those that fall short.
+#[test]
+fn the_course_s_pictures() {
+    let Some(course) = course() else { return };
+    if Command::new("python3").arg("--version").output().is_err() {
+        return println!("skipped: the comparison needs python3");
+    }
+    let mut check = Command::new("python3");
+    check.arg(course.join("check")).arg(env!("CARGO_BIN_EXE_raytracer")).arg("--quiet");
+    let run = finish(&mut check);
+    assert_eq!(run.status, Some(0), "{}{}", run.stdout, run.stderr);
+}
+
+/// The picture and the depths of a scene in few pixels, with all effects.
+fn rendered(scene: &Path, grid: &[&str]) -> [Vec<u8>; 2] {
+    let folder = Folder::new();
+    let [color, depth] = ["c.tga", "d.tga"].map(|name| folder.path().join(name).into_os_string());
+    let working = scene.parent().expect("the scenes lie in a folder");
+    let mut command = program(working, ["-input".as_ref(), scene.as_os_str()]);
+    command.args(["-size", "15", "20", "-shadows", "-shade_back", "-bounces", "3", "-weight", "0.01"]);
+    command.arg("-output").arg(color).args(["-depth", "0", "30"]).arg(depth).args(grid);
+    finish(&mut command).ok();
+    ["c.tga", "d.tga"].map(|name| folder.read(name))
+}
+
+#[test]
+fn the_course_s_scenes_are_the_same_bytes_with_any_grid() {
+    let Some(course) = course() else { return };
+    for scene in scenes(&course) {
+        let plain = rendered(&scene, &[]);
+        for grid in [["-grid", "1", "1", "1"], ["-grid", "20", "17", "13"], ["-grid", "3", "60", "7"]] {
+            assert!(rendered(&scene, &grid) == plain, "{}: {}", scene.display(), grid.join(" "));
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The project's own scenes and their pictures.
+//!
+//! `reference_images/commands.txt` lists command lines in the course's style. The real program runs each
+//! of them, and its pictures must be those in `reference_images/`, byte for byte. What differs is shown
+//! in `target/picture-failures/`: expected, actual and difference side by side.
+//!
+//! When a change of the pictures is meant, `BLESS=1 cargo test --release --test pictures` writes the
+//! references anew; look at them before committing.
+
+mod commands;
+mod compare;
+mod invariance;
+
+use commands::{Command, references, scenes};
+use raytracer::image_io;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use tempfile::tempdir;
+
+/// Whether references are to be written instead of compared.
+fn blessing() -> bool {
+    std::env::var_os("BLESS").is_some_and(|value| value == "1")
+}
+
+/// Compares one picture of a command with its reference. When blessing, the first picture of a name
+/// becomes the reference, and a second command with that name must still make the same.
+fn check(made: &Path, name: &str, blessed: &mut BTreeSet<String>) -> Result<(), String> {
+    let reference = references().join(name);
+    if blessing() && blessed.insert(name.to_owned()) {
+        fs::copy(made, &reference).map_err(|error| format!("{name}: {error}"))?;
+        return Ok(());
+    }
+    compare::files(&reference, made, name)
+}
+
+#[test]
+fn every_command_makes_its_reference_pictures() {
+    let mut blessed = BTreeSet::new();
+    let mut failures = Vec::new();
+    for command in Command::all() {
+        let folder = tempdir().unwrap();
+        command.run(folder.path());
+        for name in command.pictures() {
+            if let Err(why) = check(&folder.path().join(name), name, &mut blessed) {
+                failures.push(format!("{command}\n    {why}"));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} pictures differ:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn every_reference_has_a_command_and_every_picture_a_reference() {
+    if blessing() {
+        return;
+    }
+    let commands = Command::all();
+    let named: BTreeSet<_> = commands.iter().flat_map(Command::pictures).map(str::to_owned).collect();
+    let entries = fs::read_dir(references()).unwrap();
+    let mut found: BTreeSet<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(found.remove("commands.txt"));
+    let unmatched: Vec<_> = found.symmetric_difference(&named).collect();
+    assert!(unmatched.is_empty(), "only in the list or only in the folder: {unmatched:?}");
+}
+
+#[test]
+fn every_command_writes_a_picture_and_names_none_twice() {
+    for command in Command::all() {
+        let names: BTreeSet<_> = command.pictures().collect();
+        assert!(!names.is_empty(), "{command}");
+        assert_eq!(names.len(), command.pictures().count(), "{command}");
+    }
+}
+
+/// A picture of one colour shows nothing: the camera looks past the scene, or all of it is black.
+#[test]
+fn no_reference_is_of_one_colour() {
+    if blessing() {
+        return;
+    }
+    let commands = Command::all();
+    for name in commands.iter().flat_map(Command::pictures) {
+        let picture = image_io::read(&references().join(name)).unwrap();
+        let mut pixels = picture.pixels().chunks_exact(3);
+        let first = pixels.next();
+        assert!(pixels.any(|pixel| Some(pixel) != first), "{name}");
+    }
+}
+
+#[test]
+fn every_scene_has_a_command() {
+    let commands = Command::all();
+    for scene in scenes() {
+        assert!(commands.iter().any(|command| command.reads(&scene)), "{scene}");
+    }
+}
+
+/// The course's own programs know no comments and want braces to stand alone, so the scenes keep to
+/// that and can be compared with them.
+#[test]
+fn scenes_keep_to_the_course_s_strict_form() {
+    for scene in scenes() {
+        let text = fs::read_to_string(commands::scene_folder().join(&scene)).unwrap();
+        for word in text.split_whitespace() {
+            let joined_brace = word.len() > 1 && word.contains(['{', '}']);
+            let comment = word.contains('#') || word.starts_with("//");
+            assert!(!joined_brace && !comment && word.len() < 100, "{scene}: {word}");
+        }
+    }
+}

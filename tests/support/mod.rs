@@ -1,0 +1,154 @@
+//! What the tests of the program share: a folder of its own for each test, and runs of the binary.
+
+// Every test file compiles this module by itself and uses only part of it.
+#![allow(dead_code)]
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::pipe;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+/// What the program said and how it ended.
+#[derive(Debug)]
+pub struct Run {
+    /// None where a signal ended it.
+    pub status: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Run {
+    /// The run, which must have succeeded.
+    pub fn ok(self) -> Self {
+        assert_eq!(self.status, Some(0), "{}", self.stderr);
+        self
+    }
+
+    /// The message on standard error of a run that must have failed with `status` and printed nothing else.
+    pub fn message(self, status: i32) -> String {
+        assert_eq!(self.status, Some(status), "{self:?}");
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        assert_eq!(self.stdout, "");
+        self.stderr
+    }
+}
+
+/// The program, working in `folder`.
+pub fn program(folder: &Path, words: impl IntoIterator<Item = impl Into<OsString>>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raytracer"));
+    command.args(words.into_iter().map(Into::into)).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+pub fn finish(command: &mut Command) -> Run {
+    let output = command.output().expect("the program starts");
+    Run {
+        status: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("standard output is text"),
+        stderr: String::from_utf8(output.stderr).expect("standard error is text"),
+    }
+}
+
+/// Where a stream leads whose reader has gone away.
+pub fn nobody() -> Stdio {
+    let (reader, writer) = pipe().expect("a pipe");
+    drop(reader);
+    writer.into()
+}
+
+/// A folder that is removed at the end of the test.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// A folder with a scene called `s.txt`.
+    pub fn with_scene(text: &str) -> Self {
+        let folder = Self::new();
+        folder.write("s.txt", text);
+        folder
+    }
+
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        fs::write(self.path().join(name), bytes).expect("a file in the temporary folder");
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The names of everything in the folder, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.path()).expect("a readable folder");
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// The command of a line in the course's style, without the program's name.
+    pub fn command(&self, line: &str) -> Command {
+        program(self.path(), line.split_whitespace())
+    }
+
+    pub fn run(&self, line: &str) -> Run {
+        finish(&mut self.command(line))
+    }
+
+    /// The picture that `-input s.txt -output o.tga` writes together with `flags`.
+    pub fn render(&self, flags: &str) -> Tga {
+        self.run(&format!("-input s.txt -output o.tga {flags}")).ok();
+        self.tga("o.tga")
+    }
+
+    pub fn tga(&self, name: &str) -> Tga {
+        Tga::read(&self.read(name))
+    }
+}
+
+/// A picture, read back without the program's own code.
+#[derive(Debug, PartialEq)]
+pub struct Tga {
+    pub width: usize,
+    pub height: usize,
+    /// Red, green, blue; rows from the top.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Tga {
+    fn read(bytes: &[u8]) -> Self {
+        let side = |at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+        let pixels: Vec<[u8; 3]> = bytes[18..].chunks(3).map(|p| [p[2], p[1], p[0]]).collect();
+        let tga = Self { width: side(12), height: side(14), pixels };
+        assert_eq!(tga.pixels.len(), tga.width * tga.height);
+        tga
+    }
+
+    /// The pixel in column `x` and row `y`, counted from the top left.
+    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        self.pixels[y * self.width + x]
+    }
+
+    /// The red channel, for pictures that are grey.
+    pub fn greys(&self) -> Vec<u8> {
+        self.pixels.iter().map(|pixel| pixel[0]).collect()
+    }
+}
+
+/// The course's folder, from `COURSE_DIR`. It is no part of this project; a test that needs it says that it is
+/// skipped where it is missing.
+pub fn course() -> Option<PathBuf> {
+    let course = std::env::var_os("COURSE_DIR").map(PathBuf::from);
+    if course.is_none() {
+        println!("skipped: COURSE_DIR is not set");
+    }
+    course
+}
