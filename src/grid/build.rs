@@ -43,6 +43,7 @@ impl Rows {
         cells_of: impl Fn(usize, &mut Vec<u32>) + Sync,
     ) -> Result<Self, GridTooLarge> {
         const PER_RUN: usize = 4096;
+        lattice.fits()?;
         let runs: Vec<Run> = (0..count.div_ceil(PER_RUN))
             .into_par_iter()
             .map(|k| Run::new(k * PER_RUN..count.min((k + 1) * PER_RUN), &cells_of))

@@ -85,7 +85,7 @@ impl<'l> March<'l> {
         let [x, y, z, _] = ((cell + Four::splat(1.0)) * *strides).0;
         let backwards = |axis: usize| usize::from(ahead.0[axis] == 0.0) << axis;
         Self {
-            index: (x + y + z + TO_WHOLE).to_bits() as u32 as usize,
+            index: ((x + y + z + TO_WHOLE).to_bits() & WHOLE_BITS) as usize,
             next: ticks(crossing),
             between: ticks(between),
             moves: &moves[backwards(0) | backwards(1) | backwards(2)],
@@ -123,9 +123,12 @@ impl<'l> March<'l> {
     }
 }
 
-/// Added to a number below 2^31 it leaves no bits for a fraction, and the nearest whole number in
+/// Added to a number below 2^51 it leaves no bits for a fraction, and the nearest whole number in
 /// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
 const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// The bits below those of [`TO_WHOLE`], which hold a number that is not negative.
+const WHOLE_BITS: u64 = (1 << 51) - 1;
 
 /// The nearest ticks, cut to what the march comes to.
 #[inline(always)]

@@ -8,6 +8,7 @@ pub mod visualize;
 
 use crate::math::aabb::Aabb;
 use crate::math::four::Four;
+use build::GridTooLarge;
 use glam::DVec3;
 
 /// How a box is cut into cells.
@@ -76,6 +77,12 @@ impl Lattice {
     /// How many indices there are, those of the border included.
     pub fn index_count(&self) -> usize {
         self.cells.iter().map(|n| n + 2).product()
+    }
+
+    /// An error where indices, the border's included, are too many for 32 bits.
+    pub fn fits(&self) -> Result<(), GridTooLarge> {
+        let sides = self.cells.map(|n| n as u128 + 2);
+        if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
     }
 
     /// How an index changes with a step along each axis.

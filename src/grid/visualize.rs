@@ -44,6 +44,7 @@ impl Occupancy {
         cells: [usize; 3],
     ) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
+        lattice.fits()?;
         let mut counts = Vec::new();
         counts.try_reserve_exact(lattice.index_count()).map_err(|_| GridTooLarge)?;
         counts.resize(lattice.index_count(), BORDER);
