@@ -3,6 +3,7 @@
 use raytracer::camera::Camera;
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::cli::{self, Command, Options};
+use raytracer::grid::resolution::Resolution;
 use raytracer::grid::visualize::Occupancy;
 use raytracer::image_io::{ImageError, OutputFile};
 use raytracer::picture::Picture;
@@ -123,11 +124,14 @@ fn draw<P: Probe>(
 ) -> Result<Report, String> {
     let start = Instant::now();
     let world = World::new(scene, meshes).map_err(|error| source.render(&error))?;
-    let cells = options.grid.filter(|_| !options.visualize_grid);
+    let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
+    let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
+    let grid = options.grid.map(resolution);
+    let cells = grid.filter(|_| !options.visualize_grid);
     let insertion = if P::COUNTS { Insertion::Course } else { Insertion::Exact };
     let instructions = Instructions::available()[0];
     let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
-    let occupancy = match options.grid {
+    let occupancy = match grid {
         Some(cells) if options.visualize_grid => {
             Some(Occupancy::new(scene, meshes, world.bounds, cells).map_err(failed)?)
         }
@@ -150,7 +154,7 @@ fn draw<P: Probe>(
     Ok(Report {
         size: options.size,
         bounds: (!world.bounds.is_empty()).then_some(world.bounds),
-        grid: options.grid,
+        grid,
         counts: probe.counts(),
         timings,
         threads: rayon::current_num_threads(),

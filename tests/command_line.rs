@@ -1,6 +1,7 @@
 //! Tables of command lines: what each means, or the exact line that says why it means nothing.
 
 use raytracer::cli::{CliError, Command, Depth, Enlarged, Options, parse};
+use raytracer::grid::resolution::Resolution;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -76,11 +77,15 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -transparent_shadows -shadows", with_shadows(Shadows::Transparent));
     accepts("-input s.txt -bounces 2147483647", with_effects(Effects { bounces: 2147483647, ..none() }));
     accepts("-input s.txt -weight 0.01", with_effects(Effects { min_weight: 0.01, ..none() }));
-    accepts("-input s.txt -grid 10 +20 5", Options { grid: Some([10, 20, 5]), ..plain() });
-    accepts("-input s.txt -grid 1 2147483647 1", Options { grid: Some([1, 2147483647, 1]), ..plain() });
+    accepts("-input s.txt -grid auto", Options { grid: Some(Resolution::Auto), ..plain() });
+    accepts("-input s.txt -grid 10 +20 5", Options { grid: Some(Resolution::Cells([10, 20, 5])), ..plain() });
+    accepts(
+        "-input s.txt -grid 1 2147483647 1",
+        Options { grid: Some(Resolution::Cells([1, 2147483647, 1])), ..plain() },
+    );
     accepts(
         "-visualize_grid -input s.txt -grid 1 1 7",
-        Options { grid: Some([1, 1, 7]), visualize_grid: true, ..plain() },
+        Options { grid: Some(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
@@ -208,7 +213,7 @@ fn lines_in_the_style_of_the_course() {
         "-input s.txt -size 200 200 -gui -grid 15 15 15 -visualize_grid -tessellation 10 5",
         Options {
             size: [200, 200],
-            grid: Some([15, 15, 15]),
+            grid: Some(Resolution::Cells([15, 15, 15])),
             visualize_grid: true,
             preview: true,
             ..plain()
@@ -216,7 +221,7 @@ fn lines_in_the_style_of_the_course() {
     );
     accepts(
         "-size 200 200 -input s.txt -output o.tga -grid 20 20 20 -stats",
-        Options { grid: Some([20, 20, 20]), stats: true, ..sized() },
+        Options { grid: Some(Resolution::Cells([20, 20, 20])), stats: true, ..sized() },
     );
 }
 
@@ -275,6 +280,9 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -weight -0.1", "`-weight`: `-0.1` is negative"),
     ("-input s.txt -weight infinity", "`-weight`: `infinity` is not a finite number"),
     ("-input s.txt -grid 10", "`-grid` takes 3 values, 1 given"),
+    ("-input s.txt -grid 10 10", "`-grid` takes 3 values, 2 given"),
+    ("-input s.txt -grid", "`-grid` takes 3 values, 0 given"),
+    ("-input s.txt -grid auto 3 3", "`-grid`: `auto` is not a whole number"),
     ("-input s.txt -grid 10 0 10", "`-grid`: `0` is not between 1 and 2147483647"),
     (
         "-input s.txt -grid 2048 1024 1024",

@@ -74,6 +74,12 @@ impl Flag {
         self
     }
 
+    /// How many values the flag may be given: `-grid` may also have the one word `auto`.
+    pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
+        let least = if self.name == GRID.name { 1 } else { self.values.len() };
+        least..=self.values.len()
+    }
+
     /// The flag as it is typed: `-size w h`.
     pub fn usage(&self) -> String {
         self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
@@ -230,7 +236,7 @@ pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
     "grid",
     &["nx", "ny", "nz"],
-    "Speeds the rendering up with a uniform grid of so many cells. The picture stays the same.",
+    "Speeds the rendering up with a uniform grid of so many cells, or with -grid auto of a fitting number. The picture stays the same.",
 );
 pub(super) const VISUALIZE_GRID: Flag = Flag::new(
     Section::Grid,

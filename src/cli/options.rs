@@ -3,6 +3,7 @@
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
+use crate::grid::resolution::Resolution;
 use crate::image_io::Format;
 use crate::render::{Request, View};
 use crate::sampling::drand48::Drand48;
@@ -31,8 +32,8 @@ pub struct Options {
     pub effects: Effects,
     pub sampler: Sampler,
     pub filter: Filter,
-    /// Cells along x, y and z, at least 1 each and below 2^31 together.
-    pub grid: Option<[usize; 3]>,
+    /// Cells along x, y and z are at least 1 each and below 2^31 together.
+    pub grid: Option<Resolution>,
     /// Only with a grid.
     pub visualize_grid: bool,
     pub stats: bool,
@@ -216,11 +217,14 @@ fn weight(raw: &Raw) -> Result<f64, CliError> {
     }
 }
 
-fn grid(raw: &Raw) -> Result<Option<[usize; 3]>, CliError> {
+fn grid(raw: &Raw) -> Result<Option<Resolution>, CliError> {
+    if raw.single(&flags::GRID).is_some_and(|word| word == "auto") {
+        return Ok(Some(Resolution::Auto));
+    }
     let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MOST))? else { return Ok(None) };
     let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
     match product {
-        Some(product) if product < CELL_LIMIT => Ok(Some(cells.map(|n| n as usize))),
+        Some(product) if product < CELL_LIMIT => Ok(Some(Resolution::Cells(cells.map(|n| n as usize)))),
         _ => Err(CliError::TooManyCells { cells }),
     }
 }

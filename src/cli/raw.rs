@@ -45,6 +45,11 @@ impl Raw {
         self.matches.value_source(flag.name) == Some(ValueSource::CommandLine)
     }
 
+    /// The only value of a flag that was given one.
+    pub fn single(&self, flag: &Flag) -> Option<&OsStr> {
+        self.values::<1>(flag).ok().flatten().map(|[word]| word)
+    }
+
     /// The values of a flag that takes `N` of them; `None` if it is not given.
     pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
         let Ok(Some(indices)) = self.matches.try_get_raw(flag.name) else { return Ok(None) };
@@ -97,7 +102,7 @@ fn arg(flag: &Flag) -> Arg {
         "help" => arg.action(ArgAction::Help),
         "version" => arg.action(ArgAction::Version),
         _ if flag.values.is_empty() => arg.action(ArgAction::SetTrue),
-        _ => arg.num_args(flag.values.len()).value_parser(clap::value_parser!(OsString)),
+        _ => arg.num_args(flag.value_counts()).value_parser(clap::value_parser!(OsString)),
     }
 }
 

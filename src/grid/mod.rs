@@ -3,6 +3,7 @@
 pub mod build;
 pub mod footprint;
 pub mod march;
+pub mod resolution;
 mod ticks;
 pub mod visualize;
 

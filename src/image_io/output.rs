@@ -128,14 +128,12 @@ fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(target), open)
 }
 
-/// Gives the complete file its name. Some file systems tell of a full disk only when data leaves the
-/// machine's memory, so that must come first: before the old picture is gone, and while an error can
-/// still be reported.
+/// Gives the complete file its name. It is not forced to the disk first: that takes many times as
+/// long as a small picture takes to render.
 fn install(temporary: NamedTempFile, target: &Path, permissions: Option<&Permissions>) -> io::Result<()> {
     if let Some(permissions) = permissions {
         temporary.as_file().set_permissions(permissions.clone())?;
     }
-    temporary.as_file().sync_data()?;
     temporary.persist(target).map(drop).map_err(|error| error.error)
 }
 

@@ -1,0 +1,72 @@
+//! How many cells a grid gets.
+
+use crate::math::aabb::Aabb;
+
+/// The number of cells along each axis, as asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// Taken literally, whatever it costs.
+    Cells([usize; 3]),
+    /// As the scene and the number of rays suggest.
+    Auto,
+}
+
+impl Resolution {
+    /// The cells for `count` primitives in a box and about so many rays.
+    ///
+    /// Cubic cells, one for each primitive: measured, half or twice as many cost a few percent, and
+    /// eight times as many a quarter. With so few rays that filling the cells counts, 0.4 for each.
+    pub fn cells(self, bounds: &Aabb, count: usize, rays: usize) -> [usize; 3] {
+        const MANY_RAYS: usize = 8;
+        match self {
+            Self::Cells(cells) => cells,
+            Self::Auto if rays >= MANY_RAYS * count => cubic(bounds, count as f64),
+            Self::Auto => cubic(bounds, 0.4 * count as f64),
+        }
+    }
+}
+
+/// About `total` cubic cells. A box that is flat in comparison to its largest side counts as a
+/// little thick, so that a flat scene is cut along its two sides.
+fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
+    const FLAT: f64 = 1e-3;
+    let extent = bounds.extent();
+    let largest = extent.max_element();
+    if bounds.is_empty() || largest == 0.0 {
+        return [1; 3];
+    }
+    // In units of the largest side, whose powers may leave the range of floats.
+    let sides = (extent / largest).max(glam::DVec3::splat(FLAT)).to_array();
+    let edge = libm::cbrt(sides.iter().product::<f64>() / total.max(1.0));
+    sides.map(|side| ((side / edge).round() as usize).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn auto(extent: DVec3, count: usize, rays: usize) -> [usize; 3] {
+        Resolution::Auto.cells(&Aabb { min: DVec3::ONE, max: DVec3::ONE + extent }, count, rays)
+    }
+
+    #[test]
+    fn about_a_cell_for_each_primitive() {
+        assert_eq!(auto(DVec3::ONE, 1000, 1_000_000), [10, 10, 10]);
+        assert_eq!(auto(DVec3::new(4.0, 2.0, 1.0), 8000, 1_000_000), [40, 20, 10]);
+        let few_rays: usize = auto(DVec3::ONE, 40_000, 40_000).iter().product();
+        assert!((12_000..20_000).contains(&few_rays));
+    }
+
+    #[test]
+    fn flat_and_empty_scenes() {
+        assert_eq!(auto(DVec3::new(1.0, 0.0, 1.0), 1000, 1_000_000), [100, 1, 100]);
+        assert_eq!(auto(DVec3::ZERO, 5, 100), [1; 3]);
+        assert_eq!(Resolution::Auto.cells(&Aabb::EMPTY, 0, 100), [1; 3]);
+    }
+
+    #[test]
+    fn cells_are_taken_literally() {
+        assert_eq!(Resolution::Cells([5, 1, 9]).cells(&Aabb::EMPTY, 7, 7), [5, 1, 9]);
+    }
+}
