@@ -3,6 +3,7 @@
 mod support;
 
 use raytracer::cli::{self, Command};
+use raytracer::grid::resolution::Resolution;
 use std::ffi::OsString;
 use std::path::Path;
 use support::Folder;
@@ -34,7 +35,7 @@ fn the_first_command_is_accepted_and_its_scene_exists() {
     let words = ["raytracer"].into_iter().chain(line.split_whitespace()).map(OsString::from);
     let Ok(Command::Render(options)) = cli::parse(words) else { panic!("{line}") };
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(&options.input).is_file(), "{line}");
-    assert!(options.stats && options.grid == Some([10; 3]));
+    assert!(options.stats && options.grid == Some(Resolution::Cells([10; 3])));
 }
 
 #[test]
