@@ -6,6 +6,8 @@
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod grid;
+mod grid_march;
+mod grid_scenes;
 mod hostile_input;
 mod near_lights;
 mod secondary_rays;

@@ -1,27 +1,37 @@
 //! The only place that knows the insides of the program's grid.
 
 use raytracer::grid::Lattice;
-use raytracer::grid::build::Grid;
-use raytracer::grid::march::March;
+use raytracer::grid::build::widened;
+use raytracer::grid::march::{March, clip, drift};
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 
 /// How the program cuts the world into cells.
 pub fn lattice(world: &World, cells: [usize; 3]) -> Lattice {
-    Grid::new(world.bounds, cells, &[]).expect("a grid without contents").lattice
+    Lattice::new(widened(world.bounds), cells)
+}
+
+/// By how much of a cell the program widens cells for the march's sake.
+pub fn margin(lattice: &Lattice) -> f64 {
+    drift(lattice)
 }
 
 /// A cell by its indices along the axes, and the t at which the ray leaves it.
 pub type Step = ([usize; 3], f64);
 
-/// The cells along a ray.
-pub fn steps(lattice: &Lattice, ray: &Ray) -> Vec<Step> {
-    let [nx, ny, _] = lattice.cells;
-    let place = |i: usize| [i % nx, i / nx % ny, i / nx / ny];
-    let Some(mut march) = March::new(lattice, ray) else { return vec![] };
-    let mut steps = vec![(place(march.cell), march.exit())];
-    while march.step() {
-        steps.push((place(march.cell), march.exit()));
+/// The t at which the ray enters the lattice, and the cells along it.
+pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
+    let Some(passage) = clip(&lattice.bounds, ray) else { return (0.0, vec![]) };
+    let mut march = March::new(lattice, &passage);
+    // The whole passage takes 2^29 ticks.
+    let per_tick = (passage.exit - passage.entry) / 2f64.powi(29);
+    let mut steps = vec![];
+    loop {
+        let cell = lattice.cell_of(march.index).to_array();
+        if (0..3).any(|axis| cell[axis] < 0.0 || cell[axis] >= lattice.cells[axis] as f64) {
+            return (passage.entry, steps);
+        }
+        steps.push((cell.map(|i| i as usize), passage.entry + march.exit() as f64 * per_tick));
+        march.step();
     }
-    steps
 }

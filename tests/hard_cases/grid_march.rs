@@ -1,0 +1,169 @@
+//! Section B, cases 26 and 27: the march itself, in up to 4096 cells along each axis.
+
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{bunny, world_of};
+use crate::support::product_grid::{Step, lattice, margin, steps};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::textbook_grid::{TextbookGrid, march};
+use crate::support::{failed_ray, rays};
+use crate::{grid::frame, grid::push};
+use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::grid::Lattice;
+use raytracer::math::aabb::Aabb;
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::Mesh;
+use raytracer::stats::Quiet;
+
+/// How far outside the cell that a march names the ray is at most, in cells.
+fn largest_drift(lattice: &Lattice, ray: &Ray, entry: f64, steps: &[Step]) -> f64 {
+    let outside = |cell: [usize; 3], t: f64| {
+        let at = (ray.at(t) - lattice.bounds.min) / lattice.cell_size;
+        let low = DVec3::from_array(cell.map(|i| i as f64));
+        (low - at).max(at - low - 1.0).max_element()
+    };
+    let entries = std::iter::once(entry).chain(steps.iter().map(|step| step.1));
+    entries
+        .zip(steps)
+        .map(|(entry, &(cell, exit))| outside(cell, entry).max(outside(cell, exit)))
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn case_26_the_cells_along_a_ray() {
+    const SEED: u64 = 1026;
+    let (middle, reach) = crate::support::meshes::middle_and_reach(&bunny("1k"));
+    let boxes = [
+        Aabb { min: DVec3::ZERO, max: DVec3::ONE },
+        Aabb { min: middle - reach, max: middle + DVec3::new(1.0, 0.8, 0.7) * reach },
+        Aabb { min: DVec3::splat(1000.0), max: DVec3::splat(1001.0) },
+    ];
+    let failures = Failures::default();
+    let (mut inputs, mut ours, mut theirs) = (0, Vec::new(), Vec::new());
+    for (side, ordinary) in [(64, 16_000), (256, 12_000), (1024, 4_000), (4096, 2_000)] {
+        let n = rays(ordinary, 100 * ordinary);
+        let (mut counts, mut drifts) = ([0; 3], [0.0f64; 3]);
+        for bounds in boxes {
+            let lattice = Lattice::new(bounds, [side; 3]);
+            let margin = margin(&lattice);
+            let one = |index| {
+                let rng = &mut Rng::at(SEED, index);
+                let origin = bounds.min + bounds.extent() * (0.5 + 2.0 * rng.direction());
+                let target = bounds.min + bounds.extent() * (0.5 + 0.4 * rng.in_cube());
+                let ray = Ray::new(origin, (target - origin).normalize());
+                let (entry, found) = steps(&lattice, &ray);
+                let ours = largest_drift(&lattice, &ray, entry, &found);
+                let wrong = found.is_empty() || ours > margin;
+                failures.note(wrong, || failed_ray(26, SEED, index, ray.origin, ray.direction));
+                let textbook = |march: &dyn Fn(&mut Vec<Step>)| {
+                    let mut steps = Vec::with_capacity(found.len());
+                    march(&mut steps);
+                    largest_drift(&lattice, &ray, entry, &steps)
+                };
+                let in_f32 = textbook(&|steps| collect::<f32>(&lattice, &ray, steps));
+                let in_f64 = textbook(&|steps| collect::<f64>(&lattice, &ray, steps));
+                ([1, wrong as u64, (in_f32 > margin) as u64], [ours, in_f32, in_f64])
+            };
+            let (more, drift) = measure::<3, 3>(n, one);
+            counts = crate::grid::sum([counts, more]);
+            drifts = std::array::from_fn(|i| drifts[i].max(drift[i]));
+        }
+        let margin = margin(&Lattice::new(boxes[0], [side; 3]));
+        ours.push(format!("{:.1e} of {margin:.1e} at {side}", drifts[0]));
+        theirs.push(format!(
+            "{:.1}% of rays beyond the margin at {side}, by up to {:.1e}, in f64 {:.1e}",
+            100.0 * counts[2] as f64 / counts[0] as f64,
+            drifts[1],
+            drifts[2]
+        ));
+        inputs += counts[0];
+        assert_eq!(counts[1], 0);
+        assert!(counts[2] > 0, "the case tests nothing");
+    }
+    Record {
+        case: 26,
+        name: "cells along a ray, 64 to 4096 a side",
+        inputs: format!("{inputs} rays"),
+        measure: "how far a cell is from where the ray is, in cells",
+        textbook: format!("f32 accumulated: {}", theirs.join("; ")),
+        ours: ours.join(", "),
+        target: "below the margin by which cells are widened",
+    }
+    .write();
+}
+
+fn collect<T: num_traits::Float>(lattice: &Lattice, ray: &Ray, steps: &mut Vec<Step>) {
+    march::<T>(lattice, ray, |cell, exit| {
+        steps.push((cell, exit));
+        true
+    });
+}
+
+/// Objects so near to a cell's corner that a march which drifts passes them by.
+#[test]
+fn case_27_objects_at_cell_corners() {
+    const SEED: u64 = 1027;
+    let n = rays(10_000, 1_000_000);
+    let failures = Failures::default();
+    let (mut total, mut text) = ([0; 3], Vec::new());
+    for side in [128, 256, 512, 1024] {
+        // One layer of cells keeps the memory small; the errors add up along x and y.
+        let cells = [side, side, 1];
+        for delta in [1e-2, 1e-3, 1e-4] {
+            let (mesh, corners) = specks(cells, delta);
+            let world = world_of(&mesh);
+            let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
+            let textbook = TextbookGrid::over(&world, lattice(&world, cells));
+            let one = |index| {
+                let rng = &mut Rng::at(SEED, index);
+                let i = rng.below(corners);
+                let [a, b, c] = world.corners(2 + i);
+                // Upwards to the left or downwards to the right, a ray cuts the object's corner off.
+                let mut origin = DVec3::new(rng.range(-1.0, 0.0), rng.range(1.0, 2.0), rng.range(0.0, 1.0));
+                if rng.below(2) == 0 {
+                    (origin.x, origin.y) = (origin.y, origin.x);
+                }
+                let ray = Ray::new(origin, (a + b + c) / 3.0 - origin);
+                let found = caster.closest(&ray, &mut Quiet).map(|h| h.primitive);
+                // Another speck may stand in front, but the target is never passed.
+                let missed = found.is_none();
+                failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));
+                let theirs = textbook.first_hit::<f32>(&ray).is_none();
+                ([1, missed as u64, theirs as u64], [])
+            };
+            let (counts, []) = measure::<3, 0>(n, one);
+            total = crate::grid::sum([total, counts]);
+            text.push(format!("{} at {side} and {delta}", counts[2]));
+        }
+    }
+    Record {
+        case: 27,
+        name: "objects near cell corners",
+        inputs: format!("{} rays at objects 1e-2 to 1e-4 cells from a corner", total[0]),
+        measure: "objects missed",
+        textbook: format!("f32 accumulated: {}", text.join(", ")),
+        ours: total[1].to_string(),
+        target: "0",
+    }
+    .write();
+    assert_eq!(total[1], 0);
+    assert!(total[2] > 0, "the case tests nothing");
+}
+
+/// Small triangles near corners of cells, and how many; two larger ones before them span the grid.
+fn specks(cells: [usize; 3], delta: f64) -> (Mesh, usize) {
+    const COUNT: usize = 400;
+    let mut mesh = frame();
+    let lattice = lattice(&world_of(&mesh), cells);
+    let rng = &mut Rng::new(2027);
+    for _ in 0..COUNT {
+        let corner = [0, 1].map(|axis| 1 + cells[axis] / 4 + rng.below(cells[axis] / 2));
+        let inside =
+            |axis: usize| lattice.bounds.min[axis] + lattice.cell_size[axis] * (corner[axis] as f64 + delta);
+        let at = DVec3::new(inside(0), inside(1), rng.range(0.1, 0.9));
+        let size = 0.3 * delta * lattice.cell_size.x;
+        push(&mut mesh, [at + size * DVec3::X, at + size * DVec3::Y, at - size * DVec3::ONE]);
+    }
+    (mesh, COUNT)
+}
