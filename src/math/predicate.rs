@@ -13,8 +13,9 @@ pub fn triple_product(d: DVec3, p: [Dd; 3], q: [Dd; 3]) -> f64 {
     let [size_p, size_q] = [p, q].map(|v| DVec3::from_array(v.map(Dd::value)).abs());
     let terms = |i: usize, j: usize| size_p[i] * size_q[j] + size_p[j] * size_q[i];
     let largest = d.abs().dot(DVec3::new(terms(1, 2), terms(2, 0), terms(0, 1)));
-    // Eight operations of 2^-100 each, and room.
-    if fast.abs() > 0.5f64.powi(95) * largest {
+    // Eight operations of 2^-100 each, and room. What is no number, or too large for one, no sum can
+    // decide, and only a slow one would be tried.
+    if fast.abs() > 0.5f64.powi(95) * largest || !largest.is_finite() {
         return fast;
     }
     let mut sum = ExactSum::default();

@@ -59,7 +59,7 @@ fn case_53_critical_angle() {
         let wrong = |reflects: bool| [(reflects && !total) as u64, (!reflects && total) as u64];
         let ([a, b], [c, d]) = (wrong(found.is_none()), wrong(textbook));
         failures.note(a + b > 0, || failed_ray(53, 53, index, normal, direction));
-        ([a, b, c, d, 1], [found.map_or(0.0, |t| off_unit(t))])
+        ([a, b, c, d, 1], [found.map_or(0.0, off_unit)])
     });
     let [false_reflection, false_passage, textbook_reflection, textbook_passage, tried] = counts;
     Record {

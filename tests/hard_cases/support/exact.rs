@@ -19,7 +19,3 @@ pub fn dot(a: &[BigRational; 3], b: &[BigRational; 3]) -> BigRational {
 pub fn sub(a: &[BigRational; 3], b: &[BigRational; 3]) -> [BigRational; 3] {
     [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
 }
-
-pub fn cross(a: &[BigRational; 3], b: &[BigRational; 3]) -> [BigRational; 3] {
-    [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
-}
