@@ -9,6 +9,7 @@ mod grid;
 mod grid_march;
 mod grid_scenes;
 mod support;
+mod transforms;
 mod triangles_accuracy;
 mod triangles_degenerate;
 mod triangles_watertight;
