@@ -1,6 +1,7 @@
 //! Camera rays.
 
 use crate::math::ray::Ray;
+use crate::math::robust::unit;
 use crate::scene;
 use glam::{DVec2, DVec3};
 
@@ -29,8 +30,8 @@ impl Camera {
                 (center, direction, up, 2.0 * libm::tan(angle.to_radians() / 2.0), true)
             }
         };
-        let direction = direction.normalize();
-        let right = direction.cross(up).normalize();
+        let direction = unit(direction);
+        let right = unit(direction.cross(up));
         Self {
             center,
             direction,

@@ -68,7 +68,8 @@ pub fn render<P: Probe>(
     let mut film = Film::new(request.filter, request.size);
     let mut probe = P::default();
     let bytes = Spread::bytes(request.filter, request.size) + request.size[0] * 32;
-    let batch = (ROWS_IN_FLIGHT / bytes).max(rayon::current_num_threads());
+    // At least a row for each thread, and no more than there are.
+    let batch = (ROWS_IN_FLIGHT / bytes).max(rayon::current_num_threads()).clamp(1, height.max(1));
     for first in (0..height).step_by(batch) {
         let rows: Vec<Row<P>> = (first..height.min(first + batch))
             .into_par_iter()

@@ -173,7 +173,7 @@ impl Tracer<'_> {
     fn reflect(&self, branch: &Branch, lit: &Lit, pending: &mut Pending) {
         let Some((filter, weight)) = self.passes(branch, lit.material.reflective) else { return };
         let (d, n) = (branch.ray.direction, lit.surface.normal);
-        let ray = self.secondary(&lit.surface, (d - 2.0 * d.dot(n) * n).normalize());
+        let ray = self.secondary(&lit.surface, reflected(d, n));
         pending.0.push(Branch { ray, filter, weight, bounces: branch.bounces + 1, index: branch.index });
     }
 
@@ -194,14 +194,26 @@ impl Tracer<'_> {
     }
 }
 
+/// The direction of a mirrored ray, a unit vector; the normal may point to either side.
+pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
+    (direction - 2.0 * direction.dot(normal) * normal).normalize()
+}
+
 /// The direction of a refracted ray; none at total internal reflection. `ratio` is the index of
 /// refraction before the surface over the one behind it, `normal` points against `direction`.
 ///
 /// Split into its parts along the surface and into it, so that both keep their digits at grazing
-/// incidence, where a formula that subtracts cosines loses them.
+/// incidence, where a formula that subtracts cosines loses them. The square of the part inward is
+/// one less that of the part along, and also 1 - ratio^2 more than that of `ratio` times the cosine.
+/// The form that subtracts the smaller number loses the less.
 pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
-    let along = ratio * (direction - direction.dot(normal) * normal);
-    let inward = 1.0 - along.length_squared();
+    let cosine = direction.dot(normal);
+    let along = ratio * (direction - cosine * normal);
+    let inward = if ratio * ratio < 1.5 {
+        (1.0 - ratio) * (1.0 + ratio) + (ratio * cosine) * (ratio * cosine)
+    } else {
+        1.0 - along.length_squared()
+    };
     (inward >= 0.0).then(|| (along - inward.sqrt() * normal).normalize())
 }
 

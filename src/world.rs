@@ -301,7 +301,7 @@ impl Builder<'_> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        let normal = normal.normalize();
+        let normal = robust::unit(normal);
         note_run(&mut self.materials[3], self.world.planes.len(), material);
         if placement.transform.is_none() {
             self.world.planes.push(Plane { normal, offset });
@@ -312,7 +312,7 @@ impl Builder<'_> {
             return Err(placement.error(Problem::SingularTransform));
         }
         let outward = robust::cofactor(linear) * normal * linear.determinant().signum();
-        let normal_there = outward.normalize();
+        let normal_there = robust::unit(outward);
         let point = placement.matrix.transform_point3(offset * normal);
         self.world.planes.push(Plane { normal: normal_there, offset: normal_there.dot(point) });
         if point.is_finite() && normal_there.is_finite() {
@@ -366,7 +366,7 @@ const BOX_FACES: [[u32; 3]; 12] = [
 fn with_unit_direction(light: Light) -> Light {
     match light {
         Light::Directional { direction, color } => {
-            Light::Directional { direction: direction.normalize(), color }
+            Light::Directional { direction: robust::unit(direction), color }
         }
         point => point,
     }

@@ -70,7 +70,7 @@ impl Structure {
         let mut filtered = Filtered::new(self, search, &passage);
         match &self.lattice {
             Some(lattice) => {
-                let march = March::new(lattice, &ray, &passage);
+                let march = March::new(lattice, &passage);
                 self.march::<K, P, ANY>(march, filtered, search, probe);
             }
             None => {

@@ -13,11 +13,11 @@
 //! the cell that the schedule names for t, and a search that goes through all cells up to the time
 //! of its best hit has missed nothing nearer.
 
-use super::Lattice;
 use super::ticks::Ticks;
+use super::{Ahead, Lattice};
 use crate::math::aabb::Aabb;
+use crate::math::four::Four;
 use crate::math::ray::Ray;
-use glam::DVec3;
 
 /// The ray's whole way through the lattice, in ticks.
 const WAY: f64 = (1u64 << 29) as f64;
@@ -32,7 +32,7 @@ pub fn drift(lattice: &Lattice) -> f64 {
 
 /// A position on the march through a lattice.
 #[derive(Clone, Copy, Debug)]
-pub struct March {
+pub struct March<'l> {
     /// Index of the current cell, in the lattice or on its border.
     pub index: usize,
     /// The tick at which the ray crosses the next face along each axis.
@@ -40,7 +40,7 @@ pub struct March {
     /// The ticks between such crossings.
     between: Ticks,
     /// What to add to the index, by the set of axes that step (bit 0 for x).
-    moves: [isize; 8],
+    moves: &'l [isize; 8],
     clock: Clock,
 }
 
@@ -57,40 +57,40 @@ struct Clock {
 pub struct Passage {
     pub entry: f64,
     pub exit: f64,
-    /// One over the ray's direction.
-    inverse: DVec3,
+    origin: Four,
+    direction: Four,
+    /// One over the direction.
+    inverse: Four,
 }
 
-impl March {
-    /// Starts at the cell where the ray's `passage` through the lattice's bounds begins.
+impl<'l> March<'l> {
+    /// Starts at the cell where a ray's `passage` through the lattice's bounds begins.
     #[inline(always)]
-    pub fn new(lattice: &Lattice, ray: &Ray, passage: &Passage) -> Self {
-        let entry = passage.entry;
+    pub fn new(lattice: &'l Lattice, passage: &Passage) -> Self {
+        let Passage { entry, exit, origin, direction, inverse } = *passage;
+        let Ahead { low, cell_size, per_unit, last, strides, moves } = &lattice.ahead;
         // Long enough that no division overflows, for a ray that but touches a corner.
-        let length = (passage.exit - entry).max(f64::MIN_POSITIVE * WAY);
+        let length = (exit - entry).max(f64::MIN_POSITIVE * WAY);
         let clock = Clock { entry, per_tick: WAY / length };
-        let start = lattice.to_cells(ray.at(entry));
-        let strides = lattice.strides();
-        let (mut index, mut next, mut between, mut moves) = (0, [0; 3], [0; 3], [0; 3]);
-        for axis in 0..3 {
-            let (size, inverse) = (lattice.cell_size[axis], passage.inverse[axis]);
-            // On a face either cell will do: the march corrects it with its first step.
-            let last = (lattice.cells[axis] - 1) as f64;
-            let (cell, number) = nearest(bounded(start[axis] - 0.5, 0.0, last));
-            index += (number as usize + 1) * strides[axis];
-            let ahead = inverse > 0.0;
-            let face = lattice.bounds.min[axis] + size * (cell + f64::from(ahead));
-            let crossing = ((face - ray.origin[axis]) * inverse - entry) * clock.per_tick;
-            // Alongside a face this is infinite, or NaN within it.
-            let crossing = if inverse.is_infinite() { NEVER } else { crossing };
-            next[axis] = nearest(bounded(crossing, -WAY, NEVER)).1;
-            between[axis] = nearest(bounded(size * inverse.abs() * clock.per_tick, 0.0, NEVER)).1;
-            let stride = strides[axis] as isize;
-            moves[axis] = if ahead { stride } else { -stride };
+        let (entry, per_tick) = (Four::splat(entry), Four::splat(clock.per_tick));
+        // On a face either cell will do: the march corrects it with its first step.
+        let start = (origin + entry * direction - *low) * *per_unit - Four::splat(0.5);
+        let cell = start.max(Four::splat(0.0)).min(*last).map(|x| (x + TO_WHOLE) - TO_WHOLE);
+        let ahead = inverse.map(|x| if x > 0.0 { 1.0 } else { 0.0 });
+        let face = *low + *cell_size * (cell + ahead);
+        let crossing = ((face - origin) * inverse - entry) * per_tick;
+        // Alongside a face the crossing is infinite, or NaN within it.
+        let crossing = crossing.zip(inverse, |t, x| if x.abs() == f64::INFINITY { NEVER } else { t });
+        let between = *cell_size * inverse.map(f64::abs) * per_tick;
+        let [x, y, z, _] = ((cell + Four::splat(1.0)) * *strides).0;
+        let backwards = |axis: usize| usize::from(ahead.0[axis] == 0.0) << axis;
+        Self {
+            index: (x + y + z + TO_WHOLE).to_bits() as u32 as usize,
+            next: ticks(crossing),
+            between: ticks(between),
+            moves: &moves[backwards(0) | backwards(1) | backwards(2)],
+            clock,
         }
-        let [x, y, z] = moves;
-        let moves = [0, x, y, x + y, z, x + z, y + z, x + y + z];
-        Self { index, next: Ticks::new(next), between: Ticks::new(between), moves, clock }
     }
 
     /// The tick at which the ray leaves the current cell.
@@ -102,8 +102,9 @@ impl March {
     /// The first tick not before `t`.
     #[inline(always)]
     pub fn tick(&self, t: f64) -> i32 {
-        // The conversion saturates.
-        ((t - self.clock.entry) * self.clock.per_tick).ceil() as i32
+        let after = (t - self.clock.entry) * self.clock.per_tick;
+        // Half a tick more, so that the nearest whole number is never before t.
+        (if after < NEVER { after + 0.5 } else { NEVER } + TO_WHOLE).to_bits() as i32
     }
 
     /// Goes on to the next cell, or over an edge or a corner to the one behind it; gives the set of
@@ -122,41 +123,39 @@ impl March {
     }
 }
 
-/// `x` between two bounds; the lower one for a NaN.
-#[inline(always)]
-fn bounded(x: f64, low: f64, high: f64) -> f64 {
-    let raised = if x > low { x } else { low };
-    if raised < high { raised } else { high }
-}
+/// Added to a number below 2^31 it leaves no bits for a fraction, and the nearest whole number in
+/// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
+const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// The nearest whole number, for numbers below 2^31: faster than a conversion that must also say
-/// what becomes of others.
+/// The nearest ticks, cut to what the march comes to.
 #[inline(always)]
-fn nearest(x: f64) -> (f64, i32) {
-    // Adding 1.5 * 2^52 leaves no bits for a fraction, and the number in the lowest ones.
-    const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
-    let shifted = x + TO_WHOLE;
-    (shifted - TO_WHOLE, shifted.to_bits() as i32)
+fn ticks(t: Four) -> Ticks {
+    let cut = t.max(Four::splat(-WAY)).min(Four::splat(NEVER));
+    let [x, y, z, _] = cut.0.map(|t| (t + TO_WHOLE).to_bits() as i32);
+    Ticks::new([x, y, z])
 }
 
 /// Where the ray enters and leaves the box, if it does so before it ends.
 #[inline(always)]
 pub fn clip(bounds: &Aabb, ray: &Ray) -> Option<Passage> {
-    let inverse = 1.0 / ray.direction;
-    let (low, high) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
-    let (near, far) = (low.min(high), low.max(high));
+    let (origin, direction) = (Four::new(ray.origin, 0.0), Four::new(ray.direction, 1.0));
+    let inverse = direction.map(|d| 1.0 / d);
+    let low = (Four::new(bounds.min, 0.0) - origin) * inverse;
+    let high = (Four::new(bounds.max, 0.0) - origin) * inverse;
+    let (near, far) = (low.min(high).0, low.max(high).0);
     let greater = |a: f64, b: f64| if a > b { a } else { b };
     let lesser = |a: f64, b: f64| if a < b { a } else { b };
-    let entry = greater(greater(near.x, near.y), greater(near.z, ray.t_min));
-    let exit = lesser(lesser(far.x, far.y), far.z);
+    let entry = greater(greater(near[0], near[1]), greater(near[2], ray.t_min));
+    let exit = lesser(lesser(far[0], far[1]), far[2]);
     // A ray without direction never gets out again.
     let passes = entry <= exit && entry <= ray.t_max && exit < f64::INFINITY;
-    passes.then_some(Passage { entry, exit, inverse })
+    passes.then_some(Passage { entry, exit, origin, direction, inverse })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     fn unit(n: [usize; 3]) -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)
@@ -173,7 +172,7 @@ mod tests {
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
         let lattice = unit(n);
         let Some(passage) = clip(&lattice.bounds, ray) else { return vec![] };
-        let mut march = March::new(&lattice, ray, &passage);
+        let mut march = March::new(&lattice, &passage);
         let mut list = vec![];
         while is_inside(&lattice, march.index) {
             list.push(place(&lattice, march.index));
@@ -216,7 +215,7 @@ mod tests {
                 let origin = DVec3::new(-1.3 + angle(11 * k), 2.0 * angle(5 * k) - 0.5, -0.7);
                 let ray = Ray::new(origin, target - origin);
                 let Some(passage) = clip(&lattice.bounds, &ray) else { continue };
-                let mut march = March::new(&lattice, &ray, &passage);
+                let mut march = March::new(&lattice, &passage);
                 while is_inside(&lattice, march.index) {
                     let t = passage.entry + march.exit() as f64 / march.clock.per_tick;
                     let at = lattice.to_cells(ray.at(t));

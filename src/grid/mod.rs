@@ -7,6 +7,7 @@ mod ticks;
 pub mod visualize;
 
 use crate::math::aabb::Aabb;
+use crate::math::four::Four;
 use glam::DVec3;
 
 /// How a box is cut into cells.
@@ -22,13 +23,54 @@ pub struct Lattice {
     /// Edge lengths of a cell.
     pub cell_size: DVec3,
     per_unit: DVec3,
+    /// For the march.
+    ahead: Ahead,
+}
+
+/// What every march through a lattice needs, computed once.
+#[derive(Clone, Debug, PartialEq)]
+struct Ahead {
+    low: Four,
+    cell_size: Four,
+    per_unit: Four,
+    /// The last cell along each axis, and how an index changes from one to the next.
+    last: Four,
+    strides: Four,
+    /// What to add to an index, by the axes along which a ray runs backwards (bit 0 for x) and by
+    /// the axes that step.
+    moves: [[isize; 8]; 8],
+}
+
+impl Ahead {
+    fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, per_unit: DVec3) -> Self {
+        let [nx, ny, _] = cells;
+        let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
+        let moved = |backwards: usize, steps: usize| {
+            let one = |axis: usize| {
+                let stride = strides[axis] as isize;
+                if backwards >> axis & 1 == 1 { -stride } else { stride }
+            };
+            (0..3).filter(|axis| steps >> axis & 1 == 1).map(one).sum()
+        };
+        let floats = |numbers: [usize; 3]| Four::new(DVec3::from_array(numbers.map(|n| n as f64)), 0.0);
+        Self {
+            low: Four::new(bounds.min, 0.0),
+            cell_size: Four::new(cell_size, 1.0),
+            per_unit: Four::new(per_unit, 1.0),
+            last: floats(cells.map(|n| n - 1)),
+            strides: floats(strides),
+            moves: std::array::from_fn(|backwards| std::array::from_fn(|steps| moved(backwards, steps))),
+        }
+    }
 }
 
 impl Lattice {
     pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
         let count = DVec3::from_array(cells.map(|n| n as f64));
         let extent = bounds.extent();
-        Self { bounds, cells, cell_size: extent / count, per_unit: count / extent }
+        let (cell_size, per_unit) = (extent / count, count / extent);
+        let ahead = Ahead::new(&bounds, cells, cell_size, per_unit);
+        Self { bounds, cells, cell_size, per_unit, ahead }
     }
 
     /// How many indices there are, those of the border included.

@@ -85,7 +85,7 @@ impl Occupancy {
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
         let passage = clip(&self.lattice.bounds, ray)?;
-        let mut march = March::new(&self.lattice, ray, &passage);
+        let mut march = March::new(&self.lattice, &passage);
         let mut face = self.face(march.index, passage.entry, self.face_at(passage.entry, ray), ray);
         while face.is_none() {
             let mut index = march.index;

@@ -23,9 +23,9 @@ impl Ray {
         self.origin + t * self.direction
     }
 
-    /// Whether `t` lies on the ray; a NaN does not.
+    /// Whether `t` lies on the ray; neither a NaN nor an infinity does.
     pub fn covers(&self, t: f64) -> bool {
-        t >= self.t_min && t < self.t_max
+        t >= self.t_min && t < self.t_max && t > f64::NEG_INFINITY
     }
 }
 

@@ -5,16 +5,36 @@ use glam::{DMat3, DVec3};
 /// The largest relative error of one rounded f64 operation, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// Where a secondary ray along `direction` starts, so that it neither meets the surface it leaves
-/// nor skips what stands close by.
+/// Where a secondary ray along the unit vector `direction` starts, so that it neither meets the
+/// surface it leaves nor skips what stands close by.
 ///
 /// A point computed on a surface is off it by a few roundings of its coordinates and of those of
 /// the primitives around it, the largest of which is `reach`. 32 roundings cover both that error
 /// and the intersection test's own: measured 0 false and 0 missed shadows at scales 1e-6 to 1e6.
+///
+/// The point moves that far from the surface along the direction, so that it stays on its line and
+/// a path's error does not grow with its bounces; along the normal where that would be a long way.
 pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, reach: f64) -> DVec3 {
+    const STEEP: f64 = 0.25;
     let distance = 32.0 * UNIT_ROUNDOFF * (point.abs().max_element() + reach);
-    let side = if direction.dot(unit_normal) < 0.0 { -distance } else { distance };
+    let slope = direction.dot(unit_normal);
+    if slope.abs() > STEEP {
+        return point + (distance / slope.abs()) * direction;
+    }
+    let side = if slope < 0.0 { -distance } else { distance };
     point + side * unit_normal
+}
+
+/// `v` scaled to unit length, also where the square of its length is not representable; NaN for a
+/// vector without a direction.
+pub fn unit(v: DVec3) -> DVec3 {
+    const REPRESENTABLE: std::ops::Range<f64> = 1e-290..1e290;
+    if REPRESENTABLE.contains(&v.length_squared()) { v.normalize() } else { unit_of_extreme(v) }
+}
+
+#[cold]
+fn unit_of_extreme(v: DVec3) -> DVec3 {
+    (v / v.abs().max_element()).normalize()
 }
 
 /// The cofactor matrix: the inverse transpose times the determinant. It maps normals, and unlike
@@ -46,6 +66,17 @@ mod tests {
         let down = offset_origin(p, DVec3::Y, DVec3::new(1.0, -1e-9, 0.0), 4.0);
         assert!(up.y > p.y && down.y < p.y);
         assert!((up.y - p.y) < 1e-13);
+        let steep = offset_origin(p, DVec3::Y, DVec3::new(0.6, -0.8, 0.0), 4.0);
+        assert!(steep.y < p.y && (steep.y - p.y) > -1e-13 && steep.x > p.x);
+    }
+
+    #[test]
+    fn every_vector_has_its_direction() {
+        let v = DVec3::new(3.0, 0.0, -4.0);
+        for scale in [1e-320, 1e-200, 1e-100, 1.0, 1e200, 1e307] {
+            assert!((unit(scale * v) - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-3, "{scale}");
+        }
+        assert!(unit(DVec3::ZERO).is_nan() && unit(DVec3::INFINITY).is_nan());
     }
 
     #[test]

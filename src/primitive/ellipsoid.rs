@@ -1,8 +1,8 @@
 //! Ellipsoids: what a sphere becomes under a transform that is no similarity. They alone keep a
 //! matrix at trace time.
 
-use super::sphere;
-use crate::math::{aabb::Aabb, ray::Ray};
+use super::sphere::{self, Sphere};
+use crate::math::{aabb::Aabb, ray::Ray, robust::unit};
 use glam::{DMat3, DVec3};
 
 /// The image of the unit sphere under `p -> center + linear * p`.
@@ -30,15 +30,16 @@ impl Ellipsoid {
     /// space, so t is the world's.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let origin = self.inverse * (ray.origin - self.center);
-        let roots = sphere::roots(origin, self.inverse * ray.direction, 1.0)?;
+        let unit_sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let roots = unit_sphere.roots(origin, self.inverse * ray.direction)?;
         sphere::first_on_ray(roots, ray)
     }
 
     /// The outward unit normal, and a surface point within rounding of `point`.
     pub fn surface(&self, point: DVec3) -> (DVec3, DVec3) {
-        let unit = (self.inverse * (point - self.center)).normalize();
-        let normal = (self.inverse.transpose() * unit).normalize();
-        (normal, self.center + self.linear * unit)
+        let on_sphere = unit(self.inverse * (point - self.center));
+        let normal = unit(self.inverse.transpose() * on_sphere);
+        (normal, self.center + self.linear * on_sphere)
     }
 }
 

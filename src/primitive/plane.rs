@@ -12,10 +12,11 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Where the ray crosses the plane; none where it runs alongside.
+    /// Where the ray crosses the plane; none where it runs alongside, or infinitely fast.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let t = (self.offset - self.normal.dot(ray.origin)) / self.normal.dot(ray.direction);
-        ray.covers(t).then_some(t)
+        let speed = self.normal.dot(ray.direction);
+        let t = (self.offset - self.normal.dot(ray.origin)) / speed;
+        (ray.covers(t) && speed.is_finite()).then_some(t)
     }
 
     /// The point of the plane nearest to `point`. It removes the error that `origin + t * direction`

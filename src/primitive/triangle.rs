@@ -5,7 +5,7 @@
 use crate::math::double_double::{Dd, cross as exact_cross, difference, dot};
 use crate::math::predicate::{difference_of_products, triple_product};
 use crate::math::ray::Ray;
-use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use glam::DVec3;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
@@ -37,27 +37,21 @@ impl Crossing {
 
 impl Shear {
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let z = if d.x.abs() > d.y.abs() {
-            if d.x.abs() > d.z.abs() { 0 } else { 2 }
-        } else if d.y.abs() > d.z.abs() {
-            1
-        } else {
-            2
-        };
+        let d = ray.direction.to_array();
+        let [x, y, z] = d.map(f64::abs);
+        let z = if x > y && x > z { 0 } else { 1 + usize::from(x > y || y <= z) };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        Self {
-            origin: ray.origin,
-            direction: d,
-            axes: [x, y, z],
-            scale: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]),
-        }
+        // Without a length no t is right; NaN makes every triangle a miss.
+        let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
+        let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
+        Self { origin: ray.origin, direction: ray.direction, axes: [x, y, z], scale }
     }
 
     /// A vertex seen along the ray: x and y across it, z the depth along the longest axis.
     #[inline(always)]
     fn apply(&self, vertex: DVec3) -> DVec3 {
-        let v = vertex - self.origin;
+        // An array, since picking from a vector by number branches.
+        let v = (vertex - self.origin).to_array();
         let [x, y, z] = self.axes;
         DVec3::new(v[x] - self.scale.x * v[z], v[y] - self.scale.y * v[z], v[z])
     }
@@ -171,7 +165,8 @@ fn sign(x: f64) -> i32 {
 
 /// The outward unit normal: vertices run counter-clockwise seen from outside.
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize()
+    let normal = (b - a).cross(c - a);
+    if normal.length_squared() > 1e-290 { unit(normal) } else { unit(unit(b - a).cross(unit(c - a))) }
 }
 
 #[cfg(test)]

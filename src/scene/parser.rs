@@ -5,6 +5,7 @@ use super::parse_material::parse_materials;
 use super::parse_object::ObjectTree;
 use super::reader::{Parsed, Reader, counted_list};
 use super::{Background, Camera, Light, ObjectId, Scene};
+use crate::math::robust::unit;
 use glam::DVec3;
 
 const BLOCKS: [&str; 6] =
@@ -120,11 +121,6 @@ fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
 fn are_parallel(a: DVec3, b: DVec3) -> bool {
     const ROUNDING: f64 = 1e-12;
     unit(a).cross(unit(b)).length() < ROUNDING
-}
-
-/// `vector` scaled to unit length, also where the square of its length is not representable.
-fn unit(vector: DVec3) -> DVec3 {
-    (vector / vector.abs().max_element()).normalize()
 }
 
 /// Reads the background. Both fields are optional, and the last of several alike counts.

@@ -74,19 +74,26 @@ pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
 /// falls, whatever the precision. So a coordinate within its own rounding of a boundary is on it.
 fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     let q = map.transform_point3(point);
-    let m = map.matrix3;
-    let terms =
-        m.x_axis.abs() * point.x.abs() + m.y_axis.abs() * point.y.abs() + m.z_axis.abs() * point.z.abs();
-    let rounding = 4.0 * UNIT_ROUNDOFF * (terms + map.translation.abs());
+    let rows = map.matrix3.transpose();
     let parity: f64 = (0..3)
         .map(|axis| {
             let nearest = q[axis].round();
-            let on_boundary = (q[axis] - nearest).abs() <= rounding[axis];
+            let rounding = coordinate_rounding(rows.col(axis), map.translation[axis], point);
+            let on_boundary = (q[axis] - nearest).abs() <= rounding;
             let cell = if on_boundary { nearest } else { q[axis].floor() };
             cell.rem_euclid(2.0)
         })
         .sum();
     if parity.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 }
+}
+
+/// How far `row . point + translation` may be off, for a point of a surface that is a boundary.
+fn coordinate_rounding(row: DVec3, translation: f64, point: DVec3) -> f64 {
+    // A turned surface and a turned texture are parallel only within the rounding of their
+    // matrices; along an axis both are exact.
+    let turned = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
+    let roundings = if turned { 16.0 } else { 4.0 };
+    roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs())
 }
 
 #[cfg(test)]

@@ -8,6 +8,13 @@
 mod grid;
 mod grid_march;
 mod grid_scenes;
+mod hostile_input;
+mod near_lights;
+mod secondary_rays;
+mod shading;
+mod shading_output;
+mod shading_textures;
+mod spheres_planes;
 mod support;
 mod transforms;
 mod triangles_accuracy;

@@ -129,6 +129,10 @@ pub fn dot(a: &Dd3, b: &Dd3) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+pub fn cross(a: &Dd3, b: &Dd3) -> Dd3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 #[test]
 fn double_double_keeps_thirty_digits() {
     let third = Dd::from(1.0) / Dd::from(3.0);

@@ -6,11 +6,16 @@ pub mod exact;
 pub mod exact_triangle;
 pub mod measure;
 pub mod meshes;
+pub mod occlusion;
 pub mod product_grid;
 pub mod record;
 pub mod rng;
+pub mod scenes;
+pub mod spheres;
 pub mod textbook;
 pub mod textbook_grid;
+pub mod textbook_noise;
+pub mod textbook_offsets;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
 /// in the long one.

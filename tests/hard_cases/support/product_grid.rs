@@ -22,7 +22,7 @@ pub type Step = ([usize; 3], f64);
 /// The t at which the ray enters the lattice, and the cells along it.
 pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
     let Some(passage) = clip(&lattice.bounds, ray) else { return (0.0, vec![]) };
-    let mut march = March::new(lattice, ray, &passage);
+    let mut march = March::new(lattice, &passage);
     // The whole passage takes 2^29 ticks.
     let per_tick = (passage.exit - passage.entry) / 2f64.powi(29);
     let mut steps = vec![];

@@ -1,0 +1,127 @@
+//! What must hold for any scene text and any mesh text. The fuzz targets run these, and
+//! `tests/fuzz_findings.rs` runs them on what the fuzzer found.
+
+use glam::DVec3;
+use raytracer::camera::Camera;
+use raytracer::caster::Caster;
+use raytracer::render::{Request, View, render};
+use raytracer::sampling::{filter::Filter, sampler::Sampler};
+use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::{Scene, parser::parse};
+use raytracer::stats::Quiet;
+use raytracer::trace::{Effects, Shadows};
+use raytracer::world::World;
+use std::path::Path;
+
+/// Reading, flattening and rendering end without a panic, in time; a grid changes no byte.
+pub fn check_scene(text: &str) {
+    let scene = match parse(text) {
+        Ok(scene) => scene,
+        Err(error) => return drop(error.render(Path::new("scene.txt"), text)),
+    };
+    let is_small = scene.objects.len() <= 60
+        && scene.materials.len() <= 30
+        && scene.lights.len() <= 6
+        && scene.meshes.len() <= 4;
+    if !is_small {
+        return;
+    }
+    let meshes = vec![tetrahedron(); scene.meshes.len()];
+    match World::new(&scene, &meshes) {
+        Ok(world) => check_pictures(&scene, &world),
+        Err(error) => drop(error.render(Path::new("scene.txt"), text)),
+    }
+}
+
+fn check_pictures(scene: &Scene, world: &World) {
+    let [plain, gridded] = [None, Some([3, 2, 4])].map(|cells| tiny_picture(scene, world, cells));
+    // Beyond these sizes squares of coordinates leave the range of floats; then only that
+    // everything ends is demanded.
+    let is_ordinary = |x: f64| x == 0.0 || (1e-60..1e60).contains(&x.abs());
+    let vertices = world.vertices.iter().flat_map(|v| v.to_array());
+    let spheres = world.spheres.iter().flat_map(|s| [s.radius, s.center.x, s.center.y, s.center.z]);
+    if world.ellipsoids.is_empty() && vertices.chain(spheres).all(is_ordinary) {
+        assert!(plain == gridded, "the grid changes the picture");
+    }
+}
+
+/// Sixteen pixels with every effect, without a grid or with one of so many cells.
+fn tiny_picture(scene: &Scene, world: &World, cells: Option<[usize; 3]>) -> Vec<u8> {
+    let size = [4, 4];
+    let caster = Caster::new(world, cells).expect("a small grid");
+    let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
+    let request = Request {
+        size,
+        view: View::Scene(effects),
+        sampler: Sampler::CENTER,
+        filter: Filter::PIXEL,
+        color: true,
+        depth: Some([1.0, 10.0]),
+        normals: true,
+        samples: None,
+    };
+    let (pictures, _) =
+        render::<Quiet>(&Camera::new(&scene.camera, size), &caster, &request).expect("a small picture");
+    [pictures.color, pictures.depth, pictures.normals]
+        .into_iter()
+        .flatten()
+        .flat_map(|p| p.pixels().to_vec())
+        .collect()
+}
+
+/// Stands in for every mesh that a scene names.
+fn tetrahedron() -> Mesh {
+    Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    }
+}
+
+/// A mesh that is read is sound, and a text of plain vertices and triangles means what it says.
+pub fn check_obj(bytes: &[u8]) {
+    let read = parse_obj(bytes);
+    if let Ok(mesh) = &read {
+        assert!(!mesh.triangles.is_empty());
+        assert!(mesh.vertices.iter().all(|v| v.is_finite()));
+        let vertices = mesh.vertices.len();
+        assert!(mesh.triangles.as_flattened().iter().all(|&i| (i as usize) < vertices));
+        let mut used = vec![false; vertices];
+        mesh.triangles.as_flattened().iter().for_each(|&i| used[i as usize] = true);
+        assert!(used.iter().all(|&used| used), "a vertex that no face uses");
+    }
+    if let Some(corners) = std::str::from_utf8(bytes).ok().and_then(plain_corners) {
+        let mesh = read.expect("a plain mesh is read");
+        let found: Vec<DVec3> =
+            mesh.triangles.as_flattened().iter().map(|&i| mesh.vertices[i as usize]).collect();
+        assert!(found == corners, "the corners differ");
+    }
+}
+
+/// The corners of a mesh text made of nothing but `v x y z` and `f i j k` with vertices that stand
+/// before the face; None for any other text.
+fn plain_corners(text: &str) -> Option<Vec<DVec3>> {
+    let (mut vertices, mut corners) = (vec![], vec![]);
+    for line in text.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        match words[..] {
+            ["v", x, y, z] => vertices.push(DVec3::new(plain_number(x)?, plain_number(y)?, plain_number(z)?)),
+            ["f", i, j, k] => {
+                for index in [i, j, k] {
+                    let index: usize =
+                        Some(index).filter(|i| i.bytes().all(|b| b.is_ascii_digit()))?.parse().ok()?;
+                    corners.push(*vertices.get(index.checked_sub(1)?)?);
+                }
+            }
+            _ => return None,
+        }
+    }
+    (!corners.is_empty()).then_some(corners)
+}
+
+/// Digits with at most one point between them and a minus in front.
+fn plain_number(word: &str) -> Option<f64> {
+    let digits = word.strip_prefix('-').unwrap_or(word);
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, "0"));
+    let is_number = |s: &str| !s.is_empty() && s.len() < 30 && s.bytes().all(|b| b.is_ascii_digit());
+    if is_number(whole) && is_number(fraction) { word.parse().ok() } else { None }
+}

@@ -1,0 +1,267 @@
+//! Section F, hostile input: numbers that are none, vectors without length, pictures without size.
+
+use crate::support::measure::{Failures, measure};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::scenes::{color_request, icosphere, mesh, render_picture, scene_of};
+use crate::support::{failed_ray, rays};
+use glam::{DAffine3, DMat3, DVec3};
+use raytracer::camera::Camera;
+use raytracer::caster::Caster;
+use raytracer::math::ray::Ray;
+use raytracer::render::{Request, View, render};
+use raytracer::scene::material::{Material, Phong};
+use raytracer::scene::{self, Light, Object, Position, Scene};
+use raytracer::stats::Quiet;
+use raytracer::trace::{Effects, Shadows};
+use raytracer::world::World;
+use std::time::Instant;
+
+const HOSTILE: [f64; 14] = [
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    0.0,
+    -0.0,
+    1e-320,
+    1e-200,
+    -1e-160,
+    1e160,
+    -1e200,
+    f64::MAX,
+    1e-9,
+    1e9,
+    -1.0,
+];
+
+/// An ordinary number, or with the given probability a hostile one.
+fn number(rng: &mut Rng, hostility: f64) -> f64 {
+    if rng.unit() < hostility { HOSTILE[rng.below(HOSTILE.len())] } else { rng.range(-3.0, 3.0) }
+}
+
+fn vector(rng: &mut Rng, hostility: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| number(rng, hostility)))
+}
+
+/// One of everything, and a mesh.
+fn ordinary_scene() -> Scene {
+    let place = |child, scale| {
+        let matrix =
+            DAffine3::from_scale_rotation_translation(scale, glam::DQuat::from_rotation_x(0.4), DVec3::Y);
+        Object::Transform { matrix, child, at: Position { line: 1, column: 1 } }
+    };
+    let sphere = |center| Object::Sphere { center, radius: 0.5, material: 0 };
+    let mut scene = scene_of(
+        vec![
+            sphere(DVec3::X),
+            Object::Mesh { mesh: 0, material: 0 },
+            Object::Plane { normal: DVec3::Y, offset: -1.0, material: 0 },
+            Object::Triangle { vertices: [DVec3::X, DVec3::Y, DVec3::Z], material: 0 },
+        ],
+        vec![Light::Directional { direction: DVec3::new(-1.0, -2.0, -3.0), color: DVec3::ONE }],
+    );
+    scene.objects.push(sphere(DVec3::ZERO));
+    scene.objects.push(place(scene.objects.len() - 1, DVec3::new(1.0, 0.3, 0.6)));
+    let group = Object::Group(vec![scene.root, scene.objects.len() - 1]);
+    scene.objects.push(group);
+    scene.root = scene.objects.len() - 1;
+    scene
+}
+
+/// Casts hostile rays: how many hits lie at no finite t, how many come of a ray with a NaN.
+fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
+    let world = World::new(&ordinary_scene(), &[icosphere(0)]).expect("a sound scene");
+    let casters = [None, Some([6, 5, 4])].map(|cells| Caster::new(&world, cells).expect("a small grid"));
+    let failures = Failures::default();
+    let (counts, []) = measure(inputs, |index| {
+        let mut rng = Rng::at(61, index);
+        let (origin, direction) = (vector(&mut rng, 0.3), vector(&mut rng, 0.4));
+        let t_min = if rng.below(2) == 0 { 0.0 } else { f64::NEG_INFINITY };
+        let ray = Ray { t_min, ..Ray::new(origin, direction) };
+        let hits = casters.each_ref().map(|caster| caster.closest(&ray, &mut Quiet));
+        let broken = !origin.is_finite() || !direction.is_finite() || direction == DVec3::ZERO;
+        let not_finite = hits.iter().flatten().filter(|hit| !hit.t.is_finite()).count() as u64;
+        let of_broken = if broken { hits.iter().flatten().count() as u64 } else { 0 };
+        failures.note(not_finite + of_broken > 0, || failed_ray(61, 61, index, origin, direction));
+        for caster in &casters {
+            std::hint::black_box(caster.any(&ray, &mut Quiet));
+        }
+        ([not_finite, of_broken, broken as u64], [])
+    });
+    counts
+}
+
+/// The time for hostile rays over that for ordinary ones, through the grid.
+fn slowdown() -> f64 {
+    let world = World::new(&ordinary_scene(), &[mesh("bunny_5k.obj")]).expect("a sound scene");
+    let caster = Caster::new(&world, Some([20; 3])).expect("a grid");
+    let time = |hostility: f64| {
+        let start = Instant::now();
+        for index in 0..1500 {
+            let mut rng = Rng::at(610, index);
+            // Towards the middle, where the mesh is.
+            let origin = 2.0 * rng.direction();
+            let mut direction = 0.5 * rng.in_cube() - origin;
+            if hostility > 0.0 {
+                direction[rng.below(3)] = HOSTILE[rng.below(5)];
+            }
+            std::hint::black_box(caster.closest(&Ray::new(origin, direction), &mut Quiet));
+        }
+        start.elapsed().as_secs_f64()
+    };
+    // The best of a few, since other work runs beside it.
+    let best = |hostility: f64| (0..5).map(|_| time(hostility)).fold(f64::INFINITY, f64::min);
+    best(1.0) / best(0.0)
+}
+
+/// A scene of a few random objects with hostile numbers anywhere.
+fn hostile_scene(rng: &mut Rng) -> Scene {
+    let h = [0.02, 0.2][rng.below(2)];
+    let mut objects = vec![];
+    for _ in 0..1 + rng.below(4) {
+        objects.push(match rng.below(5) {
+            0 => Object::Sphere { center: vector(rng, h), radius: number(rng, h), material: 0 },
+            1 => Object::Plane { normal: vector(rng, h), offset: number(rng, h), material: 0 },
+            2 => Object::Box { min: vector(rng, h), max: vector(rng, h), material: 0 },
+            3 => Object::Mesh { mesh: 0, material: 0 },
+            _ => Object::Triangle { vertices: [0; 3].map(|_| vector(rng, h)), material: 0 },
+        });
+    }
+    let lights = (0..rng.below(3)).map(|_| match rng.below(2) {
+        0 => Light::Directional { direction: vector(rng, h), color: vector(rng, h) },
+        _ => Light::Point {
+            position: vector(rng, h),
+            color: vector(rng, h),
+            attenuation: vector(rng, h).to_array(),
+        },
+    });
+    let lights = lights.collect();
+    let mut scene = scene_of(objects, lights);
+    scene.meshes.truncate(1);
+    let matrix = DAffine3::from_mat3_translation(
+        DMat3::from_cols(vector(rng, h), vector(rng, h), vector(rng, h)),
+        vector(rng, h),
+    );
+    let at = Position { line: 1, column: 1 };
+    scene.objects.push(Object::Transform { matrix, child: scene.root, at });
+    scene.root = scene.objects.len() - 1;
+    scene.materials = vec![Material::Phong(Phong {
+        diffuse: vector(rng, h),
+        specular: vector(rng, h),
+        reflective: vector(rng, h),
+        transparent: vector(rng, h),
+        exponent: number(rng, h),
+        index_of_refraction: number(rng, h),
+    })];
+    let (center, direction, up) = (vector(rng, h), vector(rng, h), vector(rng, h));
+    scene.camera = scene::Camera::Perspective { center, direction, up, angle: number(rng, h) };
+    scene
+}
+
+/// Renders hostile scenes: how many are refused, how many have a picture, how many colours without a
+/// number those have. A panic ends the test.
+fn render_hostile_scenes(inputs: u64) -> [u64; 3] {
+    let tetrahedron = scene::mesh::Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    };
+    let (counts, []) = measure(inputs, |index| {
+        let scene = hostile_scene(&mut Rng::at(611, index));
+        let Ok(world) = World::new(&scene, std::slice::from_ref(&tetrahedron)) else {
+            return ([1, 0, 0], []);
+        };
+        let Ok(caster) = Caster::new(&world, Some([3, 2, 4])) else { return ([1, 0, 0], []) };
+        let effects =
+            Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
+        let request = Request { view: View::Scene(effects), ..color_request([3, 3]) };
+        let camera = Camera::new(&scene.camera, [3, 3]);
+        let (pictures, _) = render::<Quiet>(&camera, &caster, &request).expect("a small picture");
+        ([0, 1, pictures.nans], [])
+    });
+    counts
+}
+
+/// Pictures that differ when every vector that only tells a direction is scaled to an extreme length.
+fn extreme_lengths() -> usize {
+    let picture = |scale: f64| {
+        let mut scene = ordinary_scene();
+        scene.camera = scene::Camera::Perspective {
+            center: DVec3::new(0.0, 1.0, 5.0),
+            direction: scale * DVec3::new(0.0, -0.25, -1.0),
+            up: scale * DVec3::Y,
+            angle: 40.0,
+        };
+        for light in &mut scene.lights {
+            if let Light::Directional { direction, .. } = light {
+                *direction *= scale;
+            }
+        }
+        for object in &mut scene.objects {
+            if let Object::Plane { normal, .. } = object {
+                *normal *= scale;
+            }
+        }
+        render_picture(&scene, &[mesh("bunny_200.obj")], None, [60, 60], Effects::default())
+    };
+    let usual = picture(1.0);
+    // Powers of two, which round nothing.
+    [-1000, -600, 600, 1000].into_iter().filter(|&k| picture(2f64.powi(k)) != usual).count()
+}
+
+#[test]
+fn case_61_hostile_input() {
+    let inputs = rays(200_000, 20_000_000);
+    let scenes = rays(20_000, 2_000_000);
+    let [not_finite, of_broken, broken] = cast_hostile_rays(inputs);
+    let [refused, rendered, nans] = render_hostile_scenes(scenes);
+    let lengths = extreme_lengths();
+    let plain = [-1000, -600, 600, 1000].map(|k| (2f64.powi(k) * DVec3::new(1.0, 2.0, 3.0)).normalize());
+    let lost = plain.iter().filter(|v| (v.length() - 1.0).abs() > 1e-9 || !v.is_finite()).count();
+    let slower = slowdown();
+    Record {
+        case: 61,
+        name: "hostile input: NaN, infinities, zero directions, extreme lengths",
+        inputs: format!("{inputs} rays, {broken} of them no rays; {scenes} scenes"),
+        measure: "hits at no finite t / of rays that are none; pictures changed by the length of directions; panics",
+        textbook: format!("plain normalisation of 4 extreme vectors: {lost} lost"),
+        ours: format!(
+            "{not_finite} / {of_broken}; {lengths}; 0 ({refused} scenes refused, {rendered} rendered with {nans} \
+             colours counted as NaN); such rays take {slower:.2} times as long"
+        ),
+        target: "0 / 0; 0; 0; <= 2.5 times",
+    }
+    .write();
+    assert!(lost > 0, "the textbook method does not fail");
+    assert_eq!((not_finite, of_broken, lengths), (0, 0, 0));
+    assert!(slower <= 2.5, "{slower}");
+    a_picture_without_size_is_an_error();
+    a_background_that_is_no_number_is_counted();
+    no_light_is_light_everywhere();
+}
+
+fn a_picture_without_size_is_an_error() {
+    let world = World::new(&ordinary_scene(), &[mesh("bunny_200.obj")]).expect("a sound scene");
+    let caster = Caster::new(&world, None).expect("no grid");
+    for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
+        let camera = Camera::new(&ordinary_scene().camera, size);
+        assert!(render::<Quiet>(&camera, &caster, &color_request(size)).is_err(), "{size:?}");
+    }
+}
+
+fn a_background_that_is_no_number_is_counted() {
+    let mut scene = scene_of(vec![], vec![]);
+    scene.background.color = DVec3::new(0.5, f64::NAN, 0.5);
+    let world = World::new(&scene, &[]).expect("an empty scene");
+    let caster = Caster::new(&world, Some([2; 3])).expect("no grid is built");
+    let (pictures, _) = render::<Quiet>(&Camera::new(&scene.camera, [7, 5]), &caster, &color_request([7, 5]))
+        .expect("a picture");
+    assert_eq!(pictures.nans, 35);
+}
+
+fn no_light_is_light_everywhere() {
+    let mut scene =
+        scene_of(vec![Object::Sphere { center: -2.0 * DVec3::Z, radius: 9.0, material: 0 }], vec![]);
+    scene.background.color = DVec3::ZERO;
+    let bytes = render_picture(&scene, &[], None, [4, 4], Effects { shade_back: true, ..Effects::default() });
+    assert!(bytes.iter().all(|&b| b == 255));
+}

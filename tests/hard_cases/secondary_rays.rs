@@ -1,0 +1,417 @@
+//! Section D: rays that start on a surface. Shadows at every scale and place, contact, shells of
+//! glass, lights at a surface, mirror halls.
+
+use crate::support::double_double::{self as dd, Dd};
+use crate::support::measure::{Failures, measure};
+use crate::support::occlusion::Occluders;
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::scenes::{mesh, scene_of, world_of};
+use crate::support::textbook_offsets::{FIXED, integer_offset};
+use crate::support::{failed_ray, rays};
+use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::robust::offset_origin;
+use raytracer::scene::Object;
+use raytracer::scene::mesh::Mesh;
+use raytracer::stats::Quiet;
+use raytracer::trace::{reflected, refracted};
+use raytracer::world::{SurfacePoint, World};
+
+/// The rabbit on a plane, scaled and moved, with what decides about its shadows.
+struct Stage {
+    world: World,
+    occluders: Occluders,
+    ground: f64,
+    extent: f64,
+    middle: DVec3,
+}
+
+fn stage(scale: f64, shift: DVec3) -> Stage {
+    let Mesh { vertices, triangles } = mesh("bunny_40k.obj");
+    let vertices: Vec<DVec3> = vertices.into_iter().map(|v| scale * v + shift).collect();
+    let ground = vertices.iter().map(|v| v.y).fold(f64::INFINITY, f64::min);
+    let corners = triangles.iter().map(|t| t.map(|i| vertices[i as usize])).collect();
+    let objects = vec![
+        Object::Mesh { mesh: 0, material: 0 },
+        Object::Plane { normal: DVec3::Y, offset: ground, material: 0 },
+    ];
+    let world =
+        World::new(&scene_of(objects, vec![]), &[Mesh { vertices, triangles }]).expect("a sound scene");
+    let extent = world.bounds.extent().max_element();
+    let middle = (world.bounds.min + world.bounds.max) / 2.0;
+    Stage { world, occluders: Occluders::new(corners), ground, extent, middle }
+}
+
+/// Whether a shadow ray is blocked: in truth, by ours, and from an f32 point with a
+/// fixed t_min and with the integer offset.
+struct Shadow {
+    truth: bool,
+    found: [bool; 3],
+}
+
+impl Stage {
+    /// A ray from around the stage towards its middle, and a direction that leaves the surface by
+    /// the side it hits: anywhere, or in half of the cases almost along the surface.
+    fn draw(&self, caster: &Caster, rng: &mut Rng) -> Option<(Ray, Hit, SurfacePoint, DVec3)> {
+        let out = rng.direction();
+        let eye = self.middle + 2.0 * self.extent * DVec3::new(out.x, out.y.abs() + 0.1, out.z);
+        let target = self.middle + 0.6 * self.extent * rng.in_cube();
+        let ray = Ray::new(eye, (target - eye).normalize());
+        let hit = caster.closest(&ray, &mut Quiet)?;
+        let surface = self.world.surface(&ray, hit);
+        let side = if surface.normal.dot(ray.direction) < 0.0 { surface.normal } else { -surface.normal };
+        let along = side.cross(rng.direction()).normalize();
+        let cosine = 10f64.powf(rng.range(-4.0, -1.0));
+        let anywhere = rng.direction();
+        let half = anywhere * anywhere.dot(side).signum();
+        let direction = if rng.below(2) == 0 { half } else { (along + cosine * side).normalize() };
+        Some((ray, hit, surface, direction))
+    }
+
+    /// Whether anything blocks `direction` from the exact point that `ray` hits; None in doubt.
+    fn truth(&self, ray: &Ray, hit: Hit, direction: DVec3) -> Option<bool> {
+        if hit.primitive == self.world.first_plane() {
+            let (o, d) = (dd::vector(ray.origin), dd::vector(ray.direction));
+            let t = (Dd::from(self.ground) - o[1]) / d[1];
+            let mut point = dd::add(&o, &dd::scaled(&d, t));
+            point[1] = self.ground.into();
+            return self.occluders.block(&point, direction, None);
+        }
+        let point = self.occluders.point_on(hit.primitive, ray.origin, ray.direction);
+        if direction.y < 0.0 {
+            return Some(true);
+        }
+        self.occluders.block(&point, direction, Some(hit.primitive))
+    }
+
+    fn shadow(&self, caster: &Caster, rng: &mut Rng) -> Option<Shadow> {
+        let (ray, hit, surface, direction) = self.draw(caster, rng)?;
+        let truth = self.truth(&ray, hit, direction)?;
+        let robust = offset_origin(surface.position, surface.normal, direction, self.world.reach);
+        let side = surface.normal * surface.normal.dot(direction).signum();
+        let shadow_rays = [
+            Ray::new(robust, direction),
+            Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), direction) },
+            Ray::new(integer_offset(ray.at(hit.t).as_vec3(), side.as_vec3()).as_dvec3(), direction),
+        ];
+        Some(Shadow { truth, found: shadow_rays.map(|r| caster.any(&r, &mut Quiet)) })
+    }
+}
+
+/// Counts over many shadow rays: how many were decided; then, for each method, false and missed shadows.
+fn acne(case: u32, seed: u64, inputs: u64, scale: f64, shift: DVec3) -> [u64; 7] {
+    let stage = stage(scale, shift);
+    let caster = Caster::new(&stage.world, Some([60; 3])).expect("a grid");
+    let failures = Failures::default();
+    let (counts, []) = measure(inputs, |index| {
+        let Some(shadow) = stage.shadow(&caster, &mut Rng::at(seed, index)) else { return ([0; 7], []) };
+        let [ours, ..] = shadow.found;
+        failures.note(ours != shadow.truth, || {
+            let drawn = stage.draw(&caster, &mut Rng::at(seed, index));
+            let (ray, _, _, out) = drawn.expect("it was drawn before");
+            let text = failed_ray(case, seed, index, ray.origin, ray.direction);
+            format!("{text}, shadow ray {out:?}, truth {}", shadow.truth)
+        });
+        let wrong = |found: bool, truth: bool| [(found && !truth) as u64, (!found && truth) as u64];
+        let [a, b, c] = shadow.found.map(|found| wrong(found, shadow.truth));
+        ([1, a[0], a[1], b[0], b[1], c[0], c[1]], [])
+    });
+    assert!(counts[0] > inputs / 3, "too few rays hit");
+    counts
+}
+
+#[test]
+fn case_40_shadows_at_every_scale() {
+    let inputs = rays(40_000, 4_000_000);
+    let (mut texts, mut total) = (vec![], [0; 7]);
+    for (k, scale) in [1e-6, 1e-3, 1.0, 1e3, 1e6].into_iter().enumerate() {
+        let counts = acne(40, 4000 + k as u64, inputs, scale, DVec3::ZERO);
+        let [_, _, _, fixed_false, fixed_missed, integer_false, integer_missed] = counts;
+        texts.push(format!("{scale:e}: {fixed_false}/{fixed_missed}, {integer_false}/{integer_missed}"));
+        total = std::array::from_fn(|i| total[i] + counts[i]);
+        assert!(fixed_false + fixed_missed > 0, "the textbook method does not fail at {scale}");
+    }
+    Record {
+        case: 40,
+        name: "acne, scale sweep",
+        inputs: format!("{} shadow rays at 5 scales", total[0]),
+        measure: "false/missed shadows",
+        textbook: format!(
+            "f32 points with t_min 1e-4, with the Waechter-Binder offset; {}",
+            texts.join("; ")
+        ),
+        ours: format!("{}/{}", total[1], total[2]),
+        target: "0/0 at every scale",
+    }
+    .write();
+    assert_eq!([total[1], total[2]], [0, 0]);
+}
+
+#[test]
+fn case_41_shadows_far_from_the_origin() {
+    let inputs = rays(60_000, 5_000_000);
+    let (mut texts, mut total) = (vec![], [0; 7]);
+    for (k, shift) in [1e2, 1e4].into_iter().enumerate() {
+        let counts = acne(41, 4100 + k as u64, inputs, 1.0, DVec3::splat(shift));
+        let [_, _, _, fixed_false, fixed_missed, integer_false, integer_missed] = counts;
+        texts.push(format!("+{shift:e}: {fixed_false}/{fixed_missed}, {integer_false}/{integer_missed}"));
+        total = std::array::from_fn(|i| total[i] + counts[i]);
+        assert!(integer_false + integer_missed > 0, "the textbook method does not fail at {shift}");
+    }
+    Record {
+        case: 41,
+        name: "acne, translated",
+        inputs: format!("{} shadow rays at 2 places", total[0]),
+        measure: "false/missed shadows",
+        textbook: format!(
+            "f32 points with t_min 1e-4, with the Waechter-Binder offset; {}",
+            texts.join("; ")
+        ),
+        ours: format!("{}/{}", total[1], total[2]),
+        target: "0/0",
+    }
+    .write();
+    assert_eq!([total[1], total[2]], [0, 0]);
+}
+
+/// A square sheet of side 2 that hovers `gap` above the ground.
+fn sheet(height: f64, gap: f64, as_triangles: bool) -> World {
+    let corner = |x: f64, z: f64, y: f64, size: f64| DVec3::new(size * x, y, size * z);
+    let square = |y: f64, size: f64| {
+        let [a, b, c, d] =
+            [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| corner(x, z, y, size));
+        [[a, b, c], [a, c, d]].map(|vertices| Object::Triangle { vertices, material: 0 })
+    };
+    let ground = Object::Plane { normal: DVec3::Y, offset: height, material: 0 };
+    let mut objects: Vec<Object> = square(height + gap, 1.0).into();
+    if as_triangles {
+        objects.extend(square(height, 3.0))
+    } else {
+        objects.push(ground)
+    };
+    world_of(objects)
+}
+
+#[test]
+fn case_42_contact_gaps() {
+    let inputs = rays(10_000, 1_000_000);
+    let mut lost = [0; 4];
+    let mut smallest_kept = [1.0f64; 4];
+    for exponent in 2..=12 {
+        let gap = 10f64.powi(-exponent);
+        let mut here = [0; 4];
+        for (k, height) in [0.0, 1.0].into_iter().enumerate() {
+            for as_triangles in [false, true] {
+                let world = sheet(height, gap, as_triangles);
+                let seed = 4200 + 4 * exponent as u64 + 2 * k as u64 + as_triangles as u64;
+                let counts = gap_shadows(&world, height, inputs, seed);
+                here = std::array::from_fn(|i| here[i] + counts[i]);
+            }
+        }
+        for i in 0..4 {
+            lost[i] += here[i];
+            if here[i] == 0 {
+                smallest_kept[i] = smallest_kept[i].min(gap);
+            }
+        }
+    }
+    Record {
+        case: 42,
+        name: "contact gap, 1e-2 to 1e-12 under a sheet",
+        inputs: format!("{} shadow rays at 11 gaps", 44 * inputs),
+        measure: "lost or false shadows",
+        textbook: format!(
+            "t_min 1e-3: {} lost, none only down to {:e}; t_min 1e-4: {}, {:e}; Waechter-Binder: {}, {:e}",
+            lost[1], smallest_kept[1], lost[2], smallest_kept[2], lost[3], smallest_kept[3]
+        ),
+        ours: format!("{}", lost[0]),
+        target: "0 down to 1e-12 of the extent",
+    }
+    .write();
+    assert!(lost[1..].iter().all(|&n| n > 0), "the textbook method does not fail");
+    assert_eq!(lost[0], 0);
+}
+
+/// Wrong shadows on the ground below and beside a sheet: ours, with t_min 1e-3 and 1e-4, with the
+/// integer offset. Light comes from above at less than 80 degrees.
+fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
+    let caster = Caster::new(world, Some([5, 1, 5])).expect("a grid");
+    let failures = Failures::default();
+    let (counts, []) = measure(inputs, |index| {
+        let mut rng = Rng::at(seed, index);
+        let covered = rng.below(2) == 0;
+        let across = if covered { 0.9 } else { 2.9 } * rng.in_cube();
+        let beside = !covered && across.x.abs().max(across.z.abs()) > 1.1;
+        if covered == beside {
+            return ([0; 4], []);
+        }
+        // Seen from below, where nothing stands in the way.
+        let eye = DVec3::new(rng.range(-1.0, 1.0), height - 2.0, rng.range(-1.0, 1.0));
+        let ray = Ray::new(eye, DVec3::new(across.x, height, across.z) - eye);
+        let hit = caster.closest(&ray, &mut Quiet).expect("the ground");
+        let surface = world.surface(&ray, hit);
+        let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
+        let tangent = rng.range(0.0, if covered { 5.6 } else { 0.05 });
+        // Not so slanted that the light passes the sheet's border.
+        let slant = if covered { tangent.min(0.05 / 1e-2) } else { tangent };
+        let direction = DVec3::new(slant * cosine, 1.0, slant * sine).normalize();
+        let up = DVec3::Y;
+        let rays = [
+            Ray::new(offset_origin(surface.position, surface.normal, direction, world.reach), direction),
+            Ray { t_min: 1e-3, ..Ray::new(ray.at(hit.t), direction) },
+            Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t), direction) },
+            Ray::new(integer_offset(ray.at(hit.t).as_vec3(), up.as_vec3()).as_dvec3(), direction),
+        ];
+        let wrong = rays.map(|r| (caster.any(&r, &mut Quiet) != covered) as u64);
+        failures.note(wrong[0] > 0, || failed_ray(42, seed, index, ray.origin, ray.direction));
+        (wrong, [])
+    });
+    counts
+}
+
+/// Air, then glass of index 1.5, then something of index 1.2 within the inner sphere.
+const INDICES: [f64; 3] = [1.0, 1.5, 1.2];
+
+/// The surfaces that a ray passes, 0 the outer sphere and 1 the inner, by the closed form: within
+/// spheres around one point, the index times the distance of the ray's line from it is constant
+/// (Bouguer). None within 1e-7 of a tangent of the inner sphere or of total reflection at it.
+fn shell_path(impact: f64, inner: f64) -> Option<Vec<u32>> {
+    let [_, glass, core] = INDICES;
+    let (in_glass, in_core) = (impact / glass, impact / core);
+    if (in_glass - inner).abs() < 1e-7 || (in_core - inner).abs() < 1e-7 {
+        return None;
+    }
+    Some(if in_glass > inner {
+        vec![0, 0]
+    } else if in_core > inner {
+        // Total reflection, where the path of the light that passes ends.
+        vec![0, 1]
+    } else {
+        vec![0, 1, 1, 0]
+    })
+}
+
+/// The surfaces that a ray passes as the tracer would follow it; `next` finds the next hit behind a
+/// surface.
+fn followed(world: &World, ray: Ray, next: impl Fn(&SurfacePoint, DVec3) -> Ray) -> Vec<u32> {
+    let caster = Caster::new(world, None).expect("no grid");
+    let (mut ray, mut path, mut inside) = (ray, vec![], 0usize);
+    while let Some(hit) = caster.closest(&ray, &mut Quiet) {
+        path.push(hit.primitive);
+        let surface = world.surface(&ray, hit);
+        let entering = surface.normal.dot(ray.direction) < 0.0;
+        let normal = if entering { surface.normal } else { -surface.normal };
+        let behind = if entering { hit.primitive as usize + 1 } else { hit.primitive as usize };
+        let Some(direction) = refracted(ray.direction, normal, INDICES[inside] / INDICES[behind]) else {
+            break;
+        };
+        inside = behind;
+        ray = next(&surface, direction);
+        if path.len() > 8 {
+            break;
+        }
+    }
+    path
+}
+
+#[test]
+fn case_43_shells_of_glass() {
+    let inputs = rays(50_000, 5_000_000);
+    let (mut ours, mut textbook) = (0, 0);
+    for (k, thickness) in [1e-6, 1e-9].into_iter().enumerate() {
+        let sphere = |radius| Object::Sphere { center: DVec3::ZERO, radius, material: 0 };
+        let world = world_of(vec![sphere(1.0), sphere(1.0 - thickness)]);
+        let failures = Failures::default();
+        let seed = 4300 + k as u64;
+        let (counts, []) = measure(inputs, |index| {
+            let mut rng = Rng::at(seed, index);
+            let (away, impact) = (rng.direction(), rng.unit());
+            let across = away.cross(rng.direction()).normalize();
+            let ray = Ray::new(3.0 * away + impact * across, -away);
+            let Some(expected) = shell_path(impact, 1.0 - thickness) else { return ([0; 2], []) };
+            let path = followed(&world, ray, |surface, d| {
+                Ray::new(offset_origin(surface.position, surface.normal, d, world.reach), d)
+            });
+            let plain =
+                followed(&world, ray, |surface, d| Ray { t_min: FIXED, ..Ray::new(surface.position, d) });
+            failures.note(path != expected, || {
+                format!("{} {path:?}", failed_ray(43, seed, index, ray.origin, ray.direction))
+            });
+            ([(path != expected) as u64, (plain != expected) as u64], [])
+        });
+        ours += counts[0];
+        textbook += counts[1];
+    }
+    Record {
+        case: 43,
+        name: "nested shells of glass, 1e-6 and 1e-9 thick",
+        inputs: format!("{} refracted paths", 2 * inputs),
+        measure: "paths that meet other surfaces, or in another order, than the closed form",
+        textbook: format!("t_min 1e-4: {textbook}"),
+        ours: ours.to_string(),
+        target: "0",
+    }
+    .write();
+    assert!(textbook > 0, "the textbook method does not fail");
+    assert_eq!(ours, 0);
+}
+
+/// How far the path between two mirrors, at y = 0 and y = 1, is from the closed form after many
+/// bounces. Ours in distances of the mirrors where the path leads less than 1/100 aside at each,
+/// ours relative to the path's length, and that of an f32 path in distances.
+///
+/// For wider paths an absolute 1e-10 is out of reach of places stored as floats: adding the same
+/// step to a coordinate around 1000 rounds alike each time, by up to 6e-14, and 1e4 bounces add up
+/// to 6e-10.
+fn mirror_drift(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
+    let plane = |offset| Object::Plane { normal: DVec3::Y, offset, material: 0 };
+    let world = world_of(vec![plane(0.0), plane(1.0)]);
+    let caster = Caster::new(&world, None).expect("no grid");
+    let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
+    let slope = 10f64.powf(rng.range(-3.0, 0.0));
+    let start =
+        Ray::new(DVec3::new(0.0, 0.25, 0.0), DVec3::new(slope * cosine, -1.0, slope * sine).normalize());
+    let (mut ray, mut place) = (start, DVec3::ZERO);
+    let (mut place32, mut direction32) = (start.origin.as_vec3(), start.direction.as_vec3());
+    for _ in 0..bounces {
+        let hit = caster.closest(&ray, &mut Quiet).expect("a mirror");
+        let surface = world.surface(&ray, hit);
+        place = surface.position;
+        let direction = reflected(ray.direction, surface.normal);
+        ray = Ray::new(offset_origin(place, surface.normal, direction, world.reach), direction);
+        let to = if direction32.y < 0.0 { -place32.y } else { 1.0 - place32.y };
+        place32 += to / direction32.y * direction32;
+        direction32.y = -direction32.y;
+        place32 += 1e-4 * direction32;
+    }
+    // The path unfolded: 1/4 down to the first mirror, then 1 for each bounce.
+    let height = Dd::from(0.25) + Dd::from((bounces - 1) as f64);
+    let d = dd::vector(start.direction);
+    let exact = [0, 2].map(|axis| d[axis] * height / -d[1]);
+    let distance = |p: DVec3| (Dd::from(p.x) - exact[0]).value().hypot((Dd::from(p.z) - exact[1]).value());
+    let length = height.value() / -start.direction.y;
+    let ours = distance(place);
+    ([], [if slope < 0.01 { ours } else { 0.0 }, ours / length, distance(place32.as_dvec3())])
+}
+
+#[test]
+fn case_46_mirror_hall() {
+    const BOUNCES: u64 = 10_000;
+    let inputs = rays(100, 10_000);
+    let (_, [ours, relative, textbook]) =
+        measure(inputs, |index| mirror_drift(&mut Rng::at(46, index), BOUNCES));
+    Record {
+        case: 46,
+        name: "two parallel mirrors, 10000 bounces",
+        inputs: format!("{} bounces", inputs * BOUNCES),
+        measure: "largest drift, the mirrors being 1 apart; over the path's length for all slopes up to 45 degrees",
+        textbook: format!("f32 with an offset of 1e-4 along the ray: {textbook:.1e}"),
+        ours: format!("{ours:.1e}; {relative:.1e}"),
+        target: "<= 1e-10",
+    }
+    .write();
+    assert!(textbook > 1e-2, "the textbook method does not fail");
+    assert!(ours <= 1e-10 && relative <= 1e-10);
+}

@@ -1,0 +1,414 @@
+//! Section C: spheres far away, tiny, huge and only just touched; planes seen at a grazing angle
+//! and far from the origin.
+
+use crate::support::double_double::{self as dd, Dd};
+use crate::support::measure::{Failures, measure, ulps32};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::scenes::world_of;
+use crate::support::spheres::{nearest, tangency, textbook32, textbook64};
+use crate::support::{failed_ray, rays};
+use glam::DVec3;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::robust::{UNIT_ROUNDOFF, offset_origin};
+use raytracer::primitive::{plane::Plane, sphere::Sphere};
+use raytracer::scene::Object;
+
+/// What a sphere case counts: wrong decisions of three methods, then their largest errors in t.
+#[derive(Default)]
+struct SphereTally {
+    wrong: [u64; 3],
+    worst: [f64; 3],
+}
+
+/// Compares the nearest hit with the oracle: ours, the textbook's in f32 and in f64.
+fn compare(sphere: &Sphere, ray: &Ray) -> SphereTally {
+    let exact = nearest(sphere, ray);
+    let found = [sphere.intersect(ray), textbook32(sphere, ray, 0.0).map(f64::from), textbook64(sphere, ray)];
+    let mut tally = SphereTally::default();
+    for (i, found) in found.into_iter().enumerate() {
+        match (found, exact) {
+            (Some(t), Some(exact)) => {
+                tally.worst[i] = ulps32((Dd::from(t) - exact).value(), exact.value());
+            }
+            (None, None) => {}
+            _ => tally.wrong[i] = 1,
+        }
+    }
+    tally
+}
+
+/// A ray from `distance` away, aimed uniformly at the disc of 1.02 radii; half of the directions
+/// are unit vectors.
+fn ray_at_disc(sphere: &Sphere, distance: f64, rng: &mut Rng) -> Ray {
+    let away = rng.direction();
+    let origin = sphere.center + distance * away;
+    let across = away.any_orthonormal_vector();
+    let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
+    let radius = 1.02 * sphere.radius * rng.unit().sqrt();
+    let target = sphere.center + radius * (cosine * across + sine * away.cross(across));
+    let direction = target - origin;
+    Ray::new(origin, if rng.below(2) == 0 { direction } else { direction.normalize() })
+}
+
+/// Runs a sphere case over inputs drawn by `draw`.
+fn sphere_case(
+    case: u32,
+    seed: u64,
+    inputs: u64,
+    draw: impl Fn(&mut Rng) -> (Sphere, Ray) + Sync,
+) -> SphereTally {
+    let failures = Failures::default();
+    let (wrong, worst) = measure(inputs, |index| {
+        let (sphere, ray) = draw(&mut Rng::at(seed, index));
+        let tally = compare(&sphere, &ray);
+        failures.note(tally.wrong[0] > 0 || tally.worst[0] > 0.01, || {
+            let input = failed_ray(case, seed, index, ray.origin, ray.direction);
+            format!("{input}, error {} ulp32", tally.worst[0])
+        });
+        (tally.wrong, tally.worst)
+    });
+    SphereTally { wrong, worst }
+}
+
+#[test]
+fn case_33_spheres_far_away() {
+    let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+    let inputs = rays(100_000, 20_000_000);
+    let (mut texts, mut ours) = (vec![], SphereTally::default());
+    for (k, distance) in [1e2, 1e3, 1e4, 1e6, 1e7].into_iter().enumerate() {
+        let draw = |rng: &mut Rng| (sphere, ray_at_disc(&sphere, distance, rng));
+        let SphereTally { wrong, worst } = sphere_case(33, 3300 + k as u64, inputs, draw);
+        texts.push(format!(
+            "{distance:e}: f32 {} wrong, t off by {:.0} ulp32, f64 {} wrong",
+            wrong[1], worst[1], wrong[2]
+        ));
+        ours.wrong[0] += wrong[0];
+        ours.worst[0] = ours.worst[0].max(worst[0]);
+        assert!(wrong[1] > 0, "the textbook method does not fail at {distance}");
+    }
+    Record {
+        case: 33,
+        name: "sphere, distance sweep",
+        inputs: format!("{inputs} rays at each of 5 distances"),
+        measure: "wrong hits and misses; largest error of t",
+        textbook: format!("plain quadratic; {}", texts.join("; ")),
+        ours: format!("{} wrong, {:.1e} ulp32", ours.wrong[0], ours.worst[0]),
+        target: "0 wrong, <= 0.01 ulp32 up to 1e7 radii",
+    }
+    .write();
+    assert!(ours.wrong[0] == 0 && ours.worst[0] <= 0.01);
+}
+
+#[test]
+fn case_34_tiny_sphere() {
+    let sphere = Sphere { center: DVec3::new(300.0, -500.0, 700.0), radius: 1e-3 };
+    let inputs = rays(200_000, 50_000_000);
+    let tally = sphere_case(34, 34, inputs, |rng| (sphere, ray_at_disc(&sphere, 1e3, rng)));
+    Record {
+        case: 34,
+        name: "tiny sphere, 1e-3 at 1e3",
+        inputs: format!("{inputs} rays"),
+        measure: "wrong hits and misses; largest error of t",
+        textbook: format!("plain quadratic: f32 {} wrong, f64 {} wrong", tally.wrong[1], tally.wrong[2]),
+        ours: format!("{} wrong, {:.1e} ulp32", tally.wrong[0], tally.worst[0]),
+        target: "0 wrong, <= 0.01 ulp32",
+    }
+    .write();
+    assert!(tally.wrong[1] > 0, "the textbook method does not fail");
+    assert!(tally.wrong[0] == 0 && tally.worst[0] <= 0.01);
+}
+
+/// A planet of radius 1e6 seen from 1 to 10 above its ground: half of the rays go anywhere down,
+/// half closely below the horizon.
+fn planet(rng: &mut Rng) -> (Sphere, Ray) {
+    let sphere = Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 };
+    let height = rng.range(1.0, 10.0);
+    let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
+    let horizon = (2.0 * height / 1e6).sqrt();
+    let down = if rng.below(2) == 0 { horizon * rng.range(0.9, 2.0) } else { rng.range(0.0, 1.5) };
+    let ahead = down.cos();
+    let direction = DVec3::new(ahead * cosine, -down.sin(), ahead * sine);
+    (sphere, Ray::new(DVec3::new(rng.range(-5.0, 5.0), height, rng.range(-5.0, 5.0)), direction))
+}
+
+#[test]
+fn case_35_planet() {
+    let inputs = rays(200_000, 50_000_000);
+    let tally = sphere_case(35, 35, inputs, planet);
+    Record {
+        case: 35,
+        name: "planet of radius 1e6 seen from 1 to 10 above",
+        inputs: format!("{inputs} rays"),
+        measure: "largest error of t; wrong hits and misses",
+        textbook: format!(
+            "plain quadratic: f32 {:.0} ulp32, {} wrong; f64 {:.1e} ulp32, {} wrong",
+            tally.worst[1], tally.wrong[1], tally.worst[2], tally.wrong[2]
+        ),
+        ours: format!("{:.1e} ulp32, {} wrong", tally.worst[0], tally.wrong[0]),
+        target: "<= 0.01 ulp32",
+    }
+    .write();
+    assert!(tally.wrong[1] > 0 && tally.worst[1] > 1e3, "the textbook method does not fail");
+    assert!(tally.worst[0] <= 0.01 && tally.wrong[0] == 0);
+}
+
+/// How far each sweep over a tangent goes, in units in the last place of the origin.
+const SWEEP: i64 = 64;
+
+/// A sphere, a ray that touches it within rounding, and the axis along which its origin moves away
+/// from the centre the most.
+fn tangent(rng: &mut Rng) -> (Sphere, Ray, usize) {
+    let sphere = Sphere { center: 10.0 * rng.in_cube(), radius: rng.range(0.1, 10.0) };
+    let direction = rng.direction();
+    let out = direction.cross(rng.direction()).normalize();
+    let back = sphere.radius * 10f64.powf(rng.range(-1.0, 2.0));
+    let origin = sphere.center + sphere.radius * out - back * direction;
+    let ray = Ray { t_min: f64::NEG_INFINITY, ..Ray::new(origin, direction) };
+    (sphere, ray, out.abs().max_position())
+}
+
+/// Moves a tangent's origin over neighbouring floats. Counts wrong decisions outside a band of four
+/// roundings around the tangent, and whether the decision changes more than once: ours, then f64.
+fn sweep(rng: &mut Rng) -> [u64; 4] {
+    let (sphere, ray, axis) = tangent(rng);
+    let (mut wrong, mut changes, mut before) = ([0; 2], [0u64; 2], [None; 2]);
+    let bits = ray.origin[axis].to_bits() as i64;
+    for step in -SWEEP..=SWEEP {
+        let mut moved = ray;
+        moved.origin[axis] = f64::from_bits((bits + step) as u64);
+        let (meets, margin) = tangency(&sphere, &moved);
+        let plain = textbook_meets(&sphere, &moved);
+        for (i, decision) in [sphere.intersect(&moved).is_some(), plain].into_iter().enumerate() {
+            wrong[i] += (decision != meets && margin > 4.0 * UNIT_ROUNDOFF) as u64;
+            changes[i] += before[i].is_some_and(|b: bool| b != decision) as u64;
+            before[i] = Some(decision);
+        }
+    }
+    [wrong[0], (changes[0] > 1) as u64, wrong[1], (changes[1] > 1) as u64]
+}
+
+fn textbook_meets(sphere: &Sphere, ray: &Ray) -> bool {
+    let f = ray.origin - sphere.center;
+    let b = 2.0 * f.dot(ray.direction);
+    let c = f.length_squared() - sphere.radius * sphere.radius;
+    b * b - 4.0 * ray.direction.length_squared() * c >= 0.0
+}
+
+#[test]
+fn case_36_tangents() {
+    let sweeps = rays(1_500, 150_000);
+    let failures = Failures::default();
+    let (counts, []) = measure(sweeps, |index| {
+        let counts = sweep(&mut Rng::at(36, index));
+        failures.note(counts[0] + counts[1] > 0, || {
+            let (_, ray, _) = tangent(&mut Rng::at(36, index));
+            format!("{}, {counts:?}", failed_ray(36, 36, index, ray.origin, ray.direction))
+        });
+        (counts, [])
+    });
+    let [wrong, turns, textbook_wrong, textbook_turns] = counts;
+    Record {
+        case: 36,
+        name: "tangents",
+        inputs: format!("{sweeps} sweeps of {} neighbouring origins", 2 * SWEEP + 1),
+        measure: "wrong decisions farther than 4 roundings from the tangent; sweeps that change their mind",
+        textbook: format!("plain quadratic f64: {textbook_wrong} wrong, {textbook_turns} sweeps"),
+        ours: format!("{wrong} wrong, {turns} sweeps"),
+        target: "0 wrong, 0 sweeps",
+    }
+    .write();
+    assert!(textbook_wrong > 0 && textbook_turns > 0, "the textbook method does not fail");
+    assert_eq!((wrong, turns), (0, 0));
+}
+
+/// A sphere far from or near the origin, a ray that hits it, and the direction in which another
+/// leaves the hit, in half of the cases almost along the surface.
+fn leaving(rng: &mut Rng) -> (Sphere, Ray, DVec3) {
+    let radius = 10f64.powf(rng.range(-3.0, 3.0));
+    let center = rng.direction() * 10f64.powf(rng.range(-3.0, 4.0));
+    let sphere = Sphere { center, radius };
+    let origin = center + rng.direction() * radius * rng.range(1.5, 20.0);
+    let target = center + 0.9 * radius * rng.in_ball();
+    let normal = (target - center).normalize();
+    let along = normal.cross(rng.direction()).normalize();
+    let grazing = 10f64.powf(rng.range(-12.0, 0.0)) * if rng.below(2) == 0 { 1.0 } else { -1.0 };
+    let out = if rng.below(2) == 0 { rng.direction() } else { (along + grazing * normal).normalize() };
+    (sphere, Ray::new(origin, (target - origin).normalize()), out)
+}
+
+/// Counts for one secondary ray: whether ours finds a crossing close by, whether it misses the far
+/// side, and whether the f32 textbook finds a crossing close by; then our error in t at the far side.
+fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
+    let (sphere, ray, out) = leaving(rng);
+    let object = Object::Sphere { center: sphere.center, radius: sphere.radius, material: 0 };
+    let world = world_of(vec![object]);
+    let hit = Hit { t: sphere.intersect(&ray)?, primitive: 0 };
+    let surface = world.surface(&ray, hit);
+    let origin = offset_origin(surface.position, surface.normal, out, world.reach);
+    let secondary = Ray::new(origin, out);
+    let near = 64.0 * UNIT_ROUNDOFF * (origin.length() + sphere.radius);
+    let (found, exact) = (sphere.intersect(&secondary), nearest(&sphere, &secondary));
+    let spurious = found.is_some_and(|t| t < near) && exact.is_none_or(|t| t.value() > 2.0 * near);
+    let lost = found.is_some() != exact.is_some();
+    let error = match (found, exact) {
+        (Some(t), Some(exact)) => (Dd::from(t) - exact).abs().value() / (sphere.radius + origin.length()),
+        _ => 0.0,
+    };
+    let point = ray.origin.as_vec3() + hit.t as f32 * ray.direction.as_vec3();
+    let from32 = Ray::new(point.as_dvec3(), out);
+    let textbook = textbook32(&sphere, &from32, 0.0).is_some_and(|t| (t as f64) < 1e-3 * sphere.radius);
+    Some(([spurious as u64, lost as u64, textbook as u64], [error]))
+}
+
+#[test]
+fn case_37_rays_that_leave_a_sphere() {
+    let inputs = rays(200_000, 20_000_000);
+    let failures = Failures::default();
+    let (counts, [error]) = measure(inputs, |index| {
+        let (counts, errors) = leave(&mut Rng::at(37, index)).unwrap_or_default();
+        failures.note(counts[0] + counts[1] > 0, || {
+            let (_, ray, _) = leaving(&mut Rng::at(37, index));
+            format!("{}, {counts:?}", failed_ray(37, 37, index, ray.origin, ray.direction))
+        });
+        (counts, errors)
+    });
+    let [spurious, lost, textbook] = counts;
+    Record {
+        case: 37,
+        name: "rays that leave a sphere",
+        inputs: format!("{inputs} secondary rays"),
+        measure: "crossings found at their own origin; hits unlike the oracle's; error of t over the size",
+        textbook: format!("plain quadratic f32 from an f32 point: {textbook} spurious crossings"),
+        ours: format!("{spurious} spurious, {lost} unlike, {error:.1e}"),
+        target: "0 spurious",
+    }
+    .write();
+    assert!(textbook > 0, "the textbook method does not fail");
+    assert_eq!((spurious, lost), (0, 0));
+}
+
+/// A plane and a ray at an elevation of 1e-1 to 1e-12 above it. In half of the cases the plane is
+/// y = 0, in half of any orientation.
+fn grazing(rng: &mut Rng) -> (Plane, Ray) {
+    let tilted = rng.below(2) == 0;
+    let normal = if tilted { rng.direction() } else { DVec3::Y };
+    let along = normal.cross(rng.direction()).normalize();
+    let elevation = 10f64.powf(rng.range(-12.0, -1.0));
+    let (height, offset) =
+        (10f64.powf(rng.range(-3.0, 1.0)), if tilted { rng.range(-3.0, 3.0) } else { 0.0 });
+    let origin = (offset + height) * normal + rng.range(-5.0, 5.0) * along;
+    (Plane { normal, offset }, Ray::new(origin, along - elevation * normal))
+}
+
+/// The exact t in double-double, and the condition of the formula: what relative error one rounding
+/// of its terms may cause.
+fn plane_oracle(plane: &Plane, ray: &Ray) -> (Dd, f64) {
+    let n = dd::vector(plane.normal);
+    let above = Dd::from(plane.offset) - dd::dot(&n, &dd::vector(ray.origin));
+    let speed = dd::dot(&n, &dd::vector(ray.direction));
+    let terms = |v: DVec3| (plane.normal * v).abs().element_sum();
+    let condition = (plane.offset.abs() + terms(ray.origin)) / above.value().abs()
+        + terms(ray.direction) / speed.value().abs();
+    (above / speed, condition)
+}
+
+#[test]
+fn case_38_planes_at_a_grazing_angle() {
+    let inputs = rays(200_000, 50_000_000);
+    let failures = Failures::default();
+    let (counts, worst) = measure(inputs, |index| {
+        let (plane, ray) = grazing(&mut Rng::at(38, index));
+        let (exact, condition) = plane_oracle(&plane, &ray);
+        // A tilted plane's rounding may turn the most grazing rays away from it.
+        if exact.sign() < 0 {
+            return ([0, (plane.intersect(&ray).is_some()) as u64, 0], [0.0; 2]);
+        }
+        let relative = |t: f64| (Dd::from(t) - exact).abs().value() / exact.value();
+        let ours = plane.intersect(&ray);
+        let (n, o, d) = (plane.normal.as_vec3(), ray.origin.as_vec3(), ray.direction.as_vec3());
+        // The textbook takes a small product for parallel.
+        let speed = n.dot(d);
+        let t32 = (plane.offset as f32 - n.dot(o)) / speed;
+        let error = ours.map_or(f64::INFINITY, relative) / (condition * UNIT_ROUNDOFF);
+        let wrong = failures.note(error > 4.0, || failed_ray(38, 38, index, ray.origin, ray.direction));
+        (
+            [(speed.abs() < 1e-6) as u64, wrong, 1],
+            [error, if speed == 0.0 { 0.0 } else { relative(t32 as f64) }],
+        )
+    });
+    let alongside = parallel_rays();
+    Record {
+        case: 38,
+        name: "plane at a grazing angle",
+        inputs: format!("{inputs} rays at elevations 1e-1 to 1e-12"),
+        measure: "largest relative error of t in roundings times the formula's condition; NaN or hits of parallel rays",
+        textbook: format!("f32 with |n.d| < 1e-6 as parallel: {} hits lost, t off by a factor {:.1e}", counts[0], worst[1]),
+        ours: format!("{:.2}; {} outside; {alongside}", worst[0], counts[1]),
+        target: "<= 4; 0",
+    }
+    .write();
+    assert!(counts[0] > 0 && worst[1] > 1e-3, "the textbook method does not fail");
+    assert!(worst[0] <= 4.0 && counts[1] == 0 && alongside == 0);
+}
+
+/// How many of the rays that run exactly alongside a plane, inside or outside it, hit it.
+fn parallel_rays() -> u64 {
+    let (counts, []) = measure(100_000, |index| {
+        let mut rng = Rng::at(380, index);
+        let axis = rng.below(3);
+        let mut normal = DVec3::ZERO;
+        normal[axis] = if rng.below(2) == 0 { 1.0 } else { -1.0 };
+        let (mut origin, mut direction) = (rng.in_cube(), rng.direction());
+        direction[axis] = if rng.below(2) == 0 { 0.0 } else { -0.0 };
+        origin[axis] = [0.0, 0.5, -0.5][rng.below(3)];
+        let t_min = if rng.below(2) == 0 { 0.0 } else { f64::NEG_INFINITY };
+        let ray = Ray { t_min, ..Ray::new(origin, direction) };
+        ([Plane { normal, offset: 0.0 }.intersect(&ray).is_some() as u64], [])
+    });
+    counts[0]
+}
+
+/// A plane `offset` away from the origin, and a ray from within that distance to a point of it.
+fn far_plane(offset: f64, rng: &mut Rng) -> (Plane, Ray) {
+    let normal = rng.direction();
+    let along = normal.cross(rng.direction()).normalize();
+    let target = offset * normal + rng.range(0.0, offset) * along;
+    let origin = target + rng.range(1.0, offset) * (normal + rng.in_ball()).normalize();
+    (Plane { normal, offset }, Ray::new(origin, (target - origin).normalize()))
+}
+
+#[test]
+fn case_39_planes_far_away() {
+    let inputs = rays(100_000, 20_000_000);
+    let (mut ours, mut textbook) = (0.0f64, [0.0f64; 2]);
+    for (seed, offset) in [(390, 1e6), (391, 1e8)] {
+        let failures = Failures::default();
+        let (_, worst) = measure(inputs, |index| {
+            let (plane, ray) = far_plane(offset, &mut Rng::at(seed, index));
+            let n = dd::vector(plane.normal);
+            let off = |p: DVec3| {
+                (dd::dot(&n, &dd::vector(p)) - plane.offset.into()).abs().value() / (UNIT_ROUNDOFF * offset)
+            };
+            let Some(t) = plane.intersect(&ray) else { return ([1], [f64::INFINITY; 3]) };
+            let ours = off(plane.project(ray.at(t)));
+            failures.note(ours > 4.0, || failed_ray(39, seed, index, ray.origin, ray.direction));
+            let single = ray.origin.as_vec3() + t as f32 * ray.direction.as_vec3();
+            ([0], [ours, off(ray.at(t)), off(single.as_dvec3())])
+        });
+        ours = ours.max(worst[0]);
+        textbook = [textbook[0].max(worst[1]), textbook[1].max(worst[2])];
+    }
+    Record {
+        case: 39,
+        name: "plane far from the origin",
+        inputs: format!("{inputs} rays at each of the offsets 1e6 and 1e8"),
+        measure: "largest distance of the hit from the plane, in roundings of the offset",
+        textbook: format!("o + t d: f64 {:.1}, f32 {:.1e}", textbook[0], textbook[1]),
+        ours: format!("{ours:.2}"),
+        target: "<= 4",
+    }
+    .write();
+    assert!(textbook[0] > 4.0 && textbook[1] > 1e6, "the textbook method does not fail");
+    assert!(ours <= 4.0);
+}

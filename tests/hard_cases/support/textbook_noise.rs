@@ -1,0 +1,35 @@
+//! Perlin's noise as textbooks have it. The permutation and the gradients do not matter to what is
+//! measured, so they come from a hash of their own, of period 256.
+
+use super::rng::Rng;
+use glam::{DVec3, Vec3};
+
+/// In f64, the cell by a conversion to a 32-bit whole number, which cuts.
+pub fn truncated_noise(p: DVec3) -> f64 {
+    let cell = DVec3::from_array(p.to_array().map(|x| x as i32 as f64));
+    blend(cell.to_array().map(|c| c.rem_euclid(256.0) as u64), (p - cell).to_array())
+}
+
+/// The product's noise of what f32 leaves of a point: its cell and the place within.
+pub fn noise32(p: Vec3) -> f64 {
+    let cell = p.floor();
+    let place = (p - cell).as_dvec3();
+    let reduced = DVec3::from_array(cell.to_array().map(|c| c.rem_euclid(256.0) as f64));
+    raytracer::shading::perlin::noise(reduced + place)
+}
+
+fn blend(cell: [u64; 3], f: [f64; 3]) -> f64 {
+    let fade = f.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+    let mut sum = 0.0;
+    for corner in 0..8u64 {
+        let bit = |axis: usize| corner >> axis & 1;
+        let weight: f64 = (0..3).map(|a| if bit(a) == 1 { fade[a] } else { 1.0 - fade[a] }).product();
+        let place = (0..3).fold(0, |code, a| code * 256 + (cell[a] + bit(a)) % 256);
+        let hash = Rng::at(0, place).next_u64();
+        let ways = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)][(hash & 3) as usize];
+        let (i, j) = [(0, 1), (1, 2), (2, 0)][(hash >> 2) as usize % 3];
+        let offset = |a: usize| f[a] - bit(a) as f64;
+        sum += weight * (ways.0 * offset(i) + ways.1 * offset(j));
+    }
+    sum
+}
