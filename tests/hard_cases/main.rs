@@ -9,6 +9,7 @@ mod grid;
 mod grid_march;
 mod grid_scenes;
 mod hostile_input;
+mod invariance;
 mod near_lights;
 mod secondary_rays;
 mod shading;
