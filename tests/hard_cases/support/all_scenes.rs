@@ -65,22 +65,32 @@ const MIXED: &str = "
 
 /// All scenes at hand.
 pub fn scenes() -> Vec<Named> {
+    let mut all = own_scenes();
+    if let Some(course) = std::env::var_os("COURSE_DIR") {
+        all.extend(in_folder(&PathBuf::from(course).join("scenes")));
+    }
+    all
+}
+
+/// Those of this project.
+pub fn own_scenes() -> Vec<Named> {
     let mixed = parse(MIXED).unwrap_or_else(|e| panic!("{e:?}"));
     let meshes = mixed.meshes.iter().map(|_| bunny("1k")).collect();
     let mut all = vec![Named::new("mixed".into(), mixed, meshes)];
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let course = std::env::var_os("COURSE_DIR").map(|course| PathBuf::from(course).join("scenes"));
-    for folder in std::iter::once(own).chain(course) {
-        let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-        let mut paths: Vec<_> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
-        paths.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
-        paths.sort();
-        all.extend(paths.iter().map(|path| {
-            let loaded = load(path).unwrap_or_else(|e| panic!("{e}"));
-            Named::new(path.display().to_string(), loaded.scene, loaded.meshes)
-        }));
-    }
+    all.extend(in_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")));
     all
+}
+
+fn in_folder(folder: &Path) -> Vec<Named> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
+    paths.sort();
+    let named = |path: &PathBuf| {
+        let loaded = load(path).unwrap_or_else(|e| panic!("{e}"));
+        Named::new(path.display().to_string(), loaded.scene, loaded.meshes)
+    };
+    paths.iter().map(named).collect()
 }
 
 /// The bytes of colours, depths and normals, small. `power` is that by which the scene was scaled.
