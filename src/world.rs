@@ -195,7 +195,7 @@ impl World {
         let (normal, position) = match self.primitive(hit.primitive) {
             Primitive::Triangle(i) => self.triangle_surface(ray, i, along),
             Primitive::Sphere(i) => self.spheres[i].surface(along),
-            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(along),
+            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, hit.t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
         SurfacePoint { position, normal, material: self.material_of(hit.primitive) }

@@ -1,11 +1,13 @@
 //! Ellipsoids: what a sphere becomes under a transform that is no similarity. They alone keep a
 //! matrix at trace time.
 
-use super::sphere::{self, Sphere};
-use crate::math::{aabb::Aabb, ray::Ray, robust::unit};
+use super::sphere::first_on_ray;
+use crate::math::robust::{UNIT_ROUNDOFF, unit};
+use crate::math::{aabb::Aabb, ray::Ray};
 use glam::{DMat3, DVec3};
 
-/// The image of the unit sphere under `p -> center + linear * p`.
+/// The image of the unit sphere under `p -> center + linear * p`. The columns of `linear`, the half
+/// axes, are at right angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     center: DVec3,
@@ -13,10 +15,19 @@ pub struct Ellipsoid {
     inverse: DMat3,
 }
 
+/// Where a line crosses the unit sphere, in order, in that sphere's space.
+struct Crossings {
+    t: [f64; 2],
+    points: [DVec3; 2],
+}
+
 impl Ellipsoid {
     /// `linear` is not singular.
     pub fn new(center: DVec3, linear: DMat3) -> Self {
-        Self { center, linear, inverse: linear.inverse() }
+        let linear = half_axes(linear);
+        let row = |axis: DVec3| axis / axis.length() / axis.length();
+        let rows = DMat3::from_cols(row(linear.x_axis), row(linear.y_axis), row(linear.z_axis));
+        Self { center, linear, inverse: rows.transpose() }
     }
 
     /// The tight box: along each axis the ellipsoid reaches as far as its matrix' row is long.
@@ -29,18 +40,73 @@ impl Ellipsoid {
     /// The nearest crossing on the ray. The direction is not renormalised in the unit sphere's
     /// space, so t is the world's.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let origin = self.inverse * (ray.origin - self.center);
-        let unit_sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
-        let roots = unit_sphere.roots(origin, self.inverse * ray.direction)?;
-        sphere::first_on_ray(roots, ray)
+        first_on_ray(self.crossings(ray)?.t, ray)
     }
 
-    /// The outward unit normal, and a surface point within rounding of `point`.
-    pub fn surface(&self, point: DVec3) -> (DVec3, DVec3) {
-        let on_sphere = unit(self.inverse * (point - self.center));
+    /// The outward unit normal and the point of the surface where `ray` meets it at `t`, as found by
+    /// [`Ellipsoid::intersect`].
+    pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        // One of the crossings to the last bit; of two at the same t it was the first.
+        let on_sphere = match self.crossings(ray) {
+            Some(Crossings { t: [near, far], points }) => points[usize::from(t != near && t == far)],
+            None => unit(self.inverse * (ray.at(t) - self.center)),
+        };
         let normal = unit(self.inverse.transpose() * on_sphere);
         (normal, self.center + self.linear * on_sphere)
     }
+
+    /// Both crossings of the ray's line.
+    ///
+    /// All is taken from the line's moment `o x d`, whose terms cancel within a coordinate and not
+    /// between coordinates. So however flat the ellipsoid, and however long in the unit sphere's
+    /// space the ray is along one axis, the other two keep their digits.
+    fn crossings(&self, ray: &Ray) -> Option<Crossings> {
+        let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
+        let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
+        let discriminant = a - moment.length_squared();
+        if discriminant < 0.0 || discriminant.is_nan() {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        let q = b + f64::copysign(root, b);
+        let c = o.length_squared() - 1.0;
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
+        let (middle, half) = (d.cross(moment) / a, (root / a) * d);
+        let t = if t0 < t1 { [t0, t1] } else { [t1, t0] };
+        Some(Crossings { t, points: [unit(middle - half), unit(middle + half)] })
+    }
+}
+
+/// The half axes of the unit sphere's image: the matrix, turned on the side of the unit sphere until
+/// its columns are at right angles (Hestenes, "Inversion of Matrices by Biorthogonalization and
+/// Related Results", J. SIAM 6(1), 1958). This keeps the digits of each axis, however short, where
+/// the inverse of the matrix as given would lose them.
+fn half_axes(linear: DMat3) -> DMat3 {
+    // Three or four rounds do; the bound is for numbers at the end of the range.
+    const MOST_ROUNDS: usize = 30;
+    let mut axes = [linear.x_axis, linear.y_axis, linear.z_axis];
+    for _ in 0..MOST_ROUNDS {
+        let turned = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+            let turned = at_right_angles(axes[i], axes[j]);
+            turned.inspect(|&(p, q)| (axes[i], axes[j]) = (p, q)).is_some()
+        });
+        if turned == [false; 3] {
+            break;
+        }
+    }
+    DMat3::from_cols(axes[0], axes[1], axes[2])
+}
+
+/// Two columns turned against each other to right angles; None if they are already.
+fn at_right_angles(p: DVec3, q: DVec3) -> Option<(DVec3, DVec3)> {
+    let common = p.dot(q);
+    if common.abs() <= 4.0 * UNIT_ROUNDOFF * (p.length() * q.length()) {
+        return None;
+    }
+    let slope = (q.length_squared() - p.length_squared()) / (2.0 * common);
+    let tangent = f64::copysign(1.0, slope) / (slope.abs() + (1.0 + slope * slope).sqrt());
+    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+    Some((cosine * (p - tangent * q), cosine * (q + tangent * p)))
 }
 
 #[cfg(test)]
@@ -62,6 +128,45 @@ mod tests {
         let e = squashed();
         let ray = Ray::new(DVec3::new(1.0, 12.0, 3.0), DVec3::NEG_Y);
         assert_eq!(e.intersect(&ray), Some(9.5));
-        assert_eq!(e.surface(ray.at(9.5)), (DVec3::Y, DVec3::new(1.0, 2.5, 3.0)));
+        assert_eq!(e.surface(&ray, 9.5), (DVec3::Y, DVec3::new(1.0, 2.5, 3.0)));
+    }
+
+    #[test]
+    fn a_disc_is_hit_on_the_side_it_is_seen_from() {
+        for thickness in [1e-3, 1e-9, 1e-16, 1e-30, 1e-100] {
+            let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
+            let flat = DMat3::from_diagonal(DVec3::new(1.0, 1.0, thickness));
+            let disc = Ellipsoid::new(DVec3::ZERO, turn * flat);
+            for side in [1.0, -1.0] {
+                let face = side * turn.z_axis;
+                let from = 3.0 * (face + 0.1 * turn.x_axis);
+                let ray = Ray::new(from, 0.4 * turn.x_axis - from);
+                let t = disc.intersect(&ray).unwrap();
+                let (normal, point) = disc.surface(&ray, t);
+                assert!((t - 1.0).abs() <= thickness + 1e-15, "{thickness}: {t}");
+                assert!((normal - face).length() <= thickness + 1e-15, "{thickness}: {normal}");
+                assert!((point - 0.4 * turn.x_axis).length() <= 2.0 * thickness + 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_from_within_meets_the_far_side() {
+        let e = squashed();
+        let ray = Ray::new(DVec3::new(1.0, 2.0, 3.0), DVec3::X);
+        assert_eq!(e.intersect(&ray), Some(2.0));
+        assert_eq!(e.surface(&ray, 2.0), (DVec3::X, DVec3::new(3.0, 2.0, 3.0)));
+    }
+
+    #[test]
+    fn half_axes_are_at_right_angles_and_span_the_same_ellipsoid() {
+        let m = DMat3::from_cols(DVec3::X, DVec3::new(1e3, 1.0, 0.0), DVec3::new(0.0, 2.0, 1.0));
+        let axes = half_axes(m);
+        for (p, q) in [(axes.x_axis, axes.y_axis), (axes.y_axis, axes.z_axis), (axes.z_axis, axes.x_axis)] {
+            assert!(p.dot(q).abs() <= 1e-15 * p.length() * q.length());
+        }
+        // Turning the unit sphere changes no product of the matrix with its transpose.
+        let (before, after) = (m * m.transpose(), axes * axes.transpose());
+        assert!(before.abs_diff_eq(after, 1e-14 * 1e6));
     }
 }

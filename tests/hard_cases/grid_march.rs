@@ -41,7 +41,7 @@ fn case_26_the_cells_along_a_ray() {
     ];
     let failures = Failures::default();
     let (mut inputs, mut ours, mut theirs) = (0, Vec::new(), Vec::new());
-    for (side, ordinary) in [(64, 16_000), (256, 12_000), (1024, 4_000), (4096, 2_000)] {
+    for (side, ordinary) in [(64, 24_000), (256, 8_000), (1024, 1_500), (4096, 500)] {
         let n = rays(ordinary, 100 * ordinary);
         let (mut counts, mut drifts) = ([0; 3], [0.0f64; 3]);
         for bounds in boxes {

@@ -1,5 +1,6 @@
 //! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
 
+pub mod all_scenes;
 pub mod brute;
 pub mod double_double;
 pub mod exact;

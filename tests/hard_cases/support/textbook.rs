@@ -5,27 +5,34 @@ use num_traits::Float;
 
 pub type V<T> = [T; 3];
 
-/// A ray and triangles in the precision of a textbook method.
+/// A point in the precision of a textbook method.
+#[inline]
 pub fn lower<T: Float>(v: DVec3) -> V<T> {
-    v.to_array().map(|x| T::from(x).expect("a float fits into a float"))
+    let float = |x: f64| T::from(x).expect("a float fits into a float");
+    [float(v.x), float(v.y), float(v.z)]
 }
 
-pub fn lower_triangle<T: Float>(triangle: [DVec3; 3]) -> [V<T>; 3] {
-    triangle.map(lower)
+#[inline]
+pub fn lower_triangle<T: Float>([a, b, c]: [DVec3; 3]) -> [V<T>; 3] {
+    [lower(a), lower(b), lower(c)]
 }
 
+#[inline]
 fn sub<T: Float>(a: V<T>, b: V<T>) -> V<T> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+#[inline]
 fn add<T: Float>(a: V<T>, b: V<T>) -> V<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
+#[inline]
 fn dot<T: Float>(a: V<T>, b: V<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline]
 fn cross<T: Float>(a: V<T>, b: V<T>) -> V<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -99,10 +106,11 @@ pub fn woop<T: Float>(o: V<T>, d: V<T>, triangle: [V<T>; 3], edges: Edges) -> Op
     let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
     let (sx, sy, sz) = (d[x] / d[z], d[y] / d[z], T::one() / d[z]);
-    let [a, b, c] = triangle.map(|v| {
+    let shear = |v: V<T>| {
         let v = sub(v, o);
         [v[x] - sx * v[z], v[y] - sy * v[z], sz * v[z]]
-    });
+    };
+    let [a, b, c] = [shear(triangle[0]), shear(triangle[1]), shear(triangle[2])];
     let area = |p: V<T>, q: V<T>| match edges {
         Edges::Inclusive => p[0] * q[1] - p[1] * q[0],
         Edges::Contracted => p[0].mul_add(q[1], -(p[1] * q[0])),

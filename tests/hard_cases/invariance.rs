@@ -1,0 +1,257 @@
+//! What must not change a picture, over all scenes: the scale, as long as it is a power of two; the
+//! place; the grid; the number of threads; the order of a mesh's faces, and faces that add nothing.
+//! Cases 50 and 51 of section E are among them.
+
+use crate::support::all_scenes::{Named, moved_world, own_scenes, render, scaled, scenes, translated};
+use crate::support::brute::Brute;
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{shuffle, world_of};
+use crate::support::record::Record;
+use crate::support::rng::Rng;
+use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
+use crate::support::{failed_ray, rays};
+use glam::{DVec2, DVec3};
+use raytracer::camera::Camera;
+use raytracer::caster::Caster;
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::Mesh;
+use raytracer::stats::Quiet;
+use raytracer::world::World;
+use std::collections::BTreeSet;
+
+/// Compares every scene's picture with those that `variants` names and makes; gives how many were
+/// compared.
+fn same_pictures<V: std::fmt::Debug>(variants: &[V], picture: impl Fn(&Named, &V) -> Vec<u8>) -> usize {
+    let mut compared = 0;
+    let mut different = Vec::new();
+    for scene in scenes() {
+        let expected = render(&scene, &scene.world(), Some([9, 8, 7]), 0);
+        let colors: BTreeSet<_> = expected.chunks_exact(3).collect();
+        assert!(colors.len() >= 3, "{} shows nothing", scene.name);
+        for variant in variants {
+            compared += 1;
+            if picture(&scene, variant) != expected {
+                different.push(format!("{} {variant:?}", scene.name));
+            }
+        }
+    }
+    assert!(different.is_empty(), "other pictures:\n{}", different.join("\n"));
+    compared
+}
+
+fn is_long() -> bool {
+    rays(0, 1) == 1
+}
+
+#[test]
+fn case_50_scaled_by_powers_of_two() {
+    let powers: Vec<i32> = if is_long() { (-40..=40).collect() } else { vec![-40, -20, -1, 1, 20, 40] };
+    let compared = same_pictures(&powers, |scene, &k| {
+        let large = scaled(scene, k);
+        render(&large, &large.world(), Some([9, 8, 7]), k)
+    });
+    let lost = textbook_loses_hits(2f64.powi(-20));
+    Record {
+        case: 50,
+        name: "scenes scaled by 2^-40 to 2^40",
+        inputs: format!("{compared} pictures with their depths and normals, shadows and 3 bounces"),
+        measure: "pictures of other bytes",
+        textbook: format!(
+            "Moeller-Trumbore f32 with an epsilon of 1e-6 at 2^-20 loses {:.1}% of hits",
+            100.0 * lost
+        ),
+        ours: "0".into(),
+        target: "0",
+    }
+    .write();
+    assert!(lost > 0.5, "the case tests nothing");
+}
+
+/// The part of the rabbit's hits that a fixed epsilon loses at a scale.
+fn textbook_loses_hits(scale: f64) -> f64 {
+    let mesh = crate::support::meshes::bunny("1k");
+    let world = world_of(&mesh);
+    let brute = Brute::new(&world);
+    let one = |index| {
+        let rng = &mut Rng::at(1050, index);
+        let ray = Ray::new(
+            DVec3::new(0.0, 0.1, 1.0),
+            DVec3::new(0.0, 0.1, 0.0) + 0.1 * rng.in_ball() - DVec3::new(0.0, 0.1, 1.0),
+        );
+        let Some(hit) = brute.closest(&ray) else { return ([0, 0], []) };
+        let t = world.corners(hit.primitive as usize).map(|v| v * scale);
+        let found =
+            moller_trumbore(lower(ray.origin * scale), lower(ray.direction), lower_triangle::<f32>(t), 1e-6);
+        ([1, found.is_none() as u64], [])
+    };
+    let ([hits, lost], []) = measure(10_000, one);
+    lost as f64 / hits as f64
+}
+
+/// The rays of a picture's pixels.
+fn camera_rays(scene: &Named, width: usize) -> impl Fn(u64) -> Ray + Sync {
+    let camera = Camera::new(&scene.scene.camera, [width, width]);
+    move |index| {
+        let pixel = [index as usize % width, index as usize / width].map(|i| i as f64);
+        camera.ray(DVec2::from_array(pixel), DVec2::ZERO)
+    }
+}
+
+/// The scenes' triangles, with coordinates that are multiples of 2^-30 of the extent: adding 2^20
+/// extents to those is exact, so that whatever changes is the tracer's doing. Then whole scenes,
+/// whose coordinates are rounded by the move itself, so that bytes may differ by one.
+#[test]
+fn case_51_moved_by_a_million_extents() {
+    let width = rays(80, 800) as usize;
+    let failures = Failures::default();
+    let (mut inputs, mut sums) = (0, [0; 3]);
+    for scene in scenes() {
+        let Some((at_home, unit)) = moved_world(&scene, DVec3::ZERO) else { continue };
+        let home = Caster::new(&at_home, Some([20, 20, 20])).expect("a small grid");
+        let draw = camera_rays(&scene, width);
+        for (k, signs) in
+            [(3, DVec3::ONE), (12, DVec3::new(1.0, -1.0, 0.5)), (20, DVec3::new(-1.0, 0.25, 1.0))]
+        {
+            let shift = unit * 2f64.powi(k) * signs;
+            let (world, _) = moved_world(&scene, shift).expect("it was one at home");
+            let away = Caster::new(&world, Some([20, 20, 20])).expect("a small grid");
+            let one = |index| {
+                let ray = draw(index);
+                let grid = unit * 0.5f64.powi(30);
+                let ray = Ray { origin: (ray.origin / grid).round() * grid, ..ray };
+                let there = Ray { origin: ray.origin + shift, ..ray };
+                let (hit, moved) = (home.closest(&ray, &mut Quiet), away.closest(&there, &mut Quiet));
+                failures.note(hit != moved, || failed_ray(51, 0, index, there.origin, there.direction));
+                (
+                    [
+                        (hit != moved) as u64,
+                        hit.is_some() as u64,
+                        changes_in_f32(&at_home, &world, hit, &there) as u64,
+                    ],
+                    [],
+                )
+            };
+            let (counts, []) = measure::<3, 0>((width * width) as u64, one);
+            inputs += width * width;
+            sums = crate::grid::sum([sums, counts]);
+        }
+    }
+    let [changed, hits, textbook] = sums;
+    let (pixels, off) = pixels_that_move();
+    Record {
+        case: 51,
+        name: "scenes moved by up to 1e6 extents",
+        inputs: format!("{inputs} camera rays, {hits} of which hit; {pixels} bytes of whole pictures"),
+        measure: "hits that change, in t or in what is hit; bytes that change by more than one",
+        textbook: format!("Moeller-Trumbore f32: {textbook} hits are lost"),
+        ours: format!("{changed}; {off}"),
+        target: "0; 0",
+    }
+    .write();
+    assert_eq!((changed, off), (0, 0));
+    assert!(textbook > 0 && hits > 0, "the case tests nothing");
+}
+
+/// Moves every scene of ours by a million; gives how many bytes were compared and how many of them
+/// differ by more than one.
+///
+/// It cannot be none for every scene, since the move rounds what it moves. Where the camera stands in
+/// the plane of a checkerboard's boundary, a row of pixels shows whichever side the points of a curved
+/// surface are rounded to, at home as well; and a gem's facets multiply an angle at every bounce. The
+/// course has one scene of each kind.
+fn pixels_that_move() -> (usize, usize) {
+    let (mut pixels, mut off) = (0, 0);
+    for scene in own_scenes() {
+        let there = translated(&scene, DVec3::new(1e6, -3e5, 5e5));
+        let picture = |scene: &Named| render(scene, &scene.world(), Some([9, 8, 7]), 0);
+        let (before, after) = (picture(&scene), picture(&there));
+        let different = before.iter().zip(&after).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+        if different > 0 {
+            println!("{}: {different} of {} bytes", scene.name, before.len());
+        }
+        pixels += before.len();
+        off += different;
+    }
+    (pixels, off)
+}
+
+/// Whether single precision loses the hit at the triangle's new place.
+fn changes_in_f32(home: &World, away: &World, hit: Option<raytracer::math::ray::Hit>, ray: &Ray) -> bool {
+    let triangle = hit.map(|h| h.primitive as usize).filter(|&i| i < home.triangles.len());
+    triangle.is_some_and(|i| {
+        moller_trumbore(lower(ray.origin), lower(ray.direction), lower_triangle::<f32>(away.corners(i)), 0.0)
+            .is_none()
+    })
+}
+
+#[test]
+fn any_grid_makes_the_same_picture() {
+    let mut cells = vec![
+        None,
+        Some([1; 3]),
+        Some([2; 3]),
+        Some([50; 3]),
+        Some([500, 1, 1]),
+        Some([1, 500, 2]),
+        Some([3, 2, 500]),
+        Some([33, 120, 7]),
+    ];
+    if is_long() {
+        cells.extend([
+            Some([500; 3]),
+            Some([250; 3]),
+            Some([500, 500, 1]),
+            Some([128; 3]),
+            Some([499, 3, 100]),
+        ]);
+    }
+    same_pictures(&cells, |scene, &cells| render(scene, &scene.world(), cells, 0));
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_picture() {
+    same_pictures(&[1, 2, 7], |scene, &threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| render(scene, &scene.world(), Some([9, 8, 7]), 0))
+    });
+}
+
+/// What is done to the faces of a mesh.
+#[derive(Debug)]
+enum Change {
+    Shuffled,
+    Doubled,
+    WithDegenerates,
+    All,
+}
+
+impl Change {
+    fn apply(&self, mesh: &Mesh) -> Mesh {
+        let rng = &mut Rng::new(77);
+        let mut changed = mesh.clone();
+        let faces = mesh.triangles.len();
+        if matches!(self, Self::Doubled | Self::All) {
+            changed.triangles.extend_from_slice(&mesh.triangles);
+        }
+        if matches!(self, Self::WithDegenerates | Self::All) {
+            changed.triangles.extend((0..faces).map(|i| {
+                let [a, b, c] = mesh.triangles[i];
+                [[a, a, b], [b, c, b], [c, c, c], [c, a, a]][rng.below(4)]
+            }));
+        }
+        if matches!(self, Self::Shuffled | Self::All) {
+            shuffle(&mut changed.triangles, rng);
+        }
+        changed
+    }
+}
+
+#[test]
+fn the_faces_order_and_faces_that_add_nothing_leave_the_picture() {
+    let changes = [Change::Shuffled, Change::Doubled, Change::WithDegenerates, Change::All];
+    same_pictures(&changes, |scene, change| {
+        let meshes = scene.meshes.iter().map(|m| change.apply(m)).collect();
+        let changed = Named { meshes, ..scene.clone() };
+        render(&changed, &changed.world(), Some([9, 8, 7]), 0)
+    });
+}

@@ -1,0 +1,194 @@
+//! The scenes in `scenes/` and, where `COURSE_DIR` names them, the course's own; scaled and moved.
+
+use super::meshes::{bunny, world_of};
+use glam::{DAffine3, DVec3};
+use raytracer::camera::Camera as Viewer;
+use raytracer::caster::Caster;
+use raytracer::render::{Request, View};
+use raytracer::sampling::filter::Filter;
+use raytracer::sampling::sampler::Sampler;
+use raytracer::scene::material::Material;
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::parser::parse;
+use raytracer::scene::{Camera, Light, Object, Position, Scene};
+use raytracer::scene_io::load;
+use raytracer::stats::Quiet;
+use raytracer::trace::{Effects, Shadows};
+use raytracer::world::World;
+use std::path::{Path, PathBuf};
+
+#[derive(Clone)]
+pub struct Named {
+    pub name: String,
+    pub scene: Scene,
+    pub meshes: Vec<Mesh>,
+    /// Of its pictures. Sides that nothing divides; fewer pixels where each ray may test many faces.
+    pub size: [usize; 2],
+}
+
+impl Named {
+    fn new(name: String, scene: Scene, meshes: Vec<Mesh>) -> Self {
+        let faces: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        Self { name, scene, meshes, size: if faces > 20_000 { [17, 13] } else { [43, 37] } }
+    }
+
+    pub fn world(&self) -> World {
+        World::new(&self.scene, &self.meshes).unwrap_or_else(|e| panic!("{}: {e:?}", self.name))
+    }
+}
+
+/// Everything at once: all primitives, all patterns, both kinds of light, mirrors and glass.
+const MIXED: &str = "
+    PerspectiveCamera { center 0.3 1.5 6 direction -0.05 -0.2 -1 up 0 1 0 angle 40 }
+    Lights { numLights 2
+        DirectionalLight { direction -0.4 -1 -0.3 color 0.7 0.7 0.6 }
+        PointLight { position 2 3 3 color 2 2 2.5 attenuation 0.2 0.1 0.05 } }
+    Background { color 0.1 0.2 0.4 ambientLight 0.1 0.1 0.1 }
+    Materials { numMaterials 8
+        Material { diffuseColor 0.8 0.3 0.2 specularColor 1 1 1 exponent 20 }
+        Material { diffuseColor 0.1 0.1 0.1 reflectiveColor 0.8 0.8 0.8 }
+        Material { diffuseColor 0.1 0.1 0.1 transparentColor 0.9 0.8 0.9 indexOfRefraction 1.4 }
+        Material { diffuseColor 0.2 0.5 0.9 }
+        Checkerboard { Transform { Scale 1.7 1.7 1.7 } materialIndex 0 materialIndex 3 }
+        Noise { Transform { YRotate 30 Scale 4 4 4 } materialIndex 0 materialIndex 1 octaves 4 }
+        Marble { materialIndex 3 materialIndex 0 octaves 3 frequency 5 amplitude 4 }
+        Wood { Transform { ZRotate 20 } materialIndex 0 materialIndex 3 octaves 2 frequency 9 amplitude 1 } }
+    Group { numObjects 8
+        MaterialIndex 4 Plane { normal 0.02 1 0.01 offset -1 }
+        MaterialIndex 6 TriangleMesh { obj_file bunny_1k.obj }
+        MaterialIndex 5 Transform { Translate 0.2 0.1 0 Scale 8 8 8 TriangleMesh { obj_file bunny_1k.obj } }
+        MaterialIndex 2 Sphere { center -1.2 0 1.5 radius 0.7 }
+        MaterialIndex 1 Transform { Translate 1.7 0.3 0 ZRotate 33 Scale 0.4 0.9 0.6 Sphere { center 0 0 0 radius 1 } }
+        MaterialIndex 7 Transform { Translate -2 0 -1 XRotate 15 YRotate 40 Box { min -0.6 -0.6 -0.6 max 0.6 0.9 0.6 } }
+        MaterialIndex 3 Triangle { vertex0 -4 -1 -3 vertex1 4 -1 -3 vertex2 0 5 -4 }
+        MaterialIndex 0 Sphere { center 1.2 -0.6 2.2 radius 0.35 } }";
+
+/// All scenes at hand.
+pub fn scenes() -> Vec<Named> {
+    let mut all = own_scenes();
+    if let Some(course) = std::env::var_os("COURSE_DIR") {
+        all.extend(in_folder(&PathBuf::from(course).join("scenes")));
+    }
+    all
+}
+
+/// Those of this project.
+pub fn own_scenes() -> Vec<Named> {
+    let mixed = parse(MIXED).unwrap_or_else(|e| panic!("{e:?}"));
+    let meshes = mixed.meshes.iter().map(|_| bunny("1k")).collect();
+    let mut all = vec![Named::new("mixed".into(), mixed, meshes)];
+    all.extend(in_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")));
+    all
+}
+
+fn in_folder(folder: &Path) -> Vec<Named> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
+    paths.sort();
+    let named = |path: &PathBuf| {
+        let loaded = load(path).unwrap_or_else(|e| panic!("{e}"));
+        Named::new(path.display().to_string(), loaded.scene, loaded.meshes)
+    };
+    paths.iter().map(named).collect()
+}
+
+/// The bytes of colours, depths and normals, small. `power` is that by which the scene was scaled.
+///
+/// Shadows are opaque: what transparent ones filter depends on how far light goes through glass in
+/// units of length, so that a larger scene is darker, as it should be.
+pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
+    let size = named.size;
+    let camera = Viewer::new(&named.scene.camera, size);
+    let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
+    let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.01 };
+    let request = Request {
+        size,
+        view: View::Scene(effects),
+        sampler: Sampler::CENTER,
+        filter: Filter::Box { radius: 0.5 },
+        color: true,
+        depth: Some([2.0, 30.0].map(|t| t * 2f64.powi(power))),
+        normals: true,
+        samples: None,
+    };
+    let (pictures, _) =
+        raytracer::render::render::<Quiet>(&camera, &caster, &request).expect("a small picture");
+    assert_eq!(pictures.nans, 0, "{}", named.name);
+    let all = [pictures.color, pictures.depth, pictures.normals];
+    all.into_iter().flatten().flat_map(|picture| picture.pixels().to_vec()).collect()
+}
+
+/// The scene made larger by 2^power, which rounds nothing.
+pub fn scaled(named: &Named, power: i32) -> Named {
+    let f = 2f64.powi(power);
+    let mut large = named.clone();
+    let scene = &mut large.scene;
+    match &mut scene.camera {
+        Camera::Perspective { center, .. } => *center *= f,
+        Camera::Orthographic { center, size, .. } => (*center, *size) = (*center * f, *size * f),
+    }
+    for light in &mut scene.lights {
+        if let Light::Point { position, attenuation: [_, linear, square], .. } = light {
+            *position *= f;
+            *linear /= f;
+            *square = *square / f / f;
+        }
+    }
+    for material in &mut scene.materials {
+        if let Material::Texture(texture) = material {
+            // Maps the larger world to the same texture.
+            texture.world_to_texture.matrix3 = texture.world_to_texture.matrix3 * (1.0 / f);
+        }
+    }
+    for object in &mut scene.objects {
+        match object {
+            Object::Group(_) | Object::Mesh { .. } => {}
+            Object::Transform { matrix, .. } => matrix.translation *= f,
+            Object::Sphere { center, radius, .. } => (*center, *radius) = (*center * f, *radius * f),
+            Object::Plane { offset, .. } => *offset *= f,
+            Object::Triangle { vertices, .. } => vertices.iter_mut().for_each(|v| *v *= f),
+            Object::Box { min, max, .. } => (*min, *max) = (*min * f, *max * f),
+        }
+    }
+    large.meshes.iter_mut().flat_map(|mesh| &mut mesh.vertices).for_each(|v| *v *= f);
+    large
+}
+
+/// The scene at another place; its coordinates are rounded by the move.
+pub fn translated(named: &Named, shift: DVec3) -> Named {
+    let mut moved = named.clone();
+    let scene = &mut moved.scene;
+    match &mut scene.camera {
+        Camera::Perspective { center, .. } | Camera::Orthographic { center, .. } => *center += shift,
+    }
+    for light in &mut scene.lights {
+        if let Light::Point { position, .. } = light {
+            *position += shift;
+        }
+    }
+    for material in &mut scene.materials {
+        if let Material::Texture(texture) = material {
+            texture.world_to_texture *= DAffine3::from_translation(-shift);
+        }
+    }
+    let (matrix, at) = (DAffine3::from_translation(shift), Position { line: 1, column: 1 });
+    scene.objects.push(Object::Transform { matrix, child: scene.root, at });
+    scene.root = scene.objects.len() - 1;
+    moved
+}
+
+/// A world of the scene's triangles alone, rounded to multiples of 2^-30 of its extent, which is
+/// given too, and then moved by `shift`. None where there are no triangles.
+pub fn moved_world(named: &Named, shift: DVec3) -> Option<(World, f64)> {
+    let world = named.world();
+    let points = || world.triangles.iter().flatten().map(|&v| world.vertices[v as usize]);
+    let largest = points().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+    if largest == 0.0 {
+        return None;
+    }
+    let unit = 2f64.powi(largest.log2().ceil() as i32 + 1);
+    let grid = unit * 0.5f64.powi(30);
+    let vertices = world.vertices.iter().map(|&v| (v / grid).round() * grid + shift).collect();
+    Some((world_of(&Mesh { vertices, triangles: world.triangles.clone() }), unit))
+}
