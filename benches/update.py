@@ -3,7 +3,7 @@
 
 Usage: benches/update.py
 
-Builds what it measures, and takes about ten minutes on an idle machine of two cores. The text around
+Builds what it measures, and takes about five minutes. The text around
 the tables, the date among it, stays. Standard library only.
 """
 
