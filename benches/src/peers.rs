@@ -1,4 +1,4 @@
-//! The peers, each used as its own documentation and examples use it.
+//! The peers, each by its own public means, in the way that measured fastest.
 
 use crate::contestant::{Cast, FlatRay};
 use crate::mesh::corners;

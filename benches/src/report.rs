@@ -42,7 +42,7 @@ pub fn markdown(names: &[&str], rows: &[Row]) -> String {
         });
     }
     text.push_str("Milliseconds to build:\n\n");
-    table(&mut text, names, rows, |row, i| format!("{:.1}", row.build[i].value));
+    table(&mut text, names, rows, |row, i| format!("{:.2}", row.build[i].value));
     text.push_str("Rays answered otherwise, camera / shadow / incoherent; in our column, rays that hit:\n\n");
     table(&mut text, names, rows, |row, i| {
         let counts = if i == 0 { row.results[i].hits } else { row.results[i].differing };
