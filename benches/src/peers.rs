@@ -1,4 +1,4 @@
-//! The peers, each by its own public means, in the way that measured fastest.
+//! The peers. Where a crate has several ways to cast a ray, the one that measured fastest.
 
 use crate::contestant::{Cast, FlatRay};
 use crate::mesh::corners;
