@@ -1,0 +1,62 @@
+//! Every hit is the same whichever instructions the inner loop is compiled for, and whichever cells
+//! a primitive is entered in.
+
+use glam::DVec3;
+use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::parser::parse;
+use raytracer::stats::{Counts, Quiet};
+use raytracer::world::World;
+
+const SCENE: &str = "
+    OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }
+    Group { numObjects 4 Material { }
+        TriangleMesh { obj_file bunny_5k.obj }
+        Sphere { center 0.05 0.3 0.05 radius 0.04 }
+        Transform { Translate -0.1 0.1 0.1 Scale 0.05 0.02 0.03 Sphere { center 0 0 0 radius 1 } }
+        Plane { normal 0.1 1 0 offset 0.06 }
+    }";
+
+fn rabbit() -> Mesh {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bunny_5k.obj");
+    parse_obj(&std::fs::read(path).unwrap()).unwrap()
+}
+
+/// Rays from all around towards all around, among them some along the axes.
+fn rays() -> impl Iterator<Item = Ray> {
+    let mut state = 7u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    (0..30_000).map(move |i| {
+        let mut point = || DVec3::new(random(), random() + 0.4, random());
+        let (origin, target) = (2.0 * point(), point());
+        let direction = if i % 10 == 0 { DVec3::AXES[i / 10 % 3] } else { target - origin };
+        let t_min = if i % 7 == 0 { f64::NEG_INFINITY } else { 0.0 };
+        Ray { t_min, ..Ray::new(origin, direction) }
+    })
+}
+
+#[test]
+fn hits_depend_neither_on_instructions_nor_on_insertion() {
+    let world = World::new(&parse(SCENE).unwrap(), &[rabbit()]).unwrap();
+    let reference = Caster::with(&world, None, Insertion::Exact, Instructions::Portable).unwrap();
+    let expected: Vec<(Ray, Option<Hit>)> =
+        rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
+    assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
+    for instructions in Instructions::available() {
+        for insertion in [Insertion::Exact, Insertion::Course] {
+            for cells in [None, Some([1, 1, 1]), Some([20, 17, 23])] {
+                let caster = Caster::with(&world, cells, insertion, instructions).unwrap();
+                for (ray, hit) in &expected {
+                    let context = (instructions, insertion, cells, ray);
+                    assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
+                    assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
+                    assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
+                }
+            }
+        }
+    }
+}
