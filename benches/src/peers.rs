@@ -1,4 +1,4 @@
-//! The peers. Where a crate has several ways to cast a ray, the one that measured fastest.
+//! The peers: other crates that cast rays into triangles.
 
 use crate::contestant::{Cast, FlatRay};
 use crate::mesh::corners;
