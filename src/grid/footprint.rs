@@ -108,6 +108,10 @@ impl Outline {
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
         let normal = sides[0].cross(v[2] - v[0]);
+        // A needle's normal is little but rounding, some 2^-50 of its squared length, and may point
+        // anywhere; over that length its plane is off by as much again times the length.
+        let length = sides[0].abs().max(sides[1].abs()).max(sides[2].abs()).max_element();
+        let rounding = 0.5f64.powi(46) * length * length * (length + 1.0);
         let along = |[x, y, z]: [usize; 3]| {
             let sign = if normal[z] >= 0.0 { 1.0 } else { -1.0 };
             [0, 1, 2].map(|i| {
@@ -118,7 +122,7 @@ impl Outline {
         Self {
             normal,
             offset: normal.dot(v[0]),
-            reach: half * normal.abs().element_sum(),
+            reach: half * normal.abs().element_sum() + rounding,
             edges: [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(along),
         }
     }
@@ -183,6 +187,23 @@ mod tests {
             boxed += by_box.len();
         }
         assert!(2 * entered < boxed, "{entered} of {boxed}");
+    }
+
+    #[test]
+    fn a_needle_is_entered_along_its_whole_length() {
+        let l = lattice();
+        for k in 1..200 {
+            let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0, 0.2 + k as f64 * 0.004));
+            // Between them but for rounding.
+            let c = a + (k as f64 / 200.0) * (b - a);
+            let mut cells = vec![];
+            of_triangle(&l, [a, b, c], 1e-6, &mut cells);
+            for p in (0..=1000).map(|i| a + i as f64 / 1000.0 * (b - a)) {
+                let at = l.to_cells(p);
+                let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
+                assert!(cells.contains(&(l.index(cell) as u32)), "{k}");
+            }
+        }
     }
 
     #[test]
