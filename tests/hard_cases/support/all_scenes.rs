@@ -138,7 +138,7 @@ pub fn scaled(named: &Named, power: i32) -> Named {
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
             // Maps the larger world to the same texture.
-            texture.world_to_texture.matrix3 = texture.world_to_texture.matrix3 * (1.0 / f);
+            texture.world_to_texture.matrix3 *= 1.0 / f;
         }
     }
     for object in &mut scene.objects {
