@@ -64,7 +64,9 @@ impl Ellipsoid {
         let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
         let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
         let discriminant = a - moment.length_squared();
-        if discriminant < 0.0 || discriminant.is_nan() {
+        // Not so for a NaN either, nor for a ray without direction.
+        let crosses = discriminant >= 0.0 && a > 0.0;
+        if !crosses {
             return None;
         }
         let root = discriminant.sqrt();
@@ -147,6 +149,13 @@ mod tests {
                 assert!((normal - face).length() <= thickness + 1e-15, "{thickness}: {normal}");
                 assert!((point - 0.4 * turn.x_axis).length() <= 2.0 * thickness + 1e-15);
             }
+        }
+    }
+
+    #[test]
+    fn a_ray_without_direction_hits_nothing() {
+        for origin in [DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), DVec3::splat(1e200), DVec3::NAN] {
+            assert_eq!(squashed().intersect(&Ray::new(origin, DVec3::ZERO)), None);
         }
     }
 
