@@ -64,8 +64,9 @@ impl Ellipsoid {
         let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
         let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
         let discriminant = a - moment.length_squared();
-        // A direction beyond the range of numbers meets nothing.
-        if discriminant < 0.0 || discriminant.is_nan() || a == f64::INFINITY {
+        // Not where one is a NaN, nor for a direction of no length or beyond the range of numbers.
+        let crosses = discriminant >= 0.0 && a > 0.0 && a < f64::INFINITY;
+        if !crosses {
             return None;
         }
         let root = discriminant.sqrt();

@@ -45,8 +45,10 @@ pub fn differences(
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
         });
         let expected = expected.map(|h| h.primitive);
-        let in_f64 = textbook.first_hit::<f64>(&ray) != expected;
-        let in_f32 = textbook.first_hit::<f32>(&ray) != expected;
+        // A fifth is enough to see it fail.
+        let asked = index.is_multiple_of(5);
+        let in_f64 = asked && textbook.first_hit::<f64>(&ray) != expected;
+        let in_f32 = asked && textbook.first_hit::<f32>(&ray) != expected;
         ([differs, in_f64, in_f32, expected.is_some()].map(u64::from), [])
     };
     measure::<4, 0>(n, one).0
@@ -60,7 +62,8 @@ pub fn conclude(case: u32, name: &str, n: u64, [ours, in_f64, in_f32, hits]: Cou
         inputs: format!("{n} rays, {hits} of which hit"),
         measure: "rays whose hit differs from brute force",
         textbook: format!(
-            "march without padding that ends in the first cell with a hit: {in_f64} in f64, {in_f32} in f32"
+            "march without padding that ends in the first cell with a hit, on a fifth of the rays: {in_f64} in \
+             f64, {in_f32} in f32"
         ),
         ours: ours.to_string(),
         target: "0",

@@ -274,8 +274,11 @@ fn case_18_the_order_of_the_vertices() {
                 if let (Some(t), Some(first)) = (t, first) {
                     apart = apart.max(floats_between(t, first));
                 }
-                let theirs = moller_trumbore(o, d, lower_triangle(in_order(order)), 0.0).is_some();
-                textbook += (theirs != their_first) as u64;
+                // A fifth is enough to see it fail.
+                if index.is_multiple_of(5) {
+                    let theirs = moller_trumbore(o, d, lower_triangle(in_order(order)), 0.0).is_some();
+                    textbook += (theirs != their_first) as u64;
+                }
             }
         }
         let wrong = changed > 0 || apart > 4;
@@ -288,7 +291,7 @@ fn case_18_the_order_of_the_vertices() {
         name: "vertices in all six orders",
         inputs: format!("{n} rays"),
         measure: "hits that change; how far t moves, in units in the last place",
-        textbook: format!("Moeller-Trumbore f64: {textbook} hits change"),
+        textbook: format!("Moeller-Trumbore f64: {textbook} hits change on a fifth of the rays"),
         ours: format!("{changed}; {apart}"),
         target: "0; 4",
     }
