@@ -64,7 +64,8 @@ impl Ellipsoid {
         let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
         let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
         let discriminant = a - moment.length_squared();
-        if discriminant < 0.0 || discriminant.is_nan() {
+        // A ray without a direction meets nothing.
+        if discriminant < 0.0 || discriminant.is_nan() || a == 0.0 {
             return None;
         }
         let root = discriminant.sqrt();
