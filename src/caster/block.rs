@@ -1,6 +1,5 @@
 //! Triangles as the filter wants them: eight side by side, in single precision around one centre.
 
-use super::filter::Slack;
 use crate::math::aabb::Aabb;
 use crate::world::World;
 use glam::DVec3;
@@ -57,6 +56,24 @@ impl Block {
             }
         }
         self.slack = Slack::of(longest);
+    }
+}
+
+/// What the filter's quantities may be off by, for the triangles of one block: the bounds that are
+/// derived in [`super::filter`].
+#[derive(Clone, Copy, Debug)]
+pub struct Slack {
+    /// u, v and w.
+    pub edge: f32,
+    /// e2.q - t det.
+    pub depth: f32,
+}
+
+impl Slack {
+    /// `longest` is b, the largest absolute coordinate of the block's edges.
+    pub fn of(longest: f32) -> Self {
+        const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
+        Self { edge: 400.0 * ROUNDING * longest, depth: 280.0 * ROUNDING * longest * longest }
     }
 }
 

@@ -29,25 +29,8 @@
 //! the way from the ray's origin, stays below r for origins up to 2^20 boxes away; farther ones do
 //! not come here. [`Slack`] rounds the bounds up to cover both.
 
-use super::block::{Block, LANES};
+use super::block::{Block, LANES, Slack};
 use glam::DVec3;
-
-/// What the filter's quantities may be off by, for the triangles of one block.
-#[derive(Clone, Copy, Debug)]
-pub struct Slack {
-    /// u, v and w.
-    pub edge: f32,
-    /// e2.q - t det.
-    pub depth: f32,
-}
-
-impl Slack {
-    /// `longest` is b, the largest absolute coordinate of the block's edges.
-    pub fn of(longest: f32) -> Self {
-        const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
-        Self { edge: 400.0 * ROUNDING * longest, depth: 280.0 * ROUNDING * longest * longest }
-    }
-}
 
 /// No hit lies farther along the ray: the box is 2 wide. Larger values are cut to this.
 pub const FARTHEST: f64 = 2.5;

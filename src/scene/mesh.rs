@@ -69,7 +69,10 @@ impl fmt::Display for MeshError {
 /// everything but positions and faces are ignored. Errors: the first of [`MeshError`] found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    plain_obj::parse(text).map_or_else(|| parse_obj_fully(text), Ok)
+    match plain_obj::parse(text) {
+        Some((vertices, triangles)) => Ok(Mesh { vertices, triangles }),
+        None => parse_obj_fully(text),
+    }
 }
 
 /// [`parse_obj`] for any text, without the short cut for plain ones.

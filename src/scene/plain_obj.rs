@@ -1,6 +1,5 @@
 //! The fast way through an OBJ text that holds nothing but positions and triangles.
 
-use super::mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -9,13 +8,16 @@ use rayon::prelude::*;
 ///
 /// Where it gives a mesh, it is the full reader's to the last bit: the same numbers, and vertices in
 /// the order in which faces first name them.
-pub fn parse(text: &[u8]) -> Option<Mesh> {
+pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
     const PER_CHUNK: usize = 1 << 20;
     let pieces: Vec<Piece> = chunks(text, PER_CHUNK).into_par_iter().map(scan).collect::<Option<_>>()?;
     let vertices: Vec<DVec3> = pieces.iter().flat_map(|piece| &piece.vertices).copied().collect();
     let faces = pieces.iter().flat_map(|piece| &piece.faces);
     numbered_by_use(&vertices, faces)
 }
+
+/// Positions, and triangles as indices into them.
+pub type VerticesAndTriangles = (Vec<DVec3>, Vec<[u32; 3]>);
 
 /// What a run of lines holds; corners count from 1.
 struct Piece {
@@ -124,30 +126,37 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
 
 /// The mesh with its vertices in the order of their first use, as the full reader gives it; none if
 /// a corner names no vertex or there is no face.
-fn numbered_by_use<'f>(vertices: &[DVec3], faces: impl Iterator<Item = &'f [u32; 3]>) -> Option<Mesh> {
+fn numbered_by_use<'f>(
+    vertices: &[DVec3],
+    faces: impl Iterator<Item = &'f [u32; 3]>,
+) -> Option<VerticesAndTriangles> {
     const UNUSED: u32 = u32::MAX;
     let mut place = vec![UNUSED; vertices.len()];
-    let mut mesh = Mesh { vertices: Vec::with_capacity(vertices.len()), triangles: Vec::new() };
+    let (mut used, mut triangles) = (Vec::with_capacity(vertices.len()), Vec::new());
     for face in faces {
         let mut corners = [0; 3];
         for (corner, &named) in corners.iter_mut().zip(face) {
             let index = (named as usize).wrapping_sub(1);
             let place = place.get_mut(index)?;
             if *place == UNUSED {
-                *place = mesh.vertices.len() as u32;
-                mesh.vertices.push(vertices[index]);
+                *place = used.len() as u32;
+                used.push(vertices[index]);
             }
             *corner = *place;
         }
-        mesh.triangles.push(corners);
+        triangles.push(corners);
     }
-    (!mesh.triangles.is_empty()).then_some(mesh)
+    (!triangles.is_empty()).then_some((used, triangles))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::parse_obj_fully;
+    use super::super::mesh::{Mesh, parse_obj_fully};
     use super::*;
+
+    fn read(text: &str) -> Option<Mesh> {
+        parse(text.as_bytes()).map(|(vertices, triangles)| Mesh { vertices, triangles })
+    }
 
     #[test]
     fn agrees_with_the_full_reader() {
@@ -159,7 +168,7 @@ mod tests {
             "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
         ];
         for text in texts {
-            let fast = parse(text.as_bytes()).unwrap();
+            let fast = read(&text).unwrap();
             let full = parse_obj_fully(text.as_bytes()).unwrap();
             assert_eq!(fast, full, "{text}");
             let bits =
@@ -209,6 +218,6 @@ mod tests {
         for size in [1, 10, 1000, 1 << 20] {
             assert_eq!(chunks(text.as_bytes(), size).concat(), text.as_bytes());
         }
-        assert_eq!(parse(text.as_bytes()).unwrap(), parse_obj_fully(text.as_bytes()).unwrap());
+        assert_eq!(read(&text).unwrap(), parse_obj_fully(text.as_bytes()).unwrap());
     }
 }
