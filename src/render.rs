@@ -192,17 +192,25 @@ impl<P: Probe> Painter<'_, P> {
         if !wants_color {
             return;
         }
+        if sampler.is_center() {
+            // The centre's hit may be known already.
+            return self.sample(pixel, DVec2::ZERO, center);
+        }
         for offset in sampler.offsets(number) {
-            let ray = self.camera.ray(pixel, offset);
-            self.row.probe.non_shadow_ray();
-            // The centre's hit is known where it is the only sample.
-            let color = self.color(&ray, center.filter(|_| sampler.is_center()));
-            if let Some(spread) = &mut self.row.spread {
-                spread.add(i, offset, color);
-            }
-            if let Some(zoom) = samples {
-                self.plot(i, offset, color, zoom);
-            }
+            self.sample(pixel, offset, None);
+        }
+    }
+
+    /// Traces one sample of a pixel; `hit` is what it hits, if that is known.
+    fn sample(&mut self, pixel: DVec2, offset: DVec2, hit: Option<Option<Hit>>) {
+        let ray = self.camera.ray(pixel, offset);
+        self.row.probe.non_shadow_ray();
+        let color = self.color(&ray, hit);
+        if let Some(spread) = &mut self.row.spread {
+            spread.add(pixel.x as usize, offset, color);
+        }
+        if let Some(zoom) = self.request.samples {
+            self.plot(pixel.x as usize, offset, color, zoom);
         }
     }
 
