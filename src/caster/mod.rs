@@ -31,7 +31,7 @@ pub enum Insertion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
     Portable,
-    /// AVX2 and FMA; only after [`Instructions::available`] has named it.
+    /// AVX2, FMA and the bit manipulation that comes with them; only after [`Instructions::available`] has named it.
     Avx2,
 }
 
@@ -40,8 +40,13 @@ impl Instructions {
     pub fn available() -> Vec<Self> {
         let mut all = vec![Self::Portable];
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-            all.insert(0, Self::Avx2);
+        {
+            use std::arch::is_x86_feature_detected as has;
+            // All that `run_avx2` is compiled for.
+            if has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt")
+            {
+                all.insert(0, Self::Avx2);
+            }
         }
         all
     }
@@ -182,7 +187,7 @@ fn enter(
         }
         (Primitive::Sphere(i), Insertion::Course) => {
             let sphere = &world.spheres[i];
-            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, out);
+            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out);
         }
         (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
         (Primitive::Plane(_), _) => {}

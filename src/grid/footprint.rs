@@ -11,10 +11,11 @@ pub fn of_box(lattice: &Lattice, bounds: &Aabb, slack: f64, out: &mut Vec<u32>) 
 }
 
 /// Appends the index of every cell whose centre lies within the radius and half the cell's diagonal
-/// of the centre: the course's rule for spheres. Every cell that the ball touches is among them.
-pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, out: &mut Vec<u32>) {
+/// of the centre, each cell widened by `slack` cells: the course's rule for spheres. Every cell that
+/// the ball touches is among them.
+pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
     let size = lattice.cell_size;
-    let reach = radius + 0.5 * size.length();
+    let reach = radius + (0.5 + slack) * size.length();
     let range = Range::new(lattice, lattice.to_cells(center - reach), lattice.to_cells(center + reach), 0.0);
     range.for_each(lattice, |index, cell| {
         let middle = lattice.bounds.min + (cell + 0.5) * size;
@@ -212,7 +213,7 @@ mod tests {
         let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
         let (mut cells, mut by_centers) = (vec![], vec![]);
         of_ball(&l, center, radius, 1e-6, &mut cells);
-        of_ball_by_centers(&l, center, radius, &mut by_centers);
+        of_ball_by_centers(&l, center, radius, 0.0, &mut by_centers);
         for (index, b) in cell_boxes(&l) {
             let distance = center.distance(center.clamp(b.min, b.max));
             assert_eq!(cells.contains(&index), distance <= radius, "{index} at {distance}");

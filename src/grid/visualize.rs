@@ -67,7 +67,7 @@ impl Occupancy {
         };
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                footprint::of_ball_by_centers(&self.lattice, center, radius, touched);
+                footprint::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched);
             }
             Object::Sphere { center, radius, .. } => enter_box(course_sphere_box(center, radius, placement)),
             Object::Triangle { vertices, .. } => enter_box(Aabb::around(vertices.map(map))),

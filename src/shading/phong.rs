@@ -36,7 +36,7 @@ impl From<&Phong> for PointMaterial {
 }
 
 impl PointMaterial {
-    /// Adds another material; the weights of all parts sum to one.
+    /// A part of a mixture; the weights of all its parts sum to one.
     pub fn weighted(mut self, weight: f64) -> Self {
         self.diffuse *= weight;
         self.reflective *= weight;
