@@ -165,7 +165,9 @@ impl World {
     /// The corners of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|v| self.vertices[v as usize])
+        // Written out: a mapped array goes through memory, and waits for it.
+        let [a, b, c] = self.triangles[triangle];
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     /// Whether `hit` is seen and not `other`: the nearer. Of two at the same t it is the one that the

@@ -65,7 +65,8 @@ fn origin64(x: usize, y: usize) -> DVec3 {
 }
 
 fn ours(x: usize, y: usize) -> usize {
-    let shear = Shear::new(&Ray::new(origin64(x, y), DIRECTION));
+    let ray = Ray::new(origin64(x, y), DIRECTION);
+    let shear = Shear::new(&ray);
     side(shear.intersect(LEFT).is_some(), shear.intersect(RIGHT).is_some())
 }
 

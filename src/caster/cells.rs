@@ -1,7 +1,7 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Block, Frame, LANES, NONE, Numbers};
+use super::block::{Block, Frame, LANES, Then};
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
@@ -15,10 +15,8 @@ pub const BORDER: u32 = u32::MAX;
 /// above; the cell's blocks follow one another up to the one marked as last.
 #[derive(Debug)]
 pub struct Cells {
-    pub words: Vec<u32>,
+    words: Vec<u32>,
     pub blocks: Vec<Block>,
-    /// By block.
-    pub numbers: Vec<Numbers>,
     others: Others,
     pub frame: Frame,
 }
@@ -26,7 +24,7 @@ pub struct Cells {
 /// The primitives that are no triangles, cell by cell.
 #[derive(Debug, Default)]
 struct Others {
-    /// The first block of each cell that has some, in increasing order, and where its list starts.
+    /// The last block of each cell that has some, in increasing order, and where its list starts.
     cells: Vec<(u32, u32)>,
     numbers: Vec<u32>,
 }
@@ -85,47 +83,53 @@ impl Cells {
         let frame = Frame::new(&lattice.bounds);
         let items = |cell: &Filled| rows.items(cell.index);
         let mut cells = Self::empty(count as usize, words, frame)?;
-        fill(world, &frame, &filled, &items, &mut cells.blocks, &mut cells.numbers);
+        fill(world, &frame, &filled, &items, &mut cells.blocks);
         // Few cells hold anything else, and their list is not worth a thread.
         if world.triangles.len() < world.finite_count() {
             for cell in &filled {
-                cells.add_others(cells.words[cell.index] as usize - 1, &items(cell)[cell.triangles..]);
+                cells.add_others(cells.words[cell.index] as usize - 1, cell, items(cell));
             }
         }
         Ok(cells)
     }
 
+    /// The word of a cell.
+    ///
+    /// # Safety
+    /// `index` is one of the lattice that the cells were made for, its border's included.
+    #[inline(always)]
+    pub unsafe fn word(&self, index: usize) -> u32 {
+        debug_assert!(index < self.words.len());
+        // SAFETY: there is a word for every index.
+        unsafe { *self.words.get_unchecked(index) }
+    }
+
     /// Everything in one cell, for a world without a grid. There are no words.
     pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
-        let triangles: Vec<u32> = (0..world.triangles.len() as u32).collect();
-        let others: Vec<u32> = (world.triangles.len() as u32..world.first_plane()).collect();
-        let cell = Filled { index: 0, triangles: triangles.len() };
+        let all: Vec<u32> = (0..world.first_plane()).collect();
+        let cell = Filled::new(0, &all, world);
         let mut cells = Self::empty(cell.blocks(), vec![], frame)?;
-        fill(world, &frame, &[cell], &|_| &triangles, &mut cells.blocks, &mut cells.numbers);
-        cells.add_others(0, &others);
+        fill(world, &frame, std::slice::from_ref(&cell), &|_| &all, &mut cells.blocks);
+        cells.add_others(0, &cell, &all);
         Ok(cells)
     }
 
-    /// The numbers in the cell whose first block this is that are no triangles'.
+    /// The numbers in the cell whose last block this is that are no triangles'.
     pub fn others_of(&self, block: usize) -> &[u32] {
         self.others.of(block)
     }
 
     fn empty(blocks: usize, words: Vec<u32>, frame: Frame) -> Result<Self, GridTooLarge> {
-        let numbers = filled_with([NONE; LANES], blocks)?;
-        Ok(Self {
-            words,
-            blocks: filled_with(Block::EMPTY, blocks)?,
-            numbers,
-            others: Others::default(),
-            frame,
-        })
+        Ok(Self { words, blocks: filled_with(Block::EMPTY, blocks)?, others: Others::default(), frame })
     }
 
-    fn add_others(&mut self, block: usize, others: &[u32]) {
+    /// Enters what is no triangle among the `items` of a cell whose `first` block this is.
+    fn add_others(&mut self, first: usize, cell: &Filled, items: &[u32]) {
+        let others = &items[cell.triangles..];
         if !others.is_empty() {
-            self.blocks[block].has_others = true;
-            self.others.push(block, others);
+            let last = first + cell.blocks() - 1;
+            self.blocks[last].then = Then::Others;
+            self.others.push(last, others);
         }
     }
 }
@@ -145,35 +149,30 @@ fn fill<'r>(
     cells: &[Filled],
     items: &(impl Fn(&Filled) -> &'r [u32] + Sync),
     blocks: &mut [Block],
-    numbers: &mut [Numbers],
 ) {
     const SERIAL: usize = 512;
     if cells.len() > SERIAL {
         let (left, right) = cells.split_at(cells.len() / 2);
         let middle = left.iter().map(Filled::blocks).sum();
         let (first, second) = blocks.split_at_mut(middle);
-        let (low, high) = numbers.split_at_mut(middle);
-        rayon::join(
-            || fill(world, frame, left, items, first, low),
-            || fill(world, frame, right, items, second, high),
-        );
+        rayon::join(|| fill(world, frame, left, items, first), || fill(world, frame, right, items, second));
         return;
     }
     let mut next = 0;
     for cell in cells {
         let own = next..next + cell.blocks();
         next = own.end;
-        blocks[own.clone()].iter_mut().rev().skip(1).for_each(|block| block.is_last = false);
+        blocks[own.clone()].iter_mut().rev().skip(1).for_each(|block| block.then = Then::Block);
         let triangles = &items(cell)[..cell.triangles];
         for (place, chunk) in own.zip(triangles.chunks(LANES)) {
             blocks[place].fill(world, frame, chunk);
-            numbers[place][..chunk.len()].copy_from_slice(chunk);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::block::NONE;
     use super::*;
     use crate::grid::build::widened;
     use crate::grid::footprint;
@@ -203,10 +202,11 @@ mod tests {
                 EMPTY | BORDER => {}
                 word => {
                     let first = word as usize - 1;
-                    let length = cells.blocks[first..].iter().position(|b| b.is_last).unwrap() + 1;
-                    let own = &cells.numbers[first..first + length];
-                    found.extend(own.iter().flatten().filter(|&&n| n != NONE));
-                    found.extend(cells.others_of(first));
+                    let length =
+                        cells.blocks[first..].iter().position(|b| b.then != Then::Block).unwrap() + 1;
+                    let own = &cells.blocks[first..first + length];
+                    found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
+                    found.extend(cells.others_of(first + length - 1));
                 }
             }
             assert_eq!(found, rows.items(index));

@@ -8,7 +8,7 @@ mod search;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows, widened};
 use crate::grid::footprint;
-use crate::grid::march::drift;
+use crate::grid::march::{Slab, drift};
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
@@ -64,7 +64,7 @@ pub struct Caster<'w> {
 /// The finite primitives, by cells or all in one list.
 #[derive(Debug)]
 struct Structure {
-    bounds: Aabb,
+    slab: Slab,
     lattice: Option<Lattice>,
     cells: Cells,
     /// A ray that begins farther than this from the middle, along any axis, is too coarse for the
@@ -141,7 +141,7 @@ impl Structure {
         let Some(cells) = cells else {
             let all = Cells::all(world, Frame::new(&bounds))?;
             return Ok(Self {
-                bounds,
+                slab: Slab::new(&bounds),
                 lattice: None,
                 farthest: farthest(&bounds, f64::INFINITY),
                 cells: all,
@@ -155,14 +155,14 @@ impl Structure {
         })?;
         let cells = Cells::new(world, &lattice, &rows)?;
         let farthest = farthest(&bounds, lattice.cell_size.min_element());
-        Ok(Self { bounds, lattice: Some(lattice), cells, farthest })
+        Ok(Self { slab: Slab::new(&bounds), lattice: Some(lattice), cells, farthest })
     }
 }
 
-/// Up to 2^20 boxes away the filter's proof holds, and up to 2^33 cells away eight roundings of the
+/// Up to 2^20 boxes away the filter's proof holds, and up to 2^32 cells away a dozen roundings of the
 /// ray's way stay below the hundred-thousandth of a cell that cells are widened by.
 fn farthest(bounds: &Aabb, cell: f64) -> f64 {
-    (bounds.extent().max_element() * 0.5f64.powi(-19)).min(cell * 0.5f64.powi(-33))
+    (bounds.extent().max_element() * 0.5f64.powi(-19)).min(cell * 0.5f64.powi(-32))
 }
 
 /// Appends the cells of a primitive.

@@ -1,21 +1,22 @@
 //! The search along one ray: cells in order, eight triangles at a time, each decided exactly.
 
 use super::Structure;
-use super::block::{NONE, Numbers};
+use super::block::{Frame, LANES, NONE, Then};
 use super::cells::{BORDER, Cells, EMPTY};
 use super::filter::{FARTHEST, FilterRay, Kernel};
 use crate::grid::march::{March, Passage, clip};
+use crate::math::four::Four;
 use crate::math::ray::{Hit, Ray};
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
 
 /// The best hit so far along one ray.
-pub struct Search<'w> {
-    world: &'w World,
-    ray: Ray,
+pub struct Search<'a> {
+    world: &'a World,
+    ray: &'a Ray,
     /// Computed when the first triangle needs it.
-    shear: Option<Shear>,
+    shear: Option<Shear<'a>>,
     /// At the ray's end and of nothing, until something is found.
     best: Hit,
 }
@@ -26,30 +27,33 @@ struct Filtered {
     /// t where the filter's ray begins, and how much of the filter's t one unit of t is.
     entry: f64,
     per_t: f64,
-    /// How far along the filter's ray a hit still counts.
-    farthest: f32,
 }
 
 impl Filtered {
     #[inline(always)]
-    fn new(structure: &Structure, search: &Search, passage: &Passage) -> Self {
-        let (frame, ray) = (&structure.cells.frame, &search.ray);
-        let largest = ray.direction.abs().max_element();
-        let origin = ((ray.origin - frame.center) + passage.entry * ray.direction) * frame.scale;
+    fn new<F: Four>(frame: &Frame, passage: &Passage<F>, last: f64) -> Self {
+        let Passage { entry, origin, direction, .. } = *passage;
+        let largest = direction.abs().greatest();
+        let scale = F::splat(frame.scale);
+        let place = (origin - F::new(frame.center) + F::splat(entry) * direction) * scale;
         let mut filtered = Self {
-            ray: FilterRay::new(origin, ray.direction * (1.0 / largest)),
-            entry: passage.entry,
+            ray: FilterRay {
+                origin: place.single(),
+                direction: (direction * F::splat(1.0 / largest)).single(),
+                farthest: 0.0,
+            },
+            entry,
             per_t: largest * frame.scale,
-            farthest: 0.0,
         };
-        filtered.cut(search);
+        filtered.cut(last);
         filtered
     }
 
-    /// Nothing beyond the best hit counts.
+    /// Nothing beyond `last` counts.
     #[inline(always)]
-    fn cut(&mut self, search: &Search) {
-        self.farthest = ((search.best.t - self.entry) * self.per_t).min(FARTHEST) as f32;
+    fn cut(&mut self, last: f64) {
+        let farthest = (last - self.entry) * self.per_t;
+        self.ray.farthest = if farthest < FARTHEST { farthest } else { FARTHEST } as f32;
     }
 }
 
@@ -57,21 +61,20 @@ impl Structure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
     pub fn run<K: Kernel, P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        let from_middle = (search.ray.origin - self.cells.frame.center).abs().max_element();
-        if from_middle > self.farthest || from_middle.is_nan() {
+        let ray = search.ray;
+        if !self.is_near::<K::Four>(ray) {
             return self.run_all::<P, ANY>(search, probe);
         }
-        let ray = Ray { t_max: search.best.t, ..search.ray };
-        let Some(passage) = clip(&self.bounds, &ray) else {
+        let Some(passage) = clip::<K::Four>(&self.slab, ray, search.best.t) else {
             // The course's program tests everything; what is outside the box misses.
             let untested = if self.lattice.is_none() { search.world.finite_count() } else { 0 };
             return probe.intersections(untested);
         };
-        let mut filtered = Filtered::new(self, search, &passage);
+        let mut filtered = Filtered::new(&self.cells.frame, &passage, search.best.t);
         match &self.lattice {
             Some(lattice) => {
                 let march = March::new(lattice, &passage);
-                self.march::<K, P, ANY>(march, filtered, search, probe);
+                self.march::<K, P, ANY>(march, &mut filtered, search, probe);
             }
             None => {
                 search.test_cell::<K, P, ANY>(&self.cells, 0, &mut filtered, probe);
@@ -79,52 +82,54 @@ impl Structure {
         }
     }
 
+    /// Whether the proofs of filter and march hold for the ray; not for one with a NaN.
+    #[inline(always)]
+    fn is_near<F: Four>(&self, ray: &Ray) -> bool {
+        let o = ray.origin;
+        let from_middle = F::new([o.x, o.y, o.z, 0.0]) - F::new(self.cells.frame.center);
+        from_middle.abs().greatest() <= self.farthest
+    }
+
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
     fn march<K: Kernel, P: Probe, const ANY: bool>(
         &self,
         mut march: March,
-        mut filtered: Filtered,
+        filtered: &mut Filtered,
         search: &mut Search,
         probe: &mut P,
     ) {
         let mut last_tick = march.tick(search.best.t);
-        let mut word = self.cells.words[march.index];
-        while word != BORDER {
-            if word != EMPTY
-                && search.test_cell::<K, P, ANY>(&self.cells, word as usize - 1, &mut filtered, probe)
-            {
-                if ANY {
+        loop {
+            let word = self.word_at(&march);
+            if word != EMPTY {
+                unlikely();
+                if word == BORDER {
                     return;
                 }
-                last_tick = march.tick(search.best.t);
+                if search.test_cell::<K, P, ANY>(&self.cells, word as usize - 1, filtered, probe) {
+                    if ANY {
+                        return;
+                    }
+                    last_tick = march.tick(search.best.t);
+                }
             }
-            if last_tick <= march.exit() {
+            if (P::COUNTS || word != EMPTY) && last_tick <= march.exit() {
                 return;
             }
-            word = self.next_cell(&mut march, probe);
+            let stays = march.step();
+            if P::COUNTS {
+                (stays.count_ones()..3).for_each(|_| probe.cell());
+            }
         }
     }
 
-    /// Goes on to the next cell that is not empty. With counters it goes on by one cell, so that
-    /// the march stops as early as the course's program does.
     #[inline(always)]
-    fn next_cell<P: Probe>(&self, march: &mut March, probe: &mut P) -> u32 {
-        // A copy, so that this innermost loop works in registers.
-        let mut ahead = *march;
-        let word = loop {
-            let set = ahead.step();
-            let word = self.cells.words[ahead.index];
-            if P::COUNTS {
-                (0..set.count_ones()).for_each(|_| probe.cell());
-                break word;
-            }
-            if word != EMPTY {
-                break word;
-            }
-        };
-        *march = ahead;
-        word
+    fn word_at(&self, march: &March) -> u32 {
+        // SAFETY: the march goes through this structure's lattice. It begins in a cell, and goes on
+        // only from words that are not the border's, so from a cell; and a step of at most one cell
+        // along each axis leads from a cell to another or to the border, which also has its words.
+        unsafe { self.cells.word(march.index()) }
     }
 
     /// Without filter and march: every primitive by itself.
@@ -139,10 +144,15 @@ impl Structure {
     }
 }
 
-impl<'w> Search<'w> {
+/// Marks the branch that calls it.
+#[inline(always)]
+#[cold]
+fn unlikely() {}
+
+impl<'a> Search<'a> {
     #[inline(always)]
-    pub fn new(world: &'w World, ray: &Ray) -> Self {
-        Self { world, ray: *ray, shear: None, best: Hit { t: ray.t_max, primitive: NONE } }
+    pub fn new(world: &'a World, ray: &'a Ray) -> Self {
+        Self { world, ray, shear: None, best: Hit { t: ray.t_max, primitive: NONE } }
     }
 
     /// The best hit, if there is one.
@@ -156,7 +166,7 @@ impl<'w> Search<'w> {
         let first = self.world.first_plane();
         probe.intersections(self.world.planes.len());
         for (i, plane) in self.world.planes.iter().enumerate() {
-            if let Some(t) = plane.intersect(&self.ray) {
+            if let Some(t) = plane.intersect(self.ray) {
                 self.offer(Hit { t, primitive: first + i as u32 });
             }
         }
@@ -177,46 +187,46 @@ impl<'w> Search<'w> {
         loop {
             let block = &cells.blocks[number];
             if P::COUNTS {
-                probe.intersections(cells.numbers[number].iter().filter(|&&n| n != NONE).count());
+                probe.intersections(block.numbers.iter().filter(|&&n| n != NONE).count());
             }
-            let verdict = K::test(block, &filtered.ray, filtered.farthest);
+            let verdict = K::test(block, &filtered.ray);
             if verdict.possible != 0 {
                 if ANY && verdict.certain != 0 {
                     // Which one it is nobody asks.
                     self.best = Hit { t: self.ray.t_min, primitive: 0 };
                     return true;
                 }
-                if self.decide::<ANY>(&cells.numbers[number], verdict.possible) {
+                if self.decide::<ANY>(&block.numbers, verdict.possible) {
                     changed = true;
                     if ANY {
                         return true;
                     }
-                    filtered.cut(self);
+                    filtered.cut(self.best.t);
                 }
             }
-            if block.is_last {
+            if block.then != Then::Block {
                 break;
             }
             number += 1;
         }
-        if cells.blocks[first].has_others && self.test_others(cells, first, probe) {
+        if cells.blocks[number].then == Then::Others && self.test_others(cells, number, probe) {
             changed = true;
-            filtered.cut(self);
+            filtered.cut(self.best.t);
         }
         changed
     }
 
-    /// Tests what is no triangle in the cell whose first block is `first`.
+    /// Tests what is no triangle in the cell whose last block is `last`.
     #[inline(never)]
-    fn test_others<P: Probe>(&mut self, cells: &Cells, first: usize, probe: &mut P) -> bool {
-        let others = cells.others_of(first);
+    fn test_others<P: Probe>(&mut self, cells: &Cells, last: usize, probe: &mut P) -> bool {
+        let others = cells.others_of(last);
         probe.intersections(others.len());
         others.iter().fold(false, |changed, &number| self.test(number) | changed)
     }
 
     /// Decides the lanes of a block that the filter left open; says whether the best hit changed.
-    #[inline(always)]
-    fn decide<const ANY: bool>(&mut self, numbers: &Numbers, mut lanes: u32) -> bool {
+    #[inline(never)]
+    fn decide<const ANY: bool>(&mut self, numbers: &[u32; LANES], mut lanes: u32) -> bool {
         let mut changed = false;
         while lanes != 0 {
             let number = numbers[lanes.trailing_zeros() as usize];
@@ -234,7 +244,7 @@ impl<'w> Search<'w> {
 
     #[inline(always)]
     fn test_triangle(&mut self, number: u32) -> bool {
-        let shear = self.shear.get_or_insert_with(|| Shear::new(&self.ray));
+        let shear = self.shear.get_or_insert_with(|| Shear::new(self.ray));
         match shear.intersect(self.world.corners(number as usize)) {
             Some(crossing) if self.ray.covers(crossing.t) => {
                 self.offer(Hit { t: crossing.t, primitive: number })
@@ -247,9 +257,9 @@ impl<'w> Search<'w> {
     fn test(&mut self, number: u32) -> bool {
         let t = match self.world.primitive(number) {
             Primitive::Triangle(_) => return self.test_triangle(number),
-            Primitive::Sphere(i) => self.world.spheres[i].intersect(&self.ray),
-            Primitive::Ellipsoid(i) => self.world.ellipsoids[i].intersect(&self.ray),
-            Primitive::Plane(i) => self.world.planes[i].intersect(&self.ray),
+            Primitive::Sphere(i) => self.world.spheres[i].intersect(self.ray),
+            Primitive::Ellipsoid(i) => self.world.ellipsoids[i].intersect(self.ray),
+            Primitive::Plane(i) => self.world.planes[i].intersect(self.ray),
         };
         t.is_some_and(|t| self.offer(Hit { t, primitive: number }))
     }

@@ -16,8 +16,9 @@
 use super::ticks::Ticks;
 use super::{Ahead, Lattice};
 use crate::math::aabb::Aabb;
-use crate::math::four::Four;
+use crate::math::four::{Four, TO_WHOLE};
 use crate::math::ray::Ray;
+use glam::DVec3;
 
 /// The ray's whole way through the lattice, in ticks.
 const WAY: f64 = (1u64 << 29) as f64;
@@ -33,64 +34,95 @@ pub fn drift(lattice: &Lattice) -> f64 {
 /// A position on the march through a lattice.
 #[derive(Clone, Copy, Debug)]
 pub struct March<'l> {
-    /// Index of the current cell, in the lattice or on its border.
-    pub index: usize,
+    /// Index of the current cell.
+    index: usize,
     /// The tick at which the ray crosses the next face along each axis.
     next: Ticks,
     /// The ticks between such crossings.
     between: Ticks,
-    /// What to add to the index, by the set of axes that step (bit 0 for x).
-    moves: &'l [isize; 8],
-    clock: Clock,
-}
-
-/// Turns t into ticks.
-#[derive(Clone, Copy, Debug)]
-struct Clock {
+    /// What to add to the index, by the set of axes that do not step (bit 0 for x).
+    moves: &'l [isize; 16],
     /// t at tick 0.
     entry: f64,
     per_tick: f64,
 }
 
+/// A box as [`clip`] reads it: two corners with a spare place each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slab {
+    low: [f64; 4],
+    high: [f64; 4],
+}
+
+impl Slab {
+    pub fn new(bounds: &Aabb) -> Self {
+        let corner = |v: DVec3| [v.x, v.y, v.z, 0.0];
+        Self { low: corner(bounds.min), high: corner(bounds.max) }
+    }
+}
+
 /// Where a ray enters and leaves a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
+pub struct Passage<F> {
     pub entry: f64,
     pub exit: f64,
-    origin: Four,
-    direction: Four,
+    pub origin: F,
+    pub direction: F,
     /// One over the direction.
-    inverse: Four,
+    inverse: F,
+}
+
+/// Where the ray enters and leaves the box, if it does so before `t_max`.
+#[inline(always)]
+pub fn clip<F: Four>(slab: &Slab, ray: &Ray, t_max: f64) -> Option<Passage<F>> {
+    let (o, d) = (ray.origin, ray.direction);
+    let origin = F::new([o.x, o.y, o.z, ray.t_min]);
+    let direction = F::new([d.x, d.y, d.z, ray.t_max]);
+    let inverse = direction.inverse();
+    let low = (F::new(slab.low) - origin) * inverse;
+    let high = (F::new(slab.high) - origin) * inverse;
+    let (near, far) = (low.min(high), low.max(high));
+    let entry = greater(near.greatest(), ray.t_min);
+    let exit = far.least();
+    // A ray within a face has a NaN there, and misses: nothing reaches the faces. One without
+    // direction never gets out again.
+    let passes = near.precedes(far) && entry <= exit && entry <= t_max && exit < f64::INFINITY;
+    passes.then_some(Passage { entry, exit, origin, direction, inverse })
 }
 
 impl<'l> March<'l> {
     /// Starts at the cell where a ray's `passage` through the lattice's bounds begins.
     #[inline(always)]
-    pub fn new(lattice: &'l Lattice, passage: &Passage) -> Self {
+    pub fn new<F: Four>(lattice: &'l Lattice, passage: &Passage<F>) -> Self {
         let Passage { entry, exit, origin, direction, inverse } = *passage;
-        let Ahead { low, cell_size, per_unit, last, strides, moves } = &lattice.ahead;
+        let Ahead { slab, cell_size, per_unit, last, strides, moves } = &lattice.ahead;
         // Long enough that no division overflows, for a ray that but touches a corner.
-        let length = (exit - entry).max(f64::MIN_POSITIVE * WAY);
-        let clock = Clock { entry, per_tick: WAY / length };
-        let (entry, per_tick) = (Four::splat(entry), Four::splat(clock.per_tick));
+        let per_tick = WAY / greater(exit - entry, f64::MIN_POSITIVE * WAY);
+        let (start, scale) = (F::splat(entry), F::splat(per_tick));
+        // In units of cells from here on. What does not depend on the entry is computed while the
+        // processor waits for it.
+        let per_unit = F::new(*per_unit);
+        let from = (origin - F::new(slab.low)) * per_unit;
+        let per_cell = inverse * F::new(*cell_size);
         // On a face either cell will do: the march corrects it with its first step.
-        let start = (origin + entry * direction - *low) * *per_unit - Four::splat(0.5);
-        let cell = start.max(Four::splat(0.0)).min(*last).map(|x| (x + TO_WHOLE) - TO_WHOLE);
-        let ahead = inverse.map(|x| if x > 0.0 { 1.0 } else { 0.0 });
-        let face = *low + *cell_size * (cell + ahead);
-        let crossing = ((face - origin) * inverse - entry) * per_tick;
-        // Alongside a face the crossing is infinite, or NaN within it.
-        let crossing = crossing.zip(inverse, |t, x| if x.abs() == f64::INFINITY { NEVER } else { t });
-        let between = *cell_size * inverse.map(f64::abs) * per_tick;
-        let [x, y, z, _] = ((cell + Four::splat(1.0)) * *strides).0;
-        let backwards = |axis: usize| usize::from(ahead.0[axis] == 0.0) << axis;
+        let at = (from - F::splat(0.5)) + start * (direction * per_unit);
+        let at = at.max(F::splat(0.0)).min(F::new(*last));
+        let crossing = ((at.round() + (inverse.is_positive() - from)) * per_cell - start) * scale;
         Self {
-            index: ((x + y + z + TO_WHOLE).to_bits() & WHOLE_BITS) as usize,
-            next: ticks(crossing),
-            between: ticks(between),
-            moves: &moves[backwards(0) | backwards(1) | backwards(2)],
-            clock,
+            index: index(at.whole(), strides),
+            // Alongside a face the crossing is infinite, or NaN within it.
+            next: ticks(crossing.unless_infinite(inverse, NEVER)),
+            between: ticks(per_cell.abs() * scale),
+            moves: &moves[inverse.signs()],
+            entry,
+            per_tick,
         }
+    }
+
+    /// Index of the current cell: one of the lattice or, after a step, of its border.
+    #[inline(always)]
+    pub fn index(&self) -> usize {
+        self.index
     }
 
     /// The tick at which the ray leaves the current cell.
@@ -102,63 +134,49 @@ impl<'l> March<'l> {
     /// The first tick not before `t`.
     #[inline(always)]
     pub fn tick(&self, t: f64) -> i32 {
-        let after = (t - self.clock.entry) * self.clock.per_tick;
+        let after = (t - self.entry) * self.per_tick;
         // Half a tick more, so that the nearest whole number is never before t.
         (if after < NEVER { after + 0.5 } else { NEVER } + TO_WHOLE).to_bits() as i32
     }
 
     /// Goes on to the next cell, or over an edge or a corner to the one behind it; gives the set of
-    /// axes stepped along.
+    /// axes not stepped along.
     #[inline(always)]
     pub fn step(&mut self) -> usize {
         // A ray that but touches a corner may come to "never"; it wraps, and the border ends it.
-        let set = self.next.step(self.between);
-        self.index = self.index.wrapping_add_signed(self.moves[set]);
-        set
+        let stays = self.next.step(self.between);
+        self.index = self.index.wrapping_add_signed(self.moves[stays]);
+        stays
     }
 
     /// What a step along one axis adds to the index.
     pub fn stride(&self, axis: usize) -> isize {
-        self.moves[1 << axis]
+        self.moves[7 & !(1 << axis)]
     }
 }
 
-/// Added to a number below 2^51 it leaves no bits for a fraction, and the nearest whole number in
-/// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
-const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
 
-/// The bits below those of [`TO_WHOLE`], which hold a number that is not negative.
-const WHOLE_BITS: u64 = (1 << 51) - 1;
+/// The index of a cell, by its numbers along the axes. Less than 2^32, so that nothing is lost.
+#[inline(always)]
+fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
+    let [x, y, z] = [x, y, z].map(|i| i as u32 + 1);
+    x.wrapping_add(y.wrapping_mul(*sy)).wrapping_add(z.wrapping_mul(*sz)) as usize
+}
 
 /// The nearest ticks, cut to what the march comes to.
 #[inline(always)]
-fn ticks(t: Four) -> Ticks {
-    let cut = t.max(Four::splat(-WAY)).min(Four::splat(NEVER));
-    let [x, y, z, _] = cut.0.map(|t| (t + TO_WHOLE).to_bits() as i32);
-    Ticks::new([x, y, z])
-}
-
-/// Where the ray enters and leaves the box, if it does so before it ends.
-#[inline(always)]
-pub fn clip(bounds: &Aabb, ray: &Ray) -> Option<Passage> {
-    let (origin, direction) = (Four::new(ray.origin, 0.0), Four::new(ray.direction, 1.0));
-    let inverse = direction.map(|d| 1.0 / d);
-    let low = (Four::new(bounds.min, 0.0) - origin) * inverse;
-    let high = (Four::new(bounds.max, 0.0) - origin) * inverse;
-    let (near, far) = (low.min(high).0, low.max(high).0);
-    let greater = |a: f64, b: f64| if a > b { a } else { b };
-    let lesser = |a: f64, b: f64| if a < b { a } else { b };
-    let entry = greater(greater(near[0], near[1]), greater(near[2], ray.t_min));
-    let exit = lesser(lesser(far[0], far[1]), far[2]);
-    // A ray without direction never gets out again.
-    let passes = entry <= exit && entry <= ray.t_max && exit < f64::INFINITY;
-    passes.then_some(Passage { entry, exit, origin, direction, inverse })
+fn ticks<F: Four>(t: F) -> Ticks {
+    Ticks::new(t.max(F::splat(-WAY)).min(F::splat(NEVER)).whole())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::math::four::Plain;
 
     fn unit(n: [usize; 3]) -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)
@@ -174,7 +192,7 @@ mod tests {
 
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
         let lattice = unit(n);
-        let Some(passage) = clip(&lattice.bounds, ray) else { return vec![] };
+        let Some(passage) = clip::<Plain>(lattice.slab(), ray, ray.t_max) else { return vec![] };
         let mut march = March::new(&lattice, &passage);
         let mut list = vec![];
         while is_inside(&lattice, march.index) {
@@ -217,10 +235,10 @@ mod tests {
                 let target = DVec3::new(angle(k), angle(3 * k + 1), angle(7 * k + 2));
                 let origin = DVec3::new(-1.3 + angle(11 * k), 2.0 * angle(5 * k) - 0.5, -0.7);
                 let ray = Ray::new(origin, target - origin);
-                let Some(passage) = clip(&lattice.bounds, &ray) else { continue };
+                let Some(passage) = clip::<Plain>(lattice.slab(), &ray, ray.t_max) else { continue };
                 let mut march = March::new(&lattice, &passage);
                 while is_inside(&lattice, march.index) {
-                    let t = passage.entry + march.exit() as f64 / march.clock.per_tick;
+                    let t = passage.entry + march.exit() as f64 / march.per_tick;
                     let at = lattice.to_cells(ray.at(t));
                     let cell = place(&lattice, march.index);
                     for axis in 0..3 {

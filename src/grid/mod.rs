@@ -8,9 +8,9 @@ mod ticks;
 pub mod visualize;
 
 use crate::math::aabb::Aabb;
-use crate::math::four::Four;
 use build::GridTooLarge;
 use glam::DVec3;
+use march::Slab;
 
 /// How a box is cut into cells.
 ///
@@ -32,36 +32,36 @@ pub struct Lattice {
 /// What every march through a lattice needs, computed once.
 #[derive(Clone, Debug, PartialEq)]
 struct Ahead {
-    low: Four,
-    cell_size: Four,
-    per_unit: Four,
+    slab: Slab,
+    cell_size: [f64; 4],
+    per_unit: [f64; 4],
     /// The last cell along each axis, and how an index changes from one to the next.
-    last: Four,
-    strides: Four,
+    last: [f64; 4],
+    strides: [u32; 3],
     /// What to add to an index, by the axes along which a ray runs backwards (bit 0 for x) and by
-    /// the axes that step.
-    moves: [[isize; 8]; 8],
+    /// the axes that do not step. The latter's bit 3 is a spare one.
+    moves: [[isize; 16]; 8],
 }
 
 impl Ahead {
     fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, per_unit: DVec3) -> Self {
         let [nx, ny, _] = cells;
         let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
-        let moved = |backwards: usize, steps: usize| {
+        let moved = |backwards: usize, stays: usize| {
             let one = |axis: usize| {
                 let stride = strides[axis] as isize;
                 if backwards >> axis & 1 == 1 { -stride } else { stride }
             };
-            (0..3).filter(|axis| steps >> axis & 1 == 1).map(one).sum()
+            (0..3).filter(|axis| stays >> axis & 1 == 0).map(one).sum()
         };
-        let floats = |numbers: [usize; 3]| Four::new(DVec3::from_array(numbers.map(|n| n as f64)), 0.0);
+        let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
         Self {
-            low: Four::new(bounds.min, 0.0),
-            cell_size: Four::new(cell_size, 1.0),
-            per_unit: Four::new(per_unit, 1.0),
+            slab: Slab::new(bounds),
+            cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
+            per_unit: [per_unit.x, per_unit.y, per_unit.z, 1.0],
             last: floats(cells.map(|n| n - 1)),
-            strides: floats(strides),
-            moves: std::array::from_fn(|backwards| std::array::from_fn(|steps| moved(backwards, steps))),
+            strides: strides.map(|stride| stride as u32),
+            moves: std::array::from_fn(|backwards| std::array::from_fn(|stays| moved(backwards, stays))),
         }
     }
 }
@@ -73,6 +73,11 @@ impl Lattice {
         let (cell_size, per_unit) = (extent / count, count / extent);
         let ahead = Ahead::new(&bounds, cells, cell_size, per_unit);
         Self { bounds, cells, cell_size, per_unit, ahead }
+    }
+
+    /// The bounds as [`march::clip`] reads them.
+    pub fn slab(&self) -> &Slab {
+        &self.ahead.slab
     }
 
     /// How many indices there are, those of the border included.

@@ -10,40 +10,55 @@ pub struct Ticks(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch =
 #[cfg(target_arch = "x86_64")]
 impl Ticks {
     #[inline(always)]
-    pub fn new([x, y, z]: [i32; 3]) -> Self {
-        // SAFETY: every x86-64 has SSE2; nothing else is asked of these instructions, here and below.
-        // The fourth place is never the least.
-        Self(unsafe { _mm_set_epi32(i32::MAX, z, y, x) })
+    pub fn new(places: [i32; 4]) -> Self {
+        // SAFETY: both are sixteen bytes without padding.
+        Self(unsafe { std::mem::transmute::<[i32; 4], __m128i>(places) })
     }
 
     /// The least of the three.
     #[inline(always)]
     pub fn least(self) -> i32 {
-        // SAFETY: as above.
-        let places: [i32; 4] = unsafe { std::mem::transmute(self.0) };
-        places[0].min(places[1]).min(places[2])
+        let t = self.0;
+        // SAFETY: every x86-64 has SSE2; nothing else is asked of these instructions, here and below.
+        unsafe {
+            let y = _mm_shuffle_epi32::<0b01_01_01_01>(t);
+            let z = _mm_shuffle_epi32::<0b10_10_10_10>(t);
+            _mm_cvtsi128_si32(lesser(lesser(t, y), z))
+        }
     }
 
-    /// Adds `between` to those that are the least, wrapping, and gives their set: bit 0 for x.
+    /// Adds `between` to those that are the least, wrapping, and gives the set of the others: bit 0
+    /// for x.
     #[inline(always)]
     pub fn step(&mut self, between: Self) -> usize {
         let t = self.0;
-        // SAFETY: as above.
+        // SAFETY: as above. The spare place is compared with itself and never in the set.
         unsafe {
             let after = _mm_shuffle_epi32::<0b11_00_10_01>(t);
             let before = _mm_shuffle_epi32::<0b11_01_00_10>(t);
             let stays = _mm_or_si128(_mm_cmpgt_epi32(t, after), _mm_cmpgt_epi32(t, before));
             self.0 = _mm_add_epi32(t, _mm_andnot_si128(stays, between.0));
-            !_mm_movemask_ps(_mm_castsi128_ps(stays)) as usize & 7
+            _mm_movemask_ps(_mm_castsi128_ps(stays)) as usize
         }
+    }
+}
+
+/// The lesser, place by place.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn lesser(a: __m128i, b: __m128i) -> __m128i {
+    // SAFETY: as above.
+    unsafe {
+        let less = _mm_cmplt_epi32(a, b);
+        _mm_or_si128(_mm_and_si128(less, a), _mm_andnot_si128(less, b))
     }
 }
 
 #[cfg(not(target_arch = "x86_64"))]
 impl Ticks {
     #[inline(always)]
-    pub fn new(ticks: [i32; 3]) -> Self {
-        Self(ticks)
+    pub fn new([x, y, z, _]: [i32; 4]) -> Self {
+        Self([x, y, z])
     }
 
     /// The least of the three.
@@ -52,17 +67,18 @@ impl Ticks {
         self.0[0].min(self.0[1]).min(self.0[2])
     }
 
-    /// Adds `between` to those that are the least, wrapping, and gives their set: bit 0 for x.
+    /// Adds `between` to those that are the least, wrapping, and gives the set of the others: bit 0
+    /// for x.
     #[inline(always)]
     pub fn step(&mut self, between: Self) -> usize {
         let least = self.least();
-        let mut set = 0;
+        let mut stays = 0;
         for axis in 0..3 {
             let steps = self.0[axis] == least;
-            set |= usize::from(steps) << axis;
+            stays |= usize::from(!steps) << axis;
             self.0[axis] = self.0[axis].wrapping_add(if steps { between.0[axis] } else { 0 });
         }
-        set
+        stays
     }
 }
 
@@ -72,8 +88,8 @@ mod tests {
 
     #[test]
     fn the_least_step() {
-        let between = Ticks::new([10, 20, 30]);
-        for (ticks, least, set, then) in [
+        let between = Ticks::new([10, 20, 30, 0]);
+        for ([x, y, z], least, steps, then) in [
             ([1, 2, 3], 1, 0b001, 2),
             ([3, 2, 9], 2, 0b010, 3),
             ([5, 4, -7], -7, 0b100, 4),
@@ -82,15 +98,15 @@ mod tests {
             ([4, 9, 4], 4, 0b101, 9),
             ([6, 6, 6], 6, 0b111, 16),
         ] {
-            let mut t = Ticks::new(ticks);
-            assert_eq!((t.least(), t.step(between), t.least()), (least, set, then), "{ticks:?}");
+            let mut t = Ticks::new([x, y, z, -9]);
+            assert_eq!((t.least(), t.step(between), t.least()), (least, 7 - steps, then), "{x} {y} {z}");
         }
     }
 
     #[test]
     fn steps_wrap() {
-        let mut t = Ticks::new([i32::MAX; 3]);
-        assert_eq!(t.step(Ticks::new([1, 1, 1])), 7);
+        let mut t = Ticks::new([i32::MAX; 4]);
+        assert_eq!(t.step(Ticks::new([1; 4])), 0);
         assert_eq!(t.least(), i32::MIN);
     }
 }

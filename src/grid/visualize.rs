@@ -7,6 +7,7 @@ use super::build::GridTooLarge;
 use super::march::{March, clip};
 use super::{Lattice, footprint};
 use crate::math::aabb::Aabb;
+use crate::math::four::Plain;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
 use crate::world::{Placement, course_sphere_box, placements};
@@ -85,14 +86,14 @@ impl Occupancy {
 
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let passage = clip(&self.lattice.bounds, ray)?;
+        let passage = clip::<Plain>(self.lattice.slab(), ray, ray.t_max)?;
         let mut march = March::new(&self.lattice, &passage);
-        let mut face = self.face(march.index, passage.entry, self.face_at(passage.entry, ray), ray);
+        let mut face = self.face(march.index(), passage.entry, self.face_at(passage.entry, ray), ray);
         while face.is_none() {
-            let mut index = march.index;
-            let set = march.step();
+            let mut index = march.index();
+            let stays = march.step();
             // Where faces meet, cells are passed one by one: x before y before z.
-            for axis in (0..3).filter(|axis| set >> axis & 1 == 1) {
+            for axis in (0..3).filter(|axis| stays >> axis & 1 == 0) {
                 index = index.wrapping_add_signed(march.stride(axis));
                 if self.counts[index] == BORDER {
                     return None;

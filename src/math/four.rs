@@ -1,52 +1,144 @@
-//! Four floats side by side: three axes and a spare one, so that a compiler finds whole registers.
+//! Four floats side by side: three axes and a spare place, so that whole registers do the work.
+//!
+//! What stands in the spare place never reaches a result; it may be anything.
 
-use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
+/// Arithmetic place by place. Every implementation gives the same bits.
+pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    fn new(places: [f64; 4]) -> Self;
+    fn splat(x: f64) -> Self;
+    /// One over each.
+    fn inverse(self) -> Self;
+    fn abs(self) -> Self;
+    /// The lesser; the other's where this one is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The greater; the other's where this one is NaN.
+    fn max(self, other: Self) -> Self;
+    /// 1 where this is positive, 0 elsewhere.
+    fn is_positive(self) -> Self;
+    /// This where `other` is finite or NaN, `instead` where it is infinite.
+    fn unless_infinite(self, other: Self, instead: f64) -> Self;
+    /// Whether this is at most `other` along all three axes; not where one is NaN.
+    fn precedes(self, other: Self) -> bool;
+    /// Which of the three axes have a sign, bit 0 for x.
+    fn signs(self) -> usize;
+    /// The nearest whole numbers, of numbers that are below 2^31.
+    fn whole(self) -> [i32; 4];
+    /// To the nearest whole numbers, of numbers from 0 to 2^51.
+    fn round(self) -> Self {
+        (self + Self::splat(TO_WHOLE)) - Self::splat(TO_WHOLE)
+    }
+    /// To single precision.
+    fn single(self) -> [f32; 4];
+    fn places(self) -> [f64; 4];
+    /// The least of the three axes; the later one's where an axis is NaN.
+    #[inline(always)]
+    fn least(self) -> f64 {
+        let [x, y, z, _] = self.places();
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        least(least(x, y), z)
+    }
+    /// The greatest of the three axes; the later one's where an axis is NaN.
+    #[inline(always)]
+    fn greatest(self) -> f64 {
+        let [x, y, z, _] = self.places();
+        let greatest = |a: f64, b: f64| if a > b { a } else { b };
+        greatest(greatest(x, y), z)
+    }
+}
+
+/// Added to a number below 2^51 it leaves no bits for a fraction, and the nearest whole number in
+/// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
+pub const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// Runs on every machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(32))]
-pub struct Four(pub [f64; 4]);
+pub struct Plain([f64; 4]);
 
-impl Four {
-    /// The axes of `v`, and `spare` behind them.
-    #[inline(always)]
-    pub fn new(v: DVec3, spare: f64) -> Self {
-        Self([v.x, v.y, v.z, spare])
-    }
-
-    #[inline(always)]
-    pub fn splat(x: f64) -> Self {
-        Self([x; 4])
-    }
-
+impl Plain {
     /// Place by place.
     #[inline(always)]
-    pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([f(a), f(b), f(c), f(d)])
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.map(f))
     }
 
     /// Place by place with another.
     #[inline(always)]
-    pub fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let ([a, b, c, d], [p, q, r, s]) = (self.0, other.0);
-        Self([f(a, p), f(b, q), f(c, r), f(d, s)])
-    }
-
-    /// The lesser, place by place; the other's where one is NaN.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
-    }
-
-    /// The greater, place by place; the other's where one is NaN.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 }
 
-impl Add for Four {
+impl Four for Plain {
+    #[inline(always)]
+    fn new(places: [f64; 4]) -> Self {
+        Self(places)
+    }
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; 4])
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        self.map(|x| 1.0 / x)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn is_positive(self) -> Self {
+        self.map(|x| if x > 0.0 { 1.0 } else { 0.0 })
+    }
+
+    #[inline(always)]
+    fn unless_infinite(self, other: Self, instead: f64) -> Self {
+        self.zip(other, |x, y| if y.abs() == f64::INFINITY { instead } else { x })
+    }
+
+    #[inline(always)]
+    fn precedes(self, other: Self) -> bool {
+        (0..3).all(|axis| self.0[axis] <= other.0[axis])
+    }
+
+    #[inline(always)]
+    fn signs(self) -> usize {
+        let sign = |axis: usize| usize::from(self.0[axis].is_sign_negative()) << axis;
+        sign(0) | sign(1) | sign(2)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> [i32; 4] {
+        self.0.map(|x| (x + TO_WHOLE).to_bits() as i32)
+    }
+
+    #[inline(always)]
+    fn single(self) -> [f32; 4] {
+        self.0.map(|x| x as f32)
+    }
+
+    #[inline(always)]
+    fn places(self) -> [f64; 4] {
+        self.0
+    }
+}
+
+impl Add for Plain {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -54,7 +146,7 @@ impl Add for Four {
     }
 }
 
-impl Sub for Four {
+impl Sub for Plain {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -62,10 +154,123 @@ impl Sub for Four {
     }
 }
 
-impl Mul for Four {
+impl Mul for Plain {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub use wide::Wide;
+
+#[cfg(target_arch = "x86_64")]
+mod wide {
+    use super::{Add, Four, Mul, Sub};
+    use std::arch::x86_64::*;
+
+    /// One AVX register. To be named only inside functions that are compiled for AVX and called
+    /// after it was detected: all that is unsafe in here rests on that.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Wide(__m256d);
+
+    // SAFETY, of every block below: the instructions are there, see `Wide`.
+    impl Four for Wide {
+        #[inline(always)]
+        fn new([x, y, z, w]: [f64; 4]) -> Self {
+            Self(unsafe { _mm256_set_pd(w, z, y, x) })
+        }
+
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(x) })
+        }
+
+        #[inline(always)]
+        fn inverse(self) -> Self {
+            Self(unsafe { _mm256_div_pd(_mm256_set1_pd(1.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(unsafe { _mm256_min_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(unsafe { _mm256_max_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn is_positive(self) -> Self {
+            let positive = unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd()) };
+            Self(unsafe { _mm256_and_pd(positive, _mm256_set1_pd(1.0)) })
+        }
+
+        #[inline(always)]
+        fn unless_infinite(self, other: Self, instead: f64) -> Self {
+            let infinity = Self::splat(f64::INFINITY).0;
+            let infinite = unsafe { _mm256_cmp_pd::<_CMP_EQ_OQ>(other.abs().0, infinity) };
+            Self(unsafe { _mm256_blendv_pd(self.0, _mm256_set1_pd(instead), infinite) })
+        }
+
+        #[inline(always)]
+        fn precedes(self, other: Self) -> bool {
+            let precedes = unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) };
+            unsafe { _mm256_movemask_pd(precedes) & 7 == 7 }
+        }
+
+        #[inline(always)]
+        fn signs(self) -> usize {
+            unsafe { _mm256_movemask_pd(self.0) as usize & 7 }
+        }
+
+        #[inline(always)]
+        fn whole(self) -> [i32; 4] {
+            // Both are sixteen bytes without padding.
+            unsafe { std::mem::transmute(_mm256_cvtpd_epi32(self.0)) }
+        }
+
+        #[inline(always)]
+        fn single(self) -> [f32; 4] {
+            // As above.
+            unsafe { std::mem::transmute(_mm256_cvtpd_ps(self.0)) }
+        }
+
+        #[inline(always)]
+        fn places(self) -> [f64; 4] {
+            // Both are thirty-two bytes without padding.
+            unsafe { std::mem::transmute(self.0) }
+        }
+    }
+
+    impl Add for Wide {
+        type Output = Self;
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            Self(unsafe { _mm256_add_pd(self.0, other.0) })
+        }
+    }
+
+    impl Sub for Wide {
+        type Output = Self;
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+        }
+    }
+
+    impl Mul for Wide {
+        type Output = Self;
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+        }
     }
 }

@@ -3,13 +3,16 @@
 use glam::DVec3;
 
 /// The points `origin + t * direction` with `t_min <= t < t_max`.
+///
+/// The order of the fields lets vector instructions load them four at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     pub origin: DVec3,
-    /// Need not be a unit vector: t counts in its length.
-    pub direction: DVec3,
     /// 0, or minus infinity for an orthographic camera, which also sees what is behind its plane.
     pub t_min: f64,
+    /// Need not be a unit vector: t counts in its length.
+    pub direction: DVec3,
     pub t_max: f64,
 }
 

@@ -11,9 +11,8 @@ use glam::DVec3;
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
 /// the z axis, and the axes permuted so that z is the one along which the ray is longest.
 #[derive(Clone, Copy, Debug)]
-pub struct Shear {
-    origin: DVec3,
-    direction: DVec3,
+pub struct Shear<'r> {
+    ray: &'r Ray,
     axes: [usize; 3],
     /// x and y shear per unit of z; the scale that turns a depth along z into t.
     scale: DVec3,
@@ -35,23 +34,25 @@ impl Crossing {
     }
 }
 
-impl Shear {
-    pub fn new(ray: &Ray) -> Self {
+impl<'r> Shear<'r> {
+    #[inline(always)]
+    pub fn new(ray: &'r Ray) -> Self {
         let d = ray.direction.to_array();
         let [x, y, z] = d.map(f64::abs);
-        let z = if x > y && x > z { 0 } else { 1 + usize::from(x > y || y <= z) };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        // Without branches, which rays in all directions would take at random.
+        let z = usize::from(!((x > y) & (x > z))) + usize::from((z >= x) & (z >= y));
+        let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
         // Without a length no t is right; NaN makes every triangle a miss.
         let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
         let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
-        Self { origin: ray.origin, direction: ray.direction, axes: [x, y, z], scale }
+        Self { ray, axes: [x, y, z], scale }
     }
 
     /// A vertex seen along the ray: x and y across it, z the depth along the longest axis.
     #[inline(always)]
     fn apply(&self, vertex: DVec3) -> DVec3 {
         // An array, since picking from a vector by number branches.
-        let v = (vertex - self.origin).to_array();
+        let v = (vertex - self.ray.origin).to_array();
         let [x, y, z] = self.axes;
         DVec3::new(v[x] - self.scale.x * v[z], v[y] - self.scale.y * v[z], v[z])
     }
@@ -64,10 +65,12 @@ impl Shear {
     /// without area, or one that lies along the ray, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, vertices: [DVec3; 3]) -> Option<Crossing> {
-        let [a, b, c] = vertices.map(|v| self.apply(v));
+        // Written out: a mapped array goes through memory, and waits for it.
+        let [a, b, c] = vertices;
+        let (a, b, c) = (self.apply(a), self.apply(b), self.apply(c));
         let mut weights = [cross(b, c), cross(c, a), cross(a, b)];
         let [u, v, w] = weights;
-        let (lowest, highest) = (u.min(v).min(w), u.max(v).max(w));
+        let (lowest, highest) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
         let doubt = doubt([a, b, c]);
         if lowest < -doubt && highest > doubt {
             return None;
@@ -91,8 +94,8 @@ impl Shear {
     #[cold]
     fn refined(&self, [a, b, c]: [DVec3; 3], depths: [f64; 3], rough: f64) -> f64 {
         let normal = exact_cross(difference(b, a), difference(c, a));
-        let along = dot(normal, self.direction.to_array().map(Dd::from)).value();
-        let t = dot(normal, difference(a, self.origin)).value() / along;
+        let along = dot(normal, self.ray.direction.to_array().map(Dd::from)).value();
+        let t = dot(normal, difference(a, self.ray.origin)).value() / along;
         if !t.is_finite() {
             return rough;
         }
@@ -105,10 +108,10 @@ impl Shear {
     /// one side of all three edges.
     #[cold]
     fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
-        let [a, b, c] = vertices.map(|v| difference(v, self.origin));
+        let [a, b, c] = vertices.map(|v| difference(v, self.ray.origin));
         let edges = [(b, c), (c, a), (a, b)];
         let along = self.scale.z;
-        let weights = edges.map(|(p, q)| along * triple_product(self.direction, p, q));
+        let weights = edges.map(|(p, q)| along * triple_product(self.ray.direction, p, q));
         let sides = [0, 1, 2].map(|i| match sign(weights[i]) {
             0 => self.side_of_edge_met(vertices[(i + 1) % 3], vertices[(i + 2) % 3]),
             side => side,
@@ -121,7 +124,7 @@ impl Shear {
     /// the sheared plane, towards negative x, and infinitely less towards negative y. Zero for an
     /// edge along the ray.
     fn side_of_edge_met(&self, from: DVec3, to: DVec3) -> i32 {
-        let (edge, d, [x, y, z]) = (difference(to, from), self.direction, self.axes);
+        let (edge, d, [x, y, z]) = (difference(to, from), self.ray.direction, self.axes);
         let sheared = |axis: usize| sign(difference_of_products(d[z], edge[axis], d[axis], edge[z]));
         let toward_z = sign(d[z]);
         [toward_z * sheared(y), -toward_z * sheared(x)].into_iter().find(|&s| s != 0).unwrap_or(0)
@@ -157,6 +160,18 @@ fn doubt([a, b, c]: [DVec3; 3]) -> f64 {
     let across = largest.x + largest.y;
     let reach = across + largest.z;
     16.0 * UNIT_ROUNDOFF * reach * (across + 4.0 * UNIT_ROUNDOFF * reach)
+}
+
+// Unlike the library's these say nothing about NaN, and are one instruction each.
+
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 fn sign(x: f64) -> i32 {

@@ -3,6 +3,7 @@
 use raytracer::grid::Lattice;
 use raytracer::grid::build::widened;
 use raytracer::grid::march::{March, clip, drift};
+use raytracer::math::four::Plain;
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 
@@ -21,13 +22,13 @@ pub type Step = ([usize; 3], f64);
 
 /// The t at which the ray enters the lattice, and the cells along it.
 pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
-    let Some(passage) = clip(&lattice.bounds, ray) else { return (0.0, vec![]) };
+    let Some(passage) = clip::<Plain>(lattice.slab(), ray, ray.t_max) else { return (0.0, vec![]) };
     let mut march = March::new(lattice, &passage);
     // The whole passage takes 2^29 ticks.
     let per_tick = (passage.exit - passage.entry) / 2f64.powi(29);
     let mut steps = vec![];
     loop {
-        let cell = lattice.cell_of(march.index).to_array();
+        let cell = lattice.cell_of(march.index()).to_array();
         if (0..3).any(|axis| cell[axis] < 0.0 || cell[axis] >= lattice.cells[axis] as f64) {
             return (passage.entry, steps);
         }
