@@ -5,6 +5,8 @@ use super::block::{Block, Frame, LANES, NONE, Numbers};
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// The word of an empty cell.
 pub const EMPTY: u32 = 0;
@@ -32,9 +34,12 @@ struct Others {
 }
 
 impl Others {
-    fn push(&mut self, block: usize, numbers: &[u32]) {
-        self.cells.push((block as u32, self.numbers.len() as u32));
-        self.numbers.extend_from_slice(numbers);
+    /// Blocks come in increasing order.
+    fn push(&mut self, block: u32, number: u32) {
+        if self.cells.last().is_none_or(|cell| cell.0 != block) {
+            self.cells.push((block, self.numbers.len() as u32));
+        }
+        self.numbers.push(number);
     }
 
     fn of(&self, block: usize) -> &[u32] {
@@ -44,65 +49,31 @@ impl Others {
     }
 }
 
-/// A cell on its way into the blocks.
-struct Filled {
-    index: usize,
-    /// How many of its items, which ascend, are triangles.
-    triangles: usize,
-}
-
-impl Filled {
-    fn new(index: usize, items: &[u32], world: &World) -> Self {
-        Self { index, triangles: items.partition_point(|&n| (n as usize) < world.triangles.len()) }
-    }
-
-    /// A cell without triangles also has a block, to name its other primitives.
-    fn blocks(&self) -> usize {
-        self.triangles.div_ceil(LANES).max(1)
-    }
-}
-
 impl Cells {
-    /// Lays out the `rows` of a lattice.
+    /// Lays out the primitives of a lattice's cells, each cell's in the order of their numbers.
     pub fn new(world: &World, lattice: &Lattice, rows: &Rows) -> Result<Self, GridTooLarge> {
-        let mut words = vec![BORDER; lattice.index_count()];
-        let mut filled = vec![];
-        let mut count = 0;
-        let [nx, ny, nz] = lattice.cells;
-        for (y, z) in (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))) {
-            let row = lattice.index([0, y, z]);
-            for (index, word) in words.iter_mut().enumerate().skip(row).take(nx) {
-                let items = rows.items(index);
-                *word = EMPTY;
-                if !items.is_empty() {
-                    *word = count + 1;
-                    let cell = Filled::new(index, items, world);
-                    count = count.checked_add(cell.blocks() as u32).ok_or(GridTooLarge)?;
-                    filled.push(cell);
-                }
-            }
-        }
-        let frame = Frame::new(&lattice.bounds);
-        let items = |cell: &Filled| rows.items(cell.index);
-        let mut cells = Self::empty(count as usize, words, frame)?;
-        fill(world, &frame, &filled, &items, &mut cells.blocks, &mut cells.numbers);
-        // Few cells hold anything else, and their list is not worth a thread.
-        if world.triangles.len() < world.finite_count() {
-            for cell in &filled {
-                cells.add_others(cells.words[cell.index] as usize - 1, &items(cell)[cell.triangles..]);
-            }
-        }
+        let triangles = world.triangles.len();
+        let others = triangles..world.finite_count();
+        let mut words = counts(lattice, rows, triangles, others.clone())?;
+        let lanes = to_ends(lattice, &mut words)?;
+        let mut numbers = filled_with([NONE; LANES], lanes / LANES)?;
+        scatter(rows, triangles, &mut words, numbers.as_flattened_mut());
+        let mut cells = Self::of_numbers(world, numbers, Frame::new(&lattice.bounds))?;
+        cells.finish(words, lattice);
+        cells.add_others(rows, others);
         Ok(cells)
     }
 
-    /// Everything in one cell, for a world without a grid. There are no words.
+    /// Everything in one cell, the block 0.
     pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
-        let triangles: Vec<u32> = (0..world.triangles.len() as u32).collect();
-        let others: Vec<u32> = (world.triangles.len() as u32..world.first_plane()).collect();
-        let cell = Filled { index: 0, triangles: triangles.len() };
-        let mut cells = Self::empty(cell.blocks(), vec![], frame)?;
-        fill(world, &frame, &[cell], &|_| &triangles, &mut cells.blocks, &mut cells.numbers);
-        cells.add_others(0, &others);
+        let triangles = world.triangles.len();
+        let mut numbers = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
+        let lanes = numbers.as_flattened_mut().iter_mut();
+        lanes.zip(0..triangles as u32).for_each(|(lane, number)| *lane = number);
+        let mut cells = Self::of_numbers(world, numbers, frame)?;
+        cells.mark_last(cells.blocks.len() - 1);
+        let others = triangles as u32..world.first_plane();
+        cells.note_others(others.map(|number| (0, number)).collect());
         Ok(cells)
     }
 
@@ -111,65 +82,125 @@ impl Cells {
         self.others.of(block)
     }
 
-    fn empty(blocks: usize, words: Vec<u32>, frame: Frame) -> Result<Self, GridTooLarge> {
-        let numbers = filled_with([NONE; LANES], blocks)?;
-        Ok(Self {
-            words,
-            blocks: filled_with(Block::EMPTY, blocks)?,
-            numbers,
-            others: Others::default(),
-            frame,
-        })
+    /// Blocks of these triangles, of which none is marked as its cell's last.
+    fn of_numbers(world: &World, numbers: Vec<Numbers>, frame: Frame) -> Result<Self, GridTooLarge> {
+        // On all threads, and each block is written but once, since memory that was never touched
+        // before costs more than all the rest.
+        let mut blocks = room_for(numbers.len())?;
+        numbers.par_iter().map(|numbers| block_of(world, &frame, numbers)).collect_into_vec(&mut blocks);
+        Ok(Self { words: vec![], blocks, numbers, others: Others::default(), frame })
     }
 
-    fn add_others(&mut self, block: usize, others: &[u32]) {
-        if !others.is_empty() {
-            self.blocks[block].has_others = true;
-            self.others.push(block, others);
+    /// Turns the place of each cell's first lane into its word, and marks each cell's last block.
+    fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
+        for row in rows_of(lattice) {
+            for word in &mut words[row] {
+                *word /= LANES as u32;
+                // The block before a cell's first one is another cell's last.
+                if *word > 1 {
+                    self.mark_last(*word as usize - 2);
+                }
+            }
+        }
+        if let Some(last) = self.blocks.last_mut() {
+            last.is_last = true;
+        }
+        self.words = words;
+    }
+
+    fn mark_last(&mut self, block: usize) {
+        self.blocks[block].is_last = true;
+    }
+
+    fn add_others(&mut self, rows: &Rows, others: Range<usize>) {
+        let first_block = |cell: &u32| self.words[*cell as usize] - 1;
+        let places =
+            others.flat_map(|n| rows.cells_of(n).iter().map(move |cell| (first_block(cell), n as u32)));
+        let mut places: Vec<(u32, u32)> = places.collect();
+        places.sort_unstable();
+        self.note_others(places);
+    }
+
+    /// Takes blocks, which must ascend, and numbers of what is no triangle.
+    fn note_others(&mut self, places: Vec<(u32, u32)>) {
+        for (block, number) in places {
+            self.blocks[block as usize].has_others = true;
+            self.others.push(block, number);
         }
     }
+}
+
+/// The indices of each row of cells.
+fn rows_of(lattice: &Lattice) -> impl Iterator<Item = Range<usize>> {
+    let [nx, ny, nz] = lattice.cells;
+    let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| lattice.index([0, y, z])));
+    starts.map(move |start| start..start + nx)
+}
+
+/// How many lanes each cell needs; [`BORDER`] around them.
+fn counts(
+    lattice: &Lattice,
+    rows: &Rows,
+    triangles: usize,
+    others: Range<usize>,
+) -> Result<Vec<u32>, GridTooLarge> {
+    let mut counts = filled_with(BORDER, lattice.index_count())?;
+    rows_of(lattice).for_each(|row| counts[row].fill(0));
+    for number in 0..triangles {
+        rows.cells_of(number).iter().for_each(|&cell| counts[cell as usize] += 1);
+    }
+    // A cell without triangles also has a block, to name its other primitives.
+    for &cell in others.flat_map(|number| rows.cells_of(number)) {
+        counts[cell as usize] = counts[cell as usize].max(1);
+    }
+    Ok(counts)
+}
+
+/// Turns each cell's count into the place where its lanes end, and gives the number of all lanes.
+/// Each cell begins a block. Places count from one block, so that none is [`EMPTY`].
+fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge> {
+    let mut next = LANES as u64;
+    for row in rows_of(lattice) {
+        for count in counts[row].iter_mut().filter(|count| **count > 0) {
+            let end = next + *count as u64;
+            next = end.next_multiple_of(LANES as u64);
+            *count = u32::try_from(end).ok().filter(|&end| end != BORDER).ok_or(GridTooLarge)?;
+        }
+    }
+    Ok(next as usize - LANES)
+}
+
+/// Enters the triangles backwards from the `ends` of their cells, which become the cells' starts.
+/// The end of a cell that only names other primitives stays in its one block.
+fn scatter(rows: &Rows, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
+    for number in (0..triangles).rev() {
+        for &cell in rows.cells_of(number) {
+            let place = &mut ends[cell as usize];
+            *place -= 1;
+            lanes[*place as usize - LANES] = number as u32;
+        }
+    }
+}
+
+fn block_of(world: &World, frame: &Frame, numbers: &Numbers) -> Block {
+    let used = numbers.iter().position(|&number| number == NONE).unwrap_or(LANES);
+    let mut block = Block { is_last: false, ..Block::EMPTY };
+    block.fill(world, frame, &numbers[..used]);
+    block
 }
 
 /// A list of exactly this length, or an error where the memory is not to be had.
 fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    let mut list = room_for(count)?;
     list.resize(count, value);
     Ok(list)
 }
 
-/// Fills the cells' blocks, which follow one another, on all threads.
-fn fill<'r>(
-    world: &World,
-    frame: &Frame,
-    cells: &[Filled],
-    items: &(impl Fn(&Filled) -> &'r [u32] + Sync),
-    blocks: &mut [Block],
-    numbers: &mut [Numbers],
-) {
-    const SERIAL: usize = 512;
-    if cells.len() > SERIAL {
-        let (left, right) = cells.split_at(cells.len() / 2);
-        let middle = left.iter().map(Filled::blocks).sum();
-        let (first, second) = blocks.split_at_mut(middle);
-        let (low, high) = numbers.split_at_mut(middle);
-        rayon::join(
-            || fill(world, frame, left, items, first, low),
-            || fill(world, frame, right, items, second, high),
-        );
-        return;
-    }
-    let mut next = 0;
-    for cell in cells {
-        let own = next..next + cell.blocks();
-        next = own.end;
-        blocks[own.clone()].iter_mut().rev().skip(1).for_each(|block| block.is_last = false);
-        let triangles = &items(cell)[..cell.triangles];
-        for (place, chunk) in own.zip(triangles.chunks(LANES)) {
-            blocks[place].fill(world, frame, chunk);
-            numbers[place][..chunk.len()].copy_from_slice(chunk);
-        }
-    }
+/// An empty list with room for exactly so many, or an error where the memory is not to be had.
+fn room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    Ok(list)
 }
 
 #[cfg(test)]
@@ -209,7 +240,9 @@ mod tests {
                     found.extend(cells.others_of(first));
                 }
             }
-            assert_eq!(found, rows.items(index));
+            let expected: Vec<u32> =
+                (0..55).filter(|&n| rows.cells_of(n as usize).contains(&(index as u32))).collect();
+            assert_eq!(found, expected);
         }
     }
 }
