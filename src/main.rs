@@ -13,6 +13,7 @@ use raytracer::stats::{Counts, Probe, Quiet, Report, Timings};
 use raytracer::world::World;
 use std::fmt::Display;
 use std::io::Write;
+use std::mem;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -69,9 +70,9 @@ fn run(options: &Options) -> Result<Option<Report>, String> {
     }
     let timings = Timings { reading: start.elapsed(), ..Timings::default() };
     if options.stats {
-        draw::<Counts>(options, &loaded, outputs, timings).map(Some)
+        draw::<Counts>(options, loaded, outputs, timings).map(Some)
     } else {
-        draw::<Quiet>(options, &loaded, outputs, timings).map(|_| None)
+        draw::<Quiet>(options, loaded, outputs, timings).map(|_| None)
     }
 }
 
@@ -118,12 +119,13 @@ impl Outputs {
 /// Builds, renders and writes.
 fn draw<P: Probe>(
     options: &Options,
-    LoadedScene { scene, meshes, source }: &LoadedScene,
+    LoadedScene { scene, mut meshes, source }: LoadedScene,
     outputs: Outputs,
     mut timings: Timings,
 ) -> Result<Report, String> {
     let start = Instant::now();
-    let world = World::new(scene, meshes).map_err(|error| source.render(&error))?;
+    let own = if options.visualize_grid { meshes.clone() } else { mem::take(&mut meshes) };
+    let world = World::of_meshes(&scene, own).map_err(|error| source.render(&error))?;
     let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
     let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
     let grid = options.grid.map(resolution);
@@ -133,7 +135,7 @@ fn draw<P: Probe>(
     let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
     let occupancy = match grid {
         Some(cells) if options.visualize_grid => {
-            Some(Occupancy::new(scene, meshes, world.bounds, cells).map_err(failed)?)
+            Some(Occupancy::new(&scene, &meshes, world.bounds, cells).map_err(failed)?)
         }
         _ => None,
     };

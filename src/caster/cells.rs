@@ -208,6 +208,7 @@ mod tests {
     use super::*;
     use crate::grid::build::widened;
     use crate::grid::footprint;
+    use crate::math::aabb::Aabb;
     use crate::scene::parser::parse;
 
     #[test]
@@ -224,7 +225,8 @@ mod tests {
         );
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let lattice = Lattice::new(widened(world.bounds), [5, 2, 2]);
-        let boxes: Vec<_> = world.boxes().collect();
+        let triangles = (0..50).map(|i| Aabb::around(world.corners(i)));
+        let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let rows =
             Rows::new(&lattice, 55, |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
         let cells = Cells::new(&world, &lattice, &rows).unwrap();

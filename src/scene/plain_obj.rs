@@ -9,11 +9,10 @@ use rayon::prelude::*;
 /// Where it gives a mesh, it is the full reader's to the last bit: the same numbers, and vertices in
 /// the order in which faces first name them.
 pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
-    const PER_CHUNK: usize = 1 << 20;
-    let pieces: Vec<Piece> = chunks(text, PER_CHUNK).into_par_iter().map(scan).collect::<Option<_>>()?;
-    let vertices: Vec<DVec3> = pieces.iter().flat_map(|piece| &piece.vertices).copied().collect();
-    let faces = pieces.iter().flat_map(|piece| &piece.faces);
-    numbered_by_use(&vertices, faces)
+    let pieces = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect::<Option<_>>()?;
+    let Piece { vertices, mut faces } = joined(pieces);
+    let vertices = number_by_use(&vertices, &mut faces)?;
+    (!faces.is_empty()).then_some((vertices, faces))
 }
 
 /// Positions, and triangles as indices into them.
@@ -23,6 +22,13 @@ pub type VerticesAndTriangles = (Vec<DVec3>, Vec<[u32; 3]>);
 struct Piece {
     vertices: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
+}
+
+/// How much of a text to scan in one go: all of it where nobody could scan the rest meanwhile, since
+/// joining pieces takes time and memory.
+fn chunk_size(length: usize) -> usize {
+    const SHARED: usize = 1 << 20;
+    if rayon::current_num_threads() == 1 { length } else { SHARED }
 }
 
 /// Cuts a text at line ends into pieces of about `size` bytes.
@@ -64,6 +70,23 @@ fn scan(mut text: &[u8]) -> Option<Piece> {
         };
     }
     Some(piece)
+}
+
+fn joined(mut pieces: Vec<Piece>) -> Piece {
+    if pieces.len() == 1
+        && let Some(piece) = pieces.pop()
+    {
+        return piece;
+    }
+    let mut all = Piece {
+        vertices: Vec::with_capacity(pieces.iter().map(|piece| piece.vertices.len()).sum()),
+        faces: Vec::with_capacity(pieces.iter().map(|piece| piece.faces.len()).sum()),
+    };
+    for piece in pieces {
+        all.vertices.extend(piece.vertices);
+        all.faces.extend(piece.faces);
+    }
+    all
 }
 
 /// The text behind at least one blank.
@@ -168,29 +191,23 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
     value.is_finite().then_some((value, &text[length..]))
 }
 
-/// The mesh with its vertices in the order of their first use, as the full reader gives it; none if
-/// a corner names no vertex or there is no face.
-fn numbered_by_use<'f>(
-    vertices: &[DVec3],
-    faces: impl Iterator<Item = &'f [u32; 3]>,
-) -> Option<VerticesAndTriangles> {
-    const UNUSED: u32 = u32::MAX;
-    let mut place = vec![UNUSED; vertices.len()];
-    let (mut used, mut triangles) = (Vec::with_capacity(vertices.len()), Vec::new());
-    for face in faces {
-        let mut corners = [0; 3];
-        for (corner, &named) in corners.iter_mut().zip(face) {
-            let index = (named as usize).wrapping_sub(1);
-            let place = place.get_mut(index)?;
-            if *place == UNUSED {
-                *place = used.len() as u32;
-                used.push(vertices[index]);
-            }
-            *corner = *place;
+/// The vertices in the order in which faces first name them, as the full reader gives them, for
+/// which the faces' corners become indices; none if a corner names no vertex.
+fn number_by_use(vertices: &[DVec3], faces: &mut [[u32; 3]]) -> Option<Vec<DVec3>> {
+    const UNUSED: u32 = 0;
+    // Places count from 1.
+    let mut places = vec![UNUSED; vertices.len()];
+    let mut used = Vec::with_capacity(vertices.len());
+    for corner in faces.as_flattened_mut() {
+        let index = (*corner as usize).wrapping_sub(1);
+        let place = places.get_mut(index)?;
+        if *place == UNUSED {
+            used.push(vertices[index]);
+            *place = used.len() as u32;
         }
-        triangles.push(corners);
+        *corner = *place - 1;
     }
-    (!triangles.is_empty()).then_some((used, triangles))
+    Some(used)
 }
 
 #[cfg(test)]
