@@ -21,14 +21,17 @@ use std::time::Instant;
 fn main() -> ExitCode {
     match cli::parse(std::env::args_os()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => match run(&options) {
-            Ok(Some(report)) => print(&report.to_string()),
-            Ok(None) => ExitCode::SUCCESS,
-            Err(message) => {
-                tell(&message);
-                ExitCode::FAILURE
+        // From inside the pool, since each call into it from outside would wake a thread and wait for it.
+        Ok(Command::Render(options)) => {
+            match set_threads(&options).and_then(|()| rayon::scope(|_| run(&options))) {
+                Ok(Some(report)) => print(&report.to_string()),
+                Ok(None) => ExitCode::SUCCESS,
+                Err(message) => {
+                    tell(&message);
+                    ExitCode::FAILURE
+                }
             }
-        },
+        }
         Err(error) => {
             tell(&error.to_string());
             ExitCode::from(2)
@@ -53,6 +56,11 @@ fn failed(error: impl Display) -> String {
     format!("error: {error}")
 }
 
+fn set_threads(options: &Options) -> Result<(), String> {
+    let Some(threads) = options.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)
+}
+
 /// Does what the options ask for; gives the statistics if they were asked for, or the message of
 /// the error that ends the program.
 fn run(options: &Options) -> Result<Option<Report>, String> {
@@ -60,9 +68,6 @@ fn run(options: &Options) -> Result<Option<Report>, String> {
         tell("note: this build has no preview; the picture is rendered directly");
     }
     let outputs = Outputs::prepare(options).map_err(failed)?;
-    if let Some(threads) = options.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
-    }
     let start = Instant::now();
     let loaded = scene_io::load(&options.input).map_err(|error| error.to_string())?;
     if loaded.scene.lights.is_empty() {
