@@ -226,6 +226,10 @@ mod tests {
             "# a comment\r\nv -0.1 .5 1.\r\nv 1e-3 2E5 -1.25e+2 \r\n\r\nv 0 1 0\r\nf 3 2 1\r\nf  1 2 3"
                 .to_owned(),
             "v 0.1234567890123456789 12345678901234567890 0.000001\nv 1 -0 3\nv 3 4 5\nf 2 3 1".to_owned(),
+            // Around the largest value that is exact, and the most digits.
+            "v 9007199254740992 9007199254740993 900719925474.0993\nv 0.1234567890123456 0.9007199254740993 -0\n\
+             v 0.000000000000000001 0.0000000000000000001 12345678.12345678\nf 1 2 3"
+                .to_owned(),
             "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
         ];
         for text in texts {
