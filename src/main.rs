@@ -13,6 +13,7 @@ use raytracer::stats::{Counts, Probe, Quiet, Report, Timings};
 use raytracer::world::World;
 use std::fmt::Display;
 use std::io::Write;
+use std::mem;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -20,14 +21,17 @@ use std::time::Instant;
 fn main() -> ExitCode {
     match cli::parse(std::env::args_os()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => match run(&options) {
-            Ok(Some(report)) => print(&report.to_string()),
-            Ok(None) => ExitCode::SUCCESS,
-            Err(message) => {
-                tell(&message);
-                ExitCode::FAILURE
+        // From inside the pool, since each call into it from outside would wake a thread and wait for it.
+        Ok(Command::Render(options)) => {
+            match set_threads(&options).and_then(|()| rayon::scope(|_| run(&options))) {
+                Ok(Some(report)) => print(&report.to_string()),
+                Ok(None) => ExitCode::SUCCESS,
+                Err(message) => {
+                    tell(&message);
+                    ExitCode::FAILURE
+                }
             }
-        },
+        }
         Err(error) => {
             tell(&error.to_string());
             ExitCode::from(2)
@@ -52,6 +56,11 @@ fn failed(error: impl Display) -> String {
     format!("error: {error}")
 }
 
+fn set_threads(options: &Options) -> Result<(), String> {
+    let Some(threads) = options.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)
+}
+
 /// Does what the options ask for; gives the statistics if they were asked for, or the message of
 /// the error that ends the program.
 fn run(options: &Options) -> Result<Option<Report>, String> {
@@ -59,9 +68,6 @@ fn run(options: &Options) -> Result<Option<Report>, String> {
         tell("note: this build has no preview; the picture is rendered directly");
     }
     let outputs = Outputs::prepare(options).map_err(failed)?;
-    if let Some(threads) = options.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)?;
-    }
     let start = Instant::now();
     let loaded = scene_io::load(&options.input).map_err(|error| error.to_string())?;
     if loaded.scene.lights.is_empty() {
@@ -69,9 +75,9 @@ fn run(options: &Options) -> Result<Option<Report>, String> {
     }
     let timings = Timings { reading: start.elapsed(), ..Timings::default() };
     if options.stats {
-        draw::<Counts>(options, &loaded, outputs, timings).map(Some)
+        draw::<Counts>(options, loaded, outputs, timings).map(Some)
     } else {
-        draw::<Quiet>(options, &loaded, outputs, timings).map(|_| None)
+        draw::<Quiet>(options, loaded, outputs, timings).map(|_| None)
     }
 }
 
@@ -118,12 +124,13 @@ impl Outputs {
 /// Builds, renders and writes.
 fn draw<P: Probe>(
     options: &Options,
-    LoadedScene { scene, meshes, source }: &LoadedScene,
+    LoadedScene { scene, mut meshes, source }: LoadedScene,
     outputs: Outputs,
     mut timings: Timings,
 ) -> Result<Report, String> {
     let start = Instant::now();
-    let world = World::new(scene, meshes).map_err(|error| source.render(&error))?;
+    let own = if options.visualize_grid { meshes.clone() } else { mem::take(&mut meshes) };
+    let world = World::of_meshes(&scene, own).map_err(|error| source.render(&error))?;
     let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
     let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
     let grid = options.grid.map(resolution);
@@ -133,7 +140,7 @@ fn draw<P: Probe>(
     let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
     let occupancy = match grid {
         Some(cells) if options.visualize_grid => {
-            Some(Occupancy::new(scene, meshes, world.bounds, cells).map_err(failed)?)
+            Some(Occupancy::new(&scene, &meshes, world.bounds, cells).map_err(failed)?)
         }
         _ => None,
     };

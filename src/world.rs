@@ -3,6 +3,8 @@
 //! After this only true ellipsoids keep a matrix. Primitives are numbered through the lists in one
 //! order: triangles, spheres, ellipsoids, planes.
 
+mod builder;
+
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust;
@@ -10,7 +12,9 @@ use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, trian
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Object, ObjectId, Position, Scene, material::Material};
+use builder::Builder;
 use glam::{DAffine3, DVec3};
+use std::borrow::Cow;
 use std::cmp::Ordering;
 
 /// What the tracer works on.
@@ -102,11 +106,17 @@ pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> A
 impl World {
     /// `meshes` are those that the scene names, in its order.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
-        let mut builder =
-            Builder { meshes, world: World::without_objects(scene), materials: Default::default() };
-        for placement in placements(scene) {
-            builder.place(&placement)?;
-        }
+        Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
+    }
+
+    /// As [`World::new`], but without copying a mesh that can be taken over.
+    pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
+        Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
+    }
+
+    fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
+        let mut builder = Builder::new(Self::without_objects(scene), scene, meshes);
+        placements(scene).try_for_each(|placement| builder.place(&placement))?;
         builder.finish()
     }
 
@@ -154,12 +164,10 @@ impl World {
         self.finite_count() as u32
     }
 
-    /// The tight boxes of the finite primitives, in the order of their numbers.
+    /// The tight boxes of the finite primitives behind the triangles, in the order of their numbers.
+    /// The triangles are within `bounds`.
     pub fn boxes(&self) -> impl Iterator<Item = Aabb> + '_ {
-        let triangles = (0..self.triangles.len()).map(|i| Aabb::around(self.corners(i)));
-        triangles
-            .chain(self.spheres.iter().map(Sphere::bounds))
-            .chain(self.ellipsoids.iter().map(Ellipsoid::bounds))
+        self.spheres.iter().map(Sphere::bounds).chain(self.ellipsoids.iter().map(Ellipsoid::bounds))
     }
 
     /// The corners of a triangle.
@@ -215,156 +223,6 @@ impl World {
     }
 }
 
-/// A world in the making: materials per list until the numbers are known.
-struct Builder<'a> {
-    meshes: &'a [Mesh],
-    world: World,
-    /// Runs as in `material_runs`, but each list counted from 0: triangles, spheres, ellipsoids, planes.
-    materials: [Vec<(u32, u32)>; 4],
-}
-
-impl Builder<'_> {
-    fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
-        let map = |p: DVec3| placement.matrix.transform_point3(p);
-        match *placement.object {
-            Object::Triangle { vertices, material } => {
-                self.triangles(vertices.map(map), &[[0, 1, 2]], placement, material)
-            }
-            Object::Box { min, max, material } => {
-                let corners = Aabb { min, max }.corners().map(map);
-                self.triangles(corners, &BOX_FACES, placement, material)
-            }
-            Object::Mesh { mesh, material } => {
-                let Mesh { vertices, triangles } = &self.meshes[mesh];
-                self.triangles(vertices.iter().map(|&v| map(v)), triangles, placement, material)
-            }
-            Object::Sphere { center, radius, material } => self.sphere(center, radius, placement, material),
-            Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
-            Object::Group(_) | Object::Transform { .. } => Ok(()),
-        }?;
-        if self.fits() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
-    }
-
-    fn fits(&self) -> bool {
-        let w = &self.world;
-        w.vertices.len() < u32::MAX as usize && w.finite_count() + w.planes.len() < u32::MAX as usize
-    }
-
-    fn triangles(
-        &mut self,
-        vertices: impl IntoIterator<Item = DVec3>,
-        faces: &[[u32; 3]],
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), SceneError> {
-        let world = &mut self.world;
-        let first = world.vertices.len();
-        world.vertices.extend(vertices);
-        let new = &world.vertices[first..];
-        let bounds =
-            if new.iter().all(|v| v.is_finite()) { Aabb::around(new.iter().copied()) } else { BROKEN };
-        note_run(&mut self.materials[0], world.triangles.len(), material);
-        // A mirroring matrix turns the winding; two swapped vertices turn it back.
-        let mirrored = placement.matrix.matrix3.determinant() < 0.0;
-        world.triangles.extend(faces.iter().map(|f| {
-            let [a, b, c] = f.map(|v| v + first as u32);
-            if mirrored { [a, c, b] } else { [a, b, c] }
-        }));
-        self.grow(bounds, placement)
-    }
-
-    fn sphere(
-        &mut self,
-        center: DVec3,
-        radius: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), SceneError> {
-        let matrix = placement.matrix;
-        let linear = matrix.matrix3;
-        let (middle, reach) = (matrix.transform_point3(center), linear * radius);
-        if robust::is_singular(linear) {
-            return Err(placement.error(Problem::SingularTransform));
-        }
-        if let Some(scale) = similarity_scale(linear) {
-            note_run(&mut self.materials[1], self.world.spheres.len(), material);
-            self.world.spheres.push(Sphere { center: middle, radius: scale * radius });
-        } else {
-            note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
-            self.world.ellipsoids.push(Ellipsoid::new(middle, reach));
-        }
-        self.grow(course_sphere_box(center, radius, placement), placement)
-    }
-
-    fn plane(
-        &mut self,
-        normal: DVec3,
-        offset: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), SceneError> {
-        let normal = robust::unit(normal);
-        note_run(&mut self.materials[3], self.world.planes.len(), material);
-        if placement.transform.is_none() {
-            self.world.planes.push(Plane { normal, offset });
-            return Ok(());
-        }
-        let linear = placement.matrix.matrix3;
-        if robust::is_singular(linear) {
-            return Err(placement.error(Problem::SingularTransform));
-        }
-        let outward = robust::cofactor(linear) * normal * linear.determinant().signum();
-        let normal_there = robust::unit(outward);
-        let point = placement.matrix.transform_point3(offset * normal);
-        self.world.planes.push(Plane { normal: normal_there, offset: normal_there.dot(point) });
-        if point.is_finite() && normal_there.is_finite() {
-            Ok(())
-        } else {
-            Err(placement.error(Problem::TransformOverflow))
-        }
-    }
-
-    fn grow(&mut self, bounds: Aabb, placement: &Placement) -> Result<(), SceneError> {
-        self.world.bounds = self.world.bounds.union(bounds);
-        // An empty group of triangles has an empty, infinite box, which is no fault.
-        let sound = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
-        if sound { Ok(()) } else { Err(placement.error(Problem::TransformOverflow)) }
-    }
-
-    fn finish(self) -> Result<World, SceneError> {
-        let mut world = self.world;
-        let counts = [world.triangles.len(), world.spheres.len(), world.ellipsoids.len(), world.planes.len()];
-        let mut start = 0;
-        for (runs, count) in self.materials.into_iter().zip(counts) {
-            world.material_runs.extend(runs.into_iter().map(|(first, material)| (first + start, material)));
-            start += count as u32;
-        }
-        if !world.bounds.is_empty() {
-            world.reach = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
-        }
-        Ok(world)
-    }
-}
-
-/// The box of something whose coordinates overflowed.
-const BROKEN: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
-
-/// The faces of a box over [`Aabb::corners`], counter-clockwise seen from outside.
-const BOX_FACES: [[u32; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-];
-
 fn with_unit_direction(light: Light) -> Light {
     match light {
         Light::Directional { direction, color } => {
@@ -372,18 +230,4 @@ fn with_unit_direction(light: Light) -> Light {
         }
         point => point,
     }
-}
-
-fn note_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
-    if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
-        runs.push((first as u32, material as u32));
-    }
-}
-
-/// The factor by which a matrix scales every length, if it does so within rounding.
-fn similarity_scale(m: glam::DMat3) -> Option<f64> {
-    let square = m.x_axis.length_squared();
-    let gram = m.transpose() * m;
-    let off = (gram - glam::DMat3::from_diagonal(DVec3::splat(square))).to_cols_array();
-    off.iter().all(|x| x.abs() <= 1e-12 * square).then(|| square.sqrt())
 }

@@ -1,10 +1,12 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Block, Frame, LANES, Then};
+use super::block::{Block, Frame, LANES, NONE, Then};
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// The word of an empty cell.
 pub const EMPTY: u32 = 0;
@@ -30,9 +32,12 @@ struct Others {
 }
 
 impl Others {
-    fn push(&mut self, block: usize, numbers: &[u32]) {
-        self.cells.push((block as u32, self.numbers.len() as u32));
-        self.numbers.extend_from_slice(numbers);
+    /// Blocks come in increasing order.
+    fn push(&mut self, block: u32, number: u32) {
+        if self.cells.last().is_none_or(|cell| cell.0 != block) {
+            self.cells.push((block, self.numbers.len() as u32));
+        }
+        self.numbers.push(number);
     }
 
     fn of(&self, block: usize) -> &[u32] {
@@ -42,54 +47,18 @@ impl Others {
     }
 }
 
-/// A cell on its way into the blocks.
-struct Filled {
-    index: usize,
-    /// How many of its items, which ascend, are triangles.
-    triangles: usize,
-}
-
-impl Filled {
-    fn new(index: usize, items: &[u32], world: &World) -> Self {
-        Self { index, triangles: items.partition_point(|&n| (n as usize) < world.triangles.len()) }
-    }
-
-    /// A cell without triangles also has a block, to name its other primitives.
-    fn blocks(&self) -> usize {
-        self.triangles.div_ceil(LANES).max(1)
-    }
-}
-
 impl Cells {
-    /// Lays out the `rows` of a lattice.
+    /// Lays out the primitives of a lattice's cells, each cell's in the order of their numbers.
     pub fn new(world: &World, lattice: &Lattice, rows: &Rows) -> Result<Self, GridTooLarge> {
-        let mut words = vec![BORDER; lattice.index_count()];
-        let mut filled = vec![];
-        let mut count = 0;
-        let [nx, ny, nz] = lattice.cells;
-        for (y, z) in (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))) {
-            let row = lattice.index([0, y, z]);
-            for (index, word) in words.iter_mut().enumerate().skip(row).take(nx) {
-                let items = rows.items(index);
-                *word = EMPTY;
-                if !items.is_empty() {
-                    *word = count + 1;
-                    let cell = Filled::new(index, items, world);
-                    count = count.checked_add(cell.blocks() as u32).ok_or(GridTooLarge)?;
-                    filled.push(cell);
-                }
-            }
-        }
-        let frame = Frame::new(&lattice.bounds);
-        let items = |cell: &Filled| rows.items(cell.index);
-        let mut cells = Self::empty(count as usize, words, frame)?;
-        fill(world, &frame, &filled, &items, &mut cells.blocks);
-        // Few cells hold anything else, and their list is not worth a thread.
-        if world.triangles.len() < world.finite_count() {
-            for cell in &filled {
-                cells.add_others(cells.words[cell.index] as usize - 1, cell, items(cell));
-            }
-        }
+        let triangles = world.triangles.len();
+        let others = triangles..world.finite_count();
+        let mut words = counts(lattice, rows, triangles, others.clone())?;
+        let lanes = to_ends(lattice, &mut words)?;
+        let mut numbers = filled_with([NONE; LANES], lanes / LANES)?;
+        scatter(rows, triangles, &mut words, numbers.as_flattened_mut());
+        let mut cells = Self::of_numbers(world, numbers, Frame::new(&lattice.bounds))?;
+        cells.finish(words, lattice);
+        cells.add_others(rows, others);
         Ok(cells)
     }
 
@@ -104,13 +73,17 @@ impl Cells {
         unsafe { *self.words.get_unchecked(index) }
     }
 
-    /// Everything in one cell, for a world without a grid. There are no words.
+    /// Everything in one cell, whose first block is 0.
     pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
-        let all: Vec<u32> = (0..world.first_plane()).collect();
-        let cell = Filled::new(0, &all, world);
-        let mut cells = Self::empty(cell.blocks(), vec![], frame)?;
-        fill(world, &frame, std::slice::from_ref(&cell), &|_| &all, &mut cells.blocks);
-        cells.add_others(0, &cell, &all);
+        let triangles = world.triangles.len();
+        let mut numbers = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
+        let lanes = numbers.as_flattened_mut().iter_mut();
+        lanes.zip(0..triangles as u32).for_each(|(lane, number)| *lane = number);
+        let mut cells = Self::of_numbers(world, numbers, frame)?;
+        let last = cells.blocks.len() - 1;
+        cells.mark_last(last);
+        let others = triangles as u32..world.first_plane();
+        cells.note_others(others.map(|number| (last as u32, number)).collect());
         Ok(cells)
     }
 
@@ -119,63 +92,139 @@ impl Cells {
         self.others.of(block)
     }
 
-    fn empty(blocks: usize, words: Vec<u32>, frame: Frame) -> Result<Self, GridTooLarge> {
-        Ok(Self { words, blocks: filled_with(Block::EMPTY, blocks)?, others: Others::default(), frame })
+    /// Blocks of these triangles, of which none is marked as its cell's last.
+    fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
+        // On all threads, and each block is written but once, since memory that was never touched
+        // before costs more than all the rest.
+        let mut blocks = room_for(numbers.len())?;
+        numbers.par_iter().map(|numbers| block_of(world, &frame, numbers)).collect_into_vec(&mut blocks);
+        Ok(Self { words: vec![], blocks, others: Others::default(), frame })
     }
 
-    /// Enters what is no triangle among the `items` of a cell whose `first` block this is.
-    fn add_others(&mut self, first: usize, cell: &Filled, items: &[u32]) {
-        let others = &items[cell.triangles..];
-        if !others.is_empty() {
-            let last = first + cell.blocks() - 1;
-            self.blocks[last].then = Then::Others;
-            self.others.push(last, others);
+    /// Turns the place of each cell's first lane into its word, and marks each cell's last block.
+    fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
+        for row in rows_of(lattice) {
+            for word in &mut words[row] {
+                *word /= LANES as u32;
+                // The block before a cell's first one is another cell's last.
+                if *word > 1 {
+                    self.mark_last(*word as usize - 2);
+                }
+            }
+        }
+        if let Some(last) = self.blocks.last_mut() {
+            last.then = Then::End;
+        }
+        self.words = words;
+    }
+
+    fn mark_last(&mut self, block: usize) {
+        self.blocks[block].then = Then::End;
+    }
+
+    fn add_others(&mut self, rows: &Rows, others: Range<usize>) {
+        let last_block = |&cell: &u32| self.last_block(cell);
+        let places = others.flat_map(|n| rows.cells_of(n).iter().map(last_block).map(move |b| (b, n as u32)));
+        let mut places: Vec<(u32, u32)> = places.collect();
+        places.sort_unstable();
+        self.note_others(places);
+    }
+
+    /// The last block of a cell that is not empty.
+    fn last_block(&self, cell: u32) -> u32 {
+        let first = self.words[cell as usize] as usize - 1;
+        let following = self.blocks[first..].iter().take_while(|block| block.then == Then::Block);
+        (first + following.count()) as u32
+    }
+
+    /// Takes last blocks, which must ascend, and numbers of what is no triangle.
+    fn note_others(&mut self, places: Vec<(u32, u32)>) {
+        for (block, number) in places {
+            self.blocks[block as usize].then = Then::Others;
+            self.others.push(block, number);
         }
     }
+}
+
+/// The indices of each row of cells.
+fn rows_of(lattice: &Lattice) -> impl Iterator<Item = Range<usize>> {
+    let [nx, ny, nz] = lattice.cells;
+    let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| lattice.index([0, y, z])));
+    starts.map(move |start| start..start + nx)
+}
+
+/// How many lanes each cell needs; [`BORDER`] around them.
+fn counts(
+    lattice: &Lattice,
+    rows: &Rows,
+    triangles: usize,
+    others: Range<usize>,
+) -> Result<Vec<u32>, GridTooLarge> {
+    let mut counts = filled_with(BORDER, lattice.index_count())?;
+    rows_of(lattice).for_each(|row| counts[row].fill(0));
+    for number in 0..triangles {
+        rows.cells_of(number).iter().for_each(|&cell| counts[cell as usize] += 1);
+    }
+    // A cell without triangles also has a block, to name its other primitives.
+    for &cell in others.flat_map(|number| rows.cells_of(number)) {
+        counts[cell as usize] = counts[cell as usize].max(1);
+    }
+    Ok(counts)
+}
+
+/// Turns each cell's count into the place where its lanes end, and gives the number of all lanes.
+/// Each cell begins a block. Places count from one block, so that none is [`EMPTY`].
+fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge> {
+    let mut next = LANES as u64;
+    for row in rows_of(lattice) {
+        for count in counts[row].iter_mut().filter(|count| **count > 0) {
+            let end = next + *count as u64;
+            next = end.next_multiple_of(LANES as u64);
+            *count = u32::try_from(end).ok().filter(|&end| end != BORDER).ok_or(GridTooLarge)?;
+        }
+    }
+    Ok(next as usize - LANES)
+}
+
+/// Enters the triangles backwards from the `ends` of their cells, which become the cells' starts.
+/// The end of a cell that only names other primitives stays in its one block.
+fn scatter(rows: &Rows, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
+    for number in (0..triangles).rev() {
+        for &cell in rows.cells_of(number) {
+            let place = &mut ends[cell as usize];
+            *place -= 1;
+            lanes[*place as usize - LANES] = number as u32;
+        }
+    }
+}
+
+fn block_of(world: &World, frame: &Frame, numbers: &[u32; LANES]) -> Block {
+    let used = numbers.iter().position(|&number| number == NONE).unwrap_or(LANES);
+    let mut block = Block { then: Then::Block, ..Block::EMPTY };
+    block.fill(world, frame, &numbers[..used]);
+    block
 }
 
 /// A list of exactly this length, or an error where the memory is not to be had.
 fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    let mut list = room_for(count)?;
     list.resize(count, value);
     Ok(list)
 }
 
-/// Fills the cells' blocks, which follow one another, on all threads.
-fn fill<'r>(
-    world: &World,
-    frame: &Frame,
-    cells: &[Filled],
-    items: &(impl Fn(&Filled) -> &'r [u32] + Sync),
-    blocks: &mut [Block],
-) {
-    const SERIAL: usize = 512;
-    if cells.len() > SERIAL {
-        let (left, right) = cells.split_at(cells.len() / 2);
-        let middle = left.iter().map(Filled::blocks).sum();
-        let (first, second) = blocks.split_at_mut(middle);
-        rayon::join(|| fill(world, frame, left, items, first), || fill(world, frame, right, items, second));
-        return;
-    }
-    let mut next = 0;
-    for cell in cells {
-        let own = next..next + cell.blocks();
-        next = own.end;
-        blocks[own.clone()].iter_mut().rev().skip(1).for_each(|block| block.then = Then::Block);
-        let triangles = &items(cell)[..cell.triangles];
-        for (place, chunk) in own.zip(triangles.chunks(LANES)) {
-            blocks[place].fill(world, frame, chunk);
-        }
-    }
+/// An empty list with room for exactly so many, or an error where the memory is not to be had.
+fn room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    Ok(list)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::block::NONE;
     use super::*;
     use crate::grid::build::widened;
     use crate::grid::footprint;
+    use crate::math::aabb::Aabb;
     use crate::scene::parser::parse;
 
     #[test]
@@ -192,7 +241,8 @@ mod tests {
         );
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let lattice = Lattice::new(widened(world.bounds), [5, 2, 2]);
-        let boxes: Vec<_> = world.boxes().collect();
+        let triangles = (0..50).map(|i| Aabb::around(world.corners(i)));
+        let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let rows =
             Rows::new(&lattice, 55, |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
         let cells = Cells::new(&world, &lattice, &rows).unwrap();
@@ -202,14 +252,15 @@ mod tests {
                 EMPTY | BORDER => {}
                 word => {
                     let first = word as usize - 1;
-                    let length =
-                        cells.blocks[first..].iter().position(|b| b.then != Then::Block).unwrap() + 1;
-                    let own = &cells.blocks[first..first + length];
+                    let last = cells.last_block(index as u32) as usize;
+                    let own = &cells.blocks[first..=last];
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
-                    found.extend(cells.others_of(first + length - 1));
+                    found.extend(cells.others_of(last));
                 }
             }
-            assert_eq!(found, rows.items(index));
+            let expected: Vec<u32> =
+                (0..55).filter(|&n| rows.cells_of(n as usize).contains(&(index as u32))).collect();
+            assert_eq!(found, expected);
         }
     }
 }

@@ -43,69 +43,134 @@ pub fn of_ball(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &
 /// Appends the index of every cell that the triangle touches, each cell widened by `slack` cells:
 /// the triangle's plane and its outline along each axis must meet the cell (Schwarz, Seidel, "Fast
 /// Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010).
+#[inline]
 pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], slack: f64, out: &mut Vec<u32>) {
     let v = corners.map(|p| lattice.to_cells(p));
     let range = Range::new(lattice, v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]), slack);
-    // A row of cells along one axis is touched as a whole.
-    if range.axes_spanned() < 2 {
-        return range.for_each(lattice, |index, _| out.push(index));
+    let half = 0.5 + slack;
+    match range.spanned() {
+        [true, true, true] => range.enter_met(lattice, &Solid::new(v, half), out),
+        // In a layer of cells the outline along the layer's axis decides alone.
+        [true, true, false] => range.enter_met(lattice, &Flat::<0, 1>::new(v, half), out),
+        [false, true, true] => range.enter_met(lattice, &Flat::<1, 2>::new(v, half), out),
+        [true, false, true] => range.enter_met(lattice, &Flat::<2, 0>::new(v, half), out),
+        // A row of cells along one axis is touched as a whole.
+        _ => range.for_each(lattice, |index, _| out.push(index)),
     }
-    let outline = Outline::new(v, 0.5 + slack);
-    range.for_each(lattice, |index, cell| {
-        if outline.meets(cell + 0.5) {
-            out.push(index);
-        }
-    });
 }
 
-/// A block of cells, both ends included.
+/// A block of cells, as ranges along the axes; never empty.
 struct Range {
-    low: [usize; 3],
-    high: [usize; 3],
+    low: [u32; 3],
+    end: [u32; 3],
 }
 
 impl Range {
-    /// Between two points in units of cells, widened by `slack` cells.
+    /// Between two points in units of cells, widened by `slack` cells. Points outside the lattice
+    /// count as in its nearest cell.
+    #[inline(always)]
     fn new(lattice: &Lattice, low: DVec3, high: DVec3, slack: f64) -> Self {
-        let (low, high) = (low - slack, high + slack);
+        // The conversion cuts below at 0, and gives 0 for a NaN.
+        let cell = |x: f64, axis: usize| (x as u32).min(lattice.cells[axis] as u32 - 1);
+        let (low, high) = ((low - slack).to_array(), (high + slack).to_array());
         Self {
-            low: [0, 1, 2].map(|axis| lattice.cell_at(axis, low[axis])),
-            high: [0, 1, 2].map(|axis| lattice.cell_at(axis, high[axis])),
+            low: [0, 1, 2].map(|axis| cell(low[axis], axis)),
+            end: [0, 1, 2].map(|axis| cell(high[axis], axis) + 1),
         }
     }
 
-    fn axes_spanned(&self) -> usize {
-        (0..3).filter(|&axis| self.high[axis] > self.low[axis]).count()
+    /// Whether there is more than one cell, along each axis.
+    #[inline(always)]
+    fn spanned(&self) -> [bool; 3] {
+        [0, 1, 2].map(|axis| self.end[axis] > self.low[axis] + 1)
+    }
+
+    /// Calls `visit` with the index and the lower corner in units of cells of the first cell of each
+    /// row along x.
+    #[inline(always)]
+    fn for_each_row(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
+        let [x, y0, z0] = self.low;
+        for z in z0..self.end[2] {
+            for y in y0..self.end[1] {
+                let index = lattice.index([x, y, z].map(|i| i as usize)) as u32;
+                visit(index, DVec3::new(x.into(), y.into(), z.into()));
+            }
+        }
     }
 
     /// Calls `visit` with each cell's index and its lower corner in units of cells.
     #[inline(always)]
     fn for_each(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
-        let [x0, y0, z0] = self.low;
-        let [x1, y1, z1] = self.high;
-        for z in z0..=z1 {
-            for y in y0..=y1 {
-                let row = lattice.index([x0, y, z]) as u32;
-                for x in x0..=x1 {
-                    visit(row + (x - x0) as u32, DVec3::new(x as f64, y as f64, z as f64));
-                }
+        let width = self.end[0] - self.low[0];
+        self.for_each_row(lattice, |index, first| {
+            for i in 0..width {
+                visit(index + i, first + DVec3::new(i.into(), 0.0, 0.0));
             }
-        }
+        });
+    }
+
+    /// Appends the cells that a triangle meets.
+    #[inline(always)]
+    fn enter_met(&self, lattice: &Lattice, triangle: &impl Meets, out: &mut Vec<u32>) {
+        self.for_each(lattice, |index, cell| {
+            if triangle.meets(cell + 0.5) {
+                out.push(index);
+            }
+        });
     }
 }
 
-/// A triangle in units of cells, prepared to be tested against cells of one size.
-struct Outline {
+/// A triangle prepared to be tested against cells of one size. The slack by which they are widened
+/// is far above the test's rounding.
+trait Meets {
+    /// Whether the cell around `center`, in units of cells, is met.
+    fn meets(&self, center: DVec3) -> bool;
+}
+
+/// A triangle's outline projected along the third axis: its three edges as `a u + b v + c >= 0`,
+/// where u and v are the coordinates of axes `U` and `V`, which follow one another.
+struct Flat<const U: usize, const V: usize> {
+    edges: [[f64; 3]; 3],
+}
+
+impl<const U: usize, const V: usize> Flat<U, V> {
+    /// Of a triangle in units of cells. `half` is half a cell's edge length, its slack included.
+    #[inline(always)]
+    fn new(v: [DVec3; 3], half: f64) -> Self {
+        let [p, q, r] = v.map(|v| [v[U], v[V]]);
+        let area = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        // Seen from the side from which it runs counter-clockwise.
+        let sign = 1f64.copysign(area);
+        let edge = |from: [f64; 2], to: [f64; 2]| {
+            let (a, b) = ((from[1] - to[1]) * sign, (to[0] - from[0]) * sign);
+            [a, b, half * (a.abs() + b.abs()) - (a * from[0] + b * from[1])]
+        };
+        Self { edges: [edge(p, q), edge(q, r), edge(r, p)] }
+    }
+}
+
+impl<const U: usize, const V: usize> Meets for Flat<U, V> {
+    #[inline(always)]
+    fn meets(&self, center: DVec3) -> bool {
+        let [s, t, u] = self.edges.map(|[a, b, c]| a * center[U] + b * center[V] + c);
+        s.min(t).min(u) >= 0.0
+    }
+}
+
+/// A triangle's plane and its three outlines.
+struct Solid {
     normal: DVec3,
     offset: f64,
     /// How far the plane may be from a cell's centre, scaled by the normal.
     reach: f64,
-    /// For each projection along an axis, the three edges as `a u + b v + c >= 0`.
-    edges: [[[f64; 3]; 3]; 3],
+    xy: Flat<0, 1>,
+    yz: Flat<1, 2>,
+    zx: Flat<2, 0>,
 }
 
-impl Outline {
-    /// `half` is half a cell's edge length, its slack included.
+impl Solid {
+    /// As [`Flat::new`].
+    #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
         let normal = sides[0].cross(v[2] - v[0]);
@@ -113,32 +178,24 @@ impl Outline {
         // anywhere; over that length its plane is off by as much again times the length.
         let length = sides[0].abs().max(sides[1].abs()).max(sides[2].abs()).max_element();
         let rounding = 0.5f64.powi(46) * length * length * (length + 1.0);
-        let along = |[x, y, z]: [usize; 3]| {
-            let sign = if normal[z] >= 0.0 { 1.0 } else { -1.0 };
-            [0, 1, 2].map(|i| {
-                let (a, b) = (-sides[i][y] * sign, sides[i][x] * sign);
-                [a, b, half * (a.abs() + b.abs()) - (a * v[i][x] + b * v[i][y])]
-            })
-        };
         Self {
             normal,
             offset: normal.dot(v[0]),
             reach: half * normal.abs().element_sum() + rounding,
-            edges: [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(along),
+            xy: Flat::new(v, half),
+            yz: Flat::new(v, half),
+            zx: Flat::new(v, half),
         }
     }
+}
 
-    /// Whether the cell around `center` is met. The slack is far above this test's rounding.
+impl Meets for Solid {
     #[inline(always)]
     fn meets(&self, center: DVec3) -> bool {
-        if (self.normal.dot(center) - self.offset).abs() > self.reach {
-            return false;
-        }
-        let projected = [(center.x, center.y), (center.y, center.z), (center.z, center.x)];
-        let least = |edges: &[[f64; 3]; 3], (u, v): (f64, f64)| {
-            edges.iter().fold(f64::INFINITY, |least, [a, b, c]| least.min(a * u + b * v + c))
-        };
-        self.edges.iter().zip(projected).all(|(edges, point)| least(edges, point) >= 0.0)
+        (self.normal.dot(center) - self.offset).abs() <= self.reach
+            && self.xy.meets(center)
+            && self.yz.meets(center)
+            && self.zx.meets(center)
     }
 }
 

@@ -9,11 +9,10 @@ use rayon::prelude::*;
 /// Where it gives a mesh, it is the full reader's to the last bit: the same numbers, and vertices in
 /// the order in which faces first name them.
 pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
-    const PER_CHUNK: usize = 1 << 20;
-    let pieces: Vec<Piece> = chunks(text, PER_CHUNK).into_par_iter().map(scan).collect::<Option<_>>()?;
-    let vertices: Vec<DVec3> = pieces.iter().flat_map(|piece| &piece.vertices).copied().collect();
-    let faces = pieces.iter().flat_map(|piece| &piece.faces);
-    numbered_by_use(&vertices, faces)
+    let pieces = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect::<Option<_>>()?;
+    let Piece { vertices, mut faces } = joined(pieces);
+    let vertices = number_by_use(&vertices, &mut faces)?;
+    (!faces.is_empty()).then_some((vertices, faces))
 }
 
 /// Positions, and triangles as indices into them.
@@ -23,6 +22,13 @@ pub type VerticesAndTriangles = (Vec<DVec3>, Vec<[u32; 3]>);
 struct Piece {
     vertices: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
+}
+
+/// How much of a text to scan in one go: all of it where nobody could scan the rest meanwhile, since
+/// joining pieces takes time and memory.
+fn chunk_size(length: usize) -> usize {
+    const SHARED: usize = 1 << 20;
+    if rayon::current_num_threads() == 1 { length } else { SHARED }
 }
 
 /// Cuts a text at line ends into pieces of about `size` bytes.
@@ -66,56 +72,117 @@ fn scan(mut text: &[u8]) -> Option<Piece> {
     Some(piece)
 }
 
+fn joined(mut pieces: Vec<Piece>) -> Piece {
+    if pieces.len() == 1
+        && let Some(piece) = pieces.pop()
+    {
+        return piece;
+    }
+    let mut all = Piece {
+        vertices: Vec::with_capacity(pieces.iter().map(|piece| piece.vertices.len()).sum()),
+        faces: Vec::with_capacity(pieces.iter().map(|piece| piece.faces.len()).sum()),
+    };
+    for piece in pieces {
+        all.vertices.extend(piece.vertices);
+        all.faces.extend(piece.faces);
+    }
+    all
+}
+
 /// The text behind at least one blank.
+#[inline(always)]
 fn after_blanks(text: &[u8]) -> Option<&[u8]> {
-    let blanks = text.iter().take_while(|&&b| b == b' ').count();
-    (blanks > 0).then(|| &text[blanks..])
+    let mut rest = text.strip_prefix(b" ")?;
+    while let [b' ', behind @ ..] = rest {
+        rest = behind;
+    }
+    Some(rest)
 }
 
 /// The text at the end of its line, if nothing but blanks comes before it.
+#[inline(always)]
 fn line_end(text: &[u8]) -> Option<&[u8]> {
     let rest = after_blanks(text).unwrap_or(text);
     let rest = rest.strip_prefix(b"\r").unwrap_or(rest);
     matches!(rest.first(), None | Some(b'\n')).then_some(rest)
 }
 
-/// A run of digits as a number, its length, and the text behind.
-fn digits(text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
+/// A run of digits, behind those of `value`, as a number; its length, and the text behind.
+#[inline(always)]
+fn digits(mut text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
     let mut length = 0;
-    while let Some(digit) = text.get(length).map(|b| b.wrapping_sub(b'0')).filter(|&d| d <= 9) {
-        value = value.wrapping_mul(10).wrapping_add(digit as u64);
-        length += 1;
+    // Eight at a time, since nothing tells the processor when to leave a loop over digits.
+    while let Some(&eight) = text.first_chunk::<8>() {
+        let (number, count) = leading_digits(u64::from_le_bytes(eight));
+        value = value.wrapping_mul(TEN_TO[count]).wrapping_add(number);
+        length += count;
+        text = &text[count..];
+        if count < 8 {
+            return (value, length, text);
+        }
     }
-    (value, length, &text[length..])
+    while let [digit @ b'0'..=b'9', behind @ ..] = text {
+        value = value.wrapping_mul(10).wrapping_add((digit - b'0').into());
+        length += 1;
+        text = behind;
+    }
+    (value, length, text)
 }
 
+/// The number that eight characters, the first in the lowest byte, begin with, and its length.
+#[inline(always)]
+fn leading_digits(characters: u64) -> (u64, usize) {
+    const ONES: u64 = u64::MAX / 0xff;
+    let values = characters ^ (ONES * b'0' as u64);
+    // The high bit of each byte above 9; a carry reaches no byte before the first such one.
+    let others = (values.wrapping_add(ONES * (0x7f - 9)) | values) & (ONES * 0x80);
+    let count = others.trailing_zeros() / 8;
+    // As if zeros stood before them. Then neighbours are joined to numbers of two digits, of four
+    // and of eight.
+    let digits = values.checked_shl(64 - 8 * count).unwrap_or(0);
+    let pairs = (digits.wrapping_mul(10) + (digits >> 8)) & (u64::MAX / 0xffff * 0xff);
+    let fours = (pairs.wrapping_mul(100) + (pairs >> 16)) & (u64::MAX / 0xffff_ffff * 0xffff);
+    let eight = (fours.wrapping_mul(10_000) + (fours >> 32)) & 0xffff_ffff;
+    (eight, count as usize)
+}
+
+const TEN_TO: [u64; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+
 /// A corner's number, which begins behind a blank.
+#[inline(always)]
 fn corner(text: &[u8]) -> Option<(u32, &[u8])> {
     let (value, length, rest) = digits(after_blanks(text)?, 0);
     (length > 0 && length < 10).then_some((value as u32, rest))
 }
 
 /// A decimal number, which begins behind a blank, rounded correctly.
+#[inline(always)]
 fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     let text = after_blanks(text)?;
-    let unsigned = text.strip_prefix(b"-").unwrap_or(text);
+    let (sign, unsigned) = match text {
+        [b'-', unsigned @ ..] => (-1.0, unsigned),
+        _ => (1.0, text),
+    };
     let (whole, before, rest) = digits(unsigned, 0);
-    let (value, after, rest) = match rest.strip_prefix(b".") {
-        Some(fraction) => digits(fraction, whole),
-        None => (whole, 0, rest),
+    let (value, after, rest) = match rest {
+        [b'.', fraction @ ..] => digits(fraction, whole),
+        _ => (whole, 0, rest),
     };
     let plain = matches!(rest.first(), None | Some(b' ' | b'\n' | b'\r'));
-    if !plain || before + after == 0 || before + after > 15 {
+    // So many digits fit into the value, and so large a value is exact as a float.
+    let exact = before + after <= 19 && value <= 1 << f64::MANTISSA_DIGITS;
+    if !plain || before + after == 0 || !exact {
         return other_number(text);
     }
     // Both operands are exact, so that the quotient is the one rounding there is (Clinger, "How to
     // Read Floating Point Numbers Accurately", PLDI 1990).
-    let magnitude = value as f64 / POWERS_OF_TEN[after];
-    Some((if unsigned.len() < text.len() { -magnitude } else { magnitude }, rest))
+    Some((sign * (value as f64 / POWERS_OF_TEN[after]), rest))
 }
 
-const POWERS_OF_TEN: [f64; 16] =
-    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+const POWERS_OF_TEN: [f64; 20] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19,
+];
 
 /// A number with an exponent or with many digits; words that are no numbers are not for us.
 fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
@@ -124,29 +191,23 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
     value.is_finite().then_some((value, &text[length..]))
 }
 
-/// The mesh with its vertices in the order of their first use, as the full reader gives it; none if
-/// a corner names no vertex or there is no face.
-fn numbered_by_use<'f>(
-    vertices: &[DVec3],
-    faces: impl Iterator<Item = &'f [u32; 3]>,
-) -> Option<VerticesAndTriangles> {
-    const UNUSED: u32 = u32::MAX;
-    let mut place = vec![UNUSED; vertices.len()];
-    let (mut used, mut triangles) = (Vec::with_capacity(vertices.len()), Vec::new());
-    for face in faces {
-        let mut corners = [0; 3];
-        for (corner, &named) in corners.iter_mut().zip(face) {
-            let index = (named as usize).wrapping_sub(1);
-            let place = place.get_mut(index)?;
-            if *place == UNUSED {
-                *place = used.len() as u32;
-                used.push(vertices[index]);
-            }
-            *corner = *place;
+/// The vertices in the order in which faces first name them, as the full reader gives them, for
+/// which the faces' corners become indices; none if a corner names no vertex.
+fn number_by_use(vertices: &[DVec3], faces: &mut [[u32; 3]]) -> Option<Vec<DVec3>> {
+    const UNUSED: u32 = 0;
+    // Places count from 1.
+    let mut places = vec![UNUSED; vertices.len()];
+    let mut used = Vec::with_capacity(vertices.len());
+    for corner in faces.as_flattened_mut() {
+        let index = (*corner as usize).wrapping_sub(1);
+        let place = places.get_mut(index)?;
+        if *place == UNUSED {
+            used.push(vertices[index]);
+            *place = used.len() as u32;
         }
-        triangles.push(corners);
+        *corner = *place - 1;
     }
-    (!triangles.is_empty()).then_some((used, triangles))
+    Some(used)
 }
 
 #[cfg(test)]
@@ -165,6 +226,10 @@ mod tests {
             "# a comment\r\nv -0.1 .5 1.\r\nv 1e-3 2E5 -1.25e+2 \r\n\r\nv 0 1 0\r\nf 3 2 1\r\nf  1 2 3"
                 .to_owned(),
             "v 0.1234567890123456789 12345678901234567890 0.000001\nv 1 -0 3\nv 3 4 5\nf 2 3 1".to_owned(),
+            // Around the largest value that is exact, and the most digits.
+            "v 9007199254740992 9007199254740993 900719925474.0993\nv 0.1234567890123456 0.9007199254740993 -0\n\
+             v 0.000000000000000001 0.0000000000000000001 12345678.12345678\nf 1 2 3"
+                .to_owned(),
             "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
         ];
         for text in texts {
