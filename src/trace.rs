@@ -72,8 +72,8 @@ pub struct Pending(Vec<Branch>);
 /// A hit with all that shading needs.
 struct Lit<'r> {
     ray: &'r Ray,
-    surface: SurfacePoint,
-    material: PointMaterial<'r>,
+    surface: &'r SurfacePoint,
+    material: &'r PointMaterial<'r>,
 }
 
 impl Tracer<'_> {
@@ -91,7 +91,13 @@ impl Tracer<'_> {
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
-        let mut color = self.follow(ray, &Path::CAMERA, hit, pending, probe);
+        let color = self.follow(ray, &Path::CAMERA, hit, pending, probe);
+        if pending.0.is_empty() { color } else { self.with_pending(color, pending, probe) }
+    }
+
+    /// Adds the colours of the secondary rays that wait, and of those that they leave in turn.
+    #[cold]
+    fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
         while let Some(Branch { ray, path }) = pending.0.pop() {
             probe.non_shadow_ray();
             let hit = self.caster.closest(&ray, probe);
@@ -101,6 +107,10 @@ impl Tracer<'_> {
     }
 
     /// The colour of one hit by itself; what it reflects and lets through goes to `pending`.
+    ///
+    /// Inlined, since a colour returned through memory is written in halves and read as one, for
+    /// which the processor waits.
+    #[inline(always)]
     fn follow<P: Probe>(
         &self,
         ray: &Ray,
@@ -112,7 +122,7 @@ impl Tracer<'_> {
         let Some(hit) = hit else { return self.world().background };
         let surface = self.world().surface(ray, hit);
         let material = material_at(&self.world().materials, surface.material, surface.position);
-        let lit = Lit { ray, surface, material };
+        let lit = Lit { ray, surface: &surface, material: &material };
         if path.bounces < self.effects.bounces {
             self.reflect(path, &lit, pending);
             self.refract(path, &lit, pending);
@@ -122,7 +132,7 @@ impl Tracer<'_> {
 
     /// Ambient light and the lights that are seen from the point.
     fn shade<P: Probe>(&self, lit: &Lit, probe: &mut P) -> Color {
-        let Lit { ray, surface, material } = lit;
+        let Lit { ray, surface, material } = *lit;
         let from_within = surface.normal.dot(ray.direction) > 0.0;
         if from_within && !self.effects.shade_back {
             return Color::ZERO;
@@ -150,7 +160,7 @@ impl Tracer<'_> {
             return Color::ONE;
         }
         probe.shadow_ray();
-        let mut ray = self.secondary(&lit.surface, light.direction);
+        let mut ray = self.secondary(lit.surface, light.direction);
         // A point light's distance is counted from where the shadow ray starts.
         ray.t_max = light.distance;
         match self.effects.shadows {
@@ -185,7 +195,7 @@ impl Tracer<'_> {
 
     fn reflect(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
         let Some((filter, weight)) = self.passes(path, lit.material.phong.reflective) else { return };
-        let ray = self.secondary(&lit.surface, reflected(lit.ray.direction, lit.surface.normal));
+        let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
         pending.0.push(Branch { ray, path });
     }
@@ -197,7 +207,7 @@ impl Tracer<'_> {
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
         let Some(direction) = refracted(d, normal, path.index / index) else { return };
-        let ray = self.secondary(&lit.surface, direction);
+        let ray = self.secondary(lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
         pending.0.push(Branch { ray, path });
     }

@@ -120,6 +120,7 @@ impl<P: Probe> Painter<'_, P> {
     }
 
     /// Traces one sample of a pixel; `hit` is what it hits, if that is known. `sum` is the pixel's own.
+    #[inline(always)]
     fn sample(&mut self, pixel: DVec2, offset: DVec2, hit: Option<Option<Hit>>, sum: &mut Sum) {
         let ray = self.camera.ray(pixel, offset);
         self.row.probe.non_shadow_ray();

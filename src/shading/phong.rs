@@ -56,17 +56,18 @@ impl PointMaterial<'_> {
     /// The light sent to the viewer: Lambert's and Blinn's terms. `to_viewer` and `normal` are unit
     /// vectors, and the light stands above the surface; the highlight is not multiplied by its
     /// cosine, as in the course.
+    #[inline]
     pub fn reflect(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> Color {
         let mut sent = self.phong.diffuse * cosine;
         if self.shines() {
-            sent += self.specular(light, normal, to_viewer);
+            sent += self.specular(light.direction, normal, to_viewer);
         }
         light.color * sent
     }
 
     /// Blinn's term, per unit of light.
-    fn specular(&self, light: &Incident, normal: DVec3, to_viewer: DVec3) -> Color {
-        let half = (light.direction + to_viewer).normalize_or_zero();
+    fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
+        let half = (to_light + to_viewer).normalize_or_zero();
         let alignment = normal.dot(half).max(0.0);
         let Phong { specular, exponent, .. } = *self.phong;
         let first = Highlight { color: specular, exponent }.strength(alignment);
