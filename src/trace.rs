@@ -41,10 +41,9 @@ pub struct Tracer<'a> {
     pub effects: Effects,
 }
 
-/// A secondary ray that waits for its turn.
+/// How a ray came to be where it runs.
 #[derive(Clone, Copy, Debug)]
-struct Branch {
-    ray: Ray,
+struct Path {
     /// What its colour is multiplied by on the way to the picture.
     filter: Color,
     /// The product of the filters' lengths, as the course weighs rays.
@@ -54,6 +53,18 @@ struct Branch {
     index: f64,
 }
 
+impl Path {
+    /// Of a ray that starts at the camera.
+    const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
+}
+
+/// A secondary ray that waits for its turn.
+#[derive(Clone, Copy, Debug)]
+struct Branch {
+    ray: Ray,
+    path: Path,
+}
+
 /// Secondary rays that wait, kept between rays so that no memory is asked for in the loop.
 #[derive(Debug, Default)]
 pub struct Pending(Vec<Branch>);
@@ -61,8 +72,8 @@ pub struct Pending(Vec<Branch>);
 /// A hit with all that shading needs.
 struct Lit<'r> {
     ray: &'r Ray,
-    surface: SurfacePoint,
-    material: PointMaterial,
+    surface: &'r SurfacePoint,
+    material: &'r PointMaterial<'r>,
 }
 
 impl Tracer<'_> {
@@ -80,50 +91,61 @@ impl Tracer<'_> {
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
-        let camera = Branch { ray: *ray, filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
-        let mut color = self.follow(&camera, hit, pending, probe);
-        while let Some(branch) = pending.0.pop() {
+        let color = self.follow(ray, &Path::CAMERA, hit, pending, probe);
+        if pending.0.is_empty() { color } else { self.with_pending(color, pending, probe) }
+    }
+
+    /// Adds the colours of the secondary rays that wait, and of those that they leave in turn.
+    #[cold]
+    fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
+        while let Some(Branch { ray, path }) = pending.0.pop() {
             probe.non_shadow_ray();
-            let hit = self.caster.closest(&branch.ray, probe);
-            color += branch.filter * self.follow(&branch, hit, pending, probe);
+            let hit = self.caster.closest(&ray, probe);
+            color += path.filter * self.follow(&ray, &path, hit, pending, probe);
         }
         color
     }
 
     /// The colour of one hit by itself; what it reflects and lets through goes to `pending`.
+    ///
+    /// Inlined, since a colour returned through memory is written in halves and read as one, for
+    /// which the processor waits.
+    #[inline(always)]
     fn follow<P: Probe>(
         &self,
-        branch: &Branch,
+        ray: &Ray,
+        path: &Path,
         hit: Option<Hit>,
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
         let Some(hit) = hit else { return self.world().background };
-        let surface = self.world().surface(&branch.ray, hit);
+        let surface = self.world().surface(ray, hit);
         let material = material_at(&self.world().materials, surface.material, surface.position);
-        let lit = Lit { ray: &branch.ray, surface, material };
-        if branch.bounces < self.effects.bounces {
-            self.reflect(branch, &lit, pending);
-            self.refract(branch, &lit, pending);
+        let lit = Lit { ray, surface: &surface, material: &material };
+        if path.bounces < self.effects.bounces {
+            self.reflect(path, &lit, pending);
+            self.refract(path, &lit, pending);
         }
         self.shade(&lit, probe)
     }
 
     /// Ambient light and the lights that are seen from the point.
     fn shade<P: Probe>(&self, lit: &Lit, probe: &mut P) -> Color {
-        let Lit { ray, surface, material } = lit;
+        let Lit { ray, surface, material } = *lit;
         let from_within = surface.normal.dot(ray.direction) > 0.0;
         if from_within && !self.effects.shade_back {
             return Color::ZERO;
         }
         let normal = if from_within { -surface.normal } else { surface.normal };
         let to_viewer = -ray.direction;
-        let mut color = self.world().ambient * material.diffuse;
+        let mut color = self.world().ambient * material.phong.diffuse;
+        let is_black = material.is_black();
         for light in &self.world().lights {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
             // The course's program asks for the shadow first; we only where it shows.
-            let shows = cosine > 0.0 && light.color != Color::ZERO && !material.is_black();
+            let shows = cosine > 0.0 && !is_black && light.color != Color::ZERO;
             let passed = if shows || P::COUNTS { self.light_passed(lit, &light, probe) } else { Color::ZERO };
             if shows && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
@@ -138,7 +160,7 @@ impl Tracer<'_> {
             return Color::ONE;
         }
         probe.shadow_ray();
-        let mut ray = self.secondary(&lit.surface, light.direction);
+        let mut ray = self.secondary(lit.surface, light.direction);
         // A point light's distance is counted from where the shadow ray starts.
         ray.t_max = light.distance;
         match self.effects.shadows {
@@ -154,7 +176,8 @@ impl Tracer<'_> {
         let mut passed = Color::ONE;
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, hit);
-            let tint = material_at(&self.world().materials, surface.material, surface.position).transparent;
+            let material = material_at(&self.world().materials, surface.material, surface.position);
+            let tint = material.phong.transparent;
             if tint == Color::ZERO {
                 return Color::ZERO;
             }
@@ -170,27 +193,29 @@ impl Tracer<'_> {
         Ray::new(offset_origin(surface.position, surface.normal, direction, self.world().reach), direction)
     }
 
-    fn reflect(&self, branch: &Branch, lit: &Lit, pending: &mut Pending) {
-        let Some((filter, weight)) = self.passes(branch, lit.material.reflective) else { return };
-        let (d, n) = (branch.ray.direction, lit.surface.normal);
-        let ray = self.secondary(&lit.surface, reflected(d, n));
-        pending.0.push(Branch { ray, filter, weight, bounces: branch.bounces + 1, index: branch.index });
+    fn reflect(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
+        let Some((filter, weight)) = self.passes(path, lit.material.phong.reflective) else { return };
+        let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
+        let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
+        pending.0.push(Branch { ray, path });
     }
 
-    fn refract(&self, branch: &Branch, lit: &Lit, pending: &mut Pending) {
-        let Some((filter, weight)) = self.passes(branch, lit.material.transparent) else { return };
-        let (d, n) = (branch.ray.direction, lit.surface.normal);
+    fn refract(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
+        let material = &lit.material.phong;
+        let Some((filter, weight)) = self.passes(path, material.transparent) else { return };
+        let (d, n) = (lit.ray.direction, lit.surface.normal);
         let entering = d.dot(n) < 0.0;
-        let (normal, index) = if entering { (n, lit.material.index_of_refraction) } else { (-n, 1.0) };
-        let Some(direction) = refracted(d, normal, branch.index / index) else { return };
-        let ray = self.secondary(&lit.surface, direction);
-        pending.0.push(Branch { ray, filter, weight, bounces: branch.bounces + 1, index });
+        let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
+        let Some(direction) = refracted(d, normal, path.index / index) else { return };
+        let ray = self.secondary(lit.surface, direction);
+        let path = Path { filter, weight, bounces: path.bounces + 1, index };
+        pending.0.push(Branch { ray, path });
     }
 
     /// The filter and weight of a secondary ray, if it weighs enough to be followed.
-    fn passes(&self, branch: &Branch, color: Color) -> Option<(Color, f64)> {
-        let weight = branch.weight * color.length();
-        (weight > self.effects.min_weight).then(|| (branch.filter * color, weight))
+    fn passes(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
+        let weight = path.weight * color.length();
+        (weight > self.effects.min_weight).then(|| (path.filter * color, weight))
     }
 }
 

@@ -145,18 +145,17 @@ impl World {
 
     /// The primitive of a number.
     pub fn primitive(&self, number: u32) -> Primitive {
-        let mut i = number as usize;
-        for (count, kind) in [
-            (self.triangles.len(), Primitive::Triangle as fn(usize) -> Primitive),
-            (self.spheres.len(), Primitive::Sphere),
-            (self.ellipsoids.len(), Primitive::Ellipsoid),
-        ] {
-            if i < count {
-                return kind(i);
-            }
-            i -= count;
+        let i = number as usize;
+        let first_ellipsoid = self.triangles.len() + self.spheres.len();
+        if i < self.triangles.len() {
+            Primitive::Triangle(i)
+        } else if i < first_ellipsoid {
+            Primitive::Sphere(i - self.triangles.len())
+        } else if i < self.finite_count() {
+            Primitive::Ellipsoid(i - first_ellipsoid)
+        } else {
+            Primitive::Plane(i - self.finite_count())
         }
-        Primitive::Plane(i)
     }
 
     /// The number of the first plane; planes come last.

@@ -12,20 +12,33 @@ use std::ops::RangeInclusive;
 
 /// Weighted samples on their way to a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Sum {
+pub struct Sum {
     color: Color,
     weight: f64,
 }
 
 impl Sum {
-    fn add(&mut self, other: Sum) {
+    /// Adds a sample.
+    pub fn add(&mut self, weight: f64, color: Color) {
+        // Without weight even a colour that is not a number leaves no trace.
+        if weight != 0.0 {
+            self.join(Sum { color: weight * color, weight });
+        }
+    }
+
+    fn join(&mut self, other: Sum) {
         self.color += other.color;
         self.weight += other.weight;
     }
 
     /// Black where no sample counts.
-    fn color(&self) -> Color {
-        if self.weight == 0.0 { Color::ZERO } else { self.color / self.weight }
+    pub fn color(&self) -> Color {
+        match self.weight {
+            0.0 => Color::ZERO,
+            // The usual single sample needs no division.
+            1.0 => self.color,
+            weight => self.color / weight,
+        }
     }
 }
 
@@ -60,9 +73,6 @@ impl Spread {
 
     /// Adds a sample in the pixel `x` of the row, `offset` from the pixel's centre.
     pub fn add(&mut self, x: usize, offset: DVec2, color: Color) {
-        if self.support == 0 {
-            return self.add_to(x, self.row, x, offset, color);
-        }
         for row in self.reached.clone() {
             for column in x.saturating_sub(self.support)..=(x + self.support).min(self.width - 1) {
                 self.add_to(column, row, x, offset, color);
@@ -73,10 +83,7 @@ impl Spread {
     fn add_to(&mut self, column: usize, row: usize, x: usize, offset: DVec2, color: Color) {
         let away = DVec2::new(x as f64 - column as f64, self.row as f64 - row as f64);
         let weight = self.filter.weight(away + offset);
-        if weight != 0.0 {
-            let place = (row - self.reached.start()) * self.width + column;
-            self.sums[place].add(Sum { color: weight * color, weight });
-        }
+        self.sums[(row - self.reached.start()) * self.width + column].add(weight, color);
     }
 }
 
@@ -102,7 +109,7 @@ impl Film {
         let [width, height] = self.size;
         for (row, sums) in spread.reached.zip(spread.sums.chunks(width)) {
             match self.open.get_mut(row - self.finished) {
-                Some(open) => open.iter_mut().zip(sums).for_each(|(a, b)| a.add(*b)),
+                Some(open) => open.iter_mut().zip(sums).for_each(|(a, b)| a.join(*b)),
                 None => self.open.push_back(sums.to_vec()),
             }
         }

@@ -14,12 +14,11 @@ pub struct Incident {
 }
 
 /// The light at `point`. The direction of a directional light is a unit vector.
+#[inline]
 pub fn incident(light: &Light, point: DVec3) -> Incident {
-    match *light {
-        Light::Directional { direction, color } => {
-            Incident { direction: -direction, distance: f64::INFINITY, color }
-        }
-        Light::Point { position, color, attenuation: [a0, a1, a2] } => {
+    let (direction, distance, factor) = match *light {
+        Light::Directional { direction, .. } => (-direction, f64::INFINITY, 1.0),
+        Light::Point { position, attenuation: [a0, a1, a2], .. } => {
             let to_light = position - point;
             let distance = to_light.length();
             // A light on the surface itself has no direction; it lights nothing.
@@ -27,9 +26,12 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
             let falloff = a0 + a1 * distance + a2 * distance * distance;
             // The course clamps a negative factor, and nothing is lit infinitely.
             let factor = if falloff > 0.0 { 1.0 / falloff } else { 0.0 };
-            Incident { direction, distance, color: color * factor }
+            (direction, distance, factor)
         }
-    }
+    };
+    // One place for all kinds of light, so that the result stays in registers.
+    let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
+    Incident { direction, distance, color: color * factor }
 }
 
 #[cfg(test)]

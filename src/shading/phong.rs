@@ -3,15 +3,13 @@
 use super::light::Incident;
 use crate::scene::{Color, material::Phong};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// A material evaluated at one point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PointMaterial {
-    pub diffuse: Color,
-    pub reflective: Color,
-    pub transparent: Color,
-    pub index_of_refraction: f64,
-    highlight: Highlight,
+pub struct PointMaterial<'m> {
+    /// As the scene has it, where no texture mixes it with another.
+    pub phong: Cow<'m, Phong>,
     /// The highlights of the other materials mixed in by a texture; exponents do not mix.
     further: Vec<Highlight>,
 }
@@ -22,56 +20,68 @@ struct Highlight {
     exponent: f64,
 }
 
-impl From<&Phong> for PointMaterial {
-    fn from(p: &Phong) -> Self {
-        Self {
-            diffuse: p.diffuse,
-            reflective: p.reflective,
-            transparent: p.transparent,
-            index_of_refraction: p.index_of_refraction,
-            highlight: Highlight { color: p.specular, exponent: p.exponent },
-            further: Vec::new(),
-        }
+impl<'m> From<&'m Phong> for PointMaterial<'m> {
+    fn from(phong: &'m Phong) -> Self {
+        Self { phong: Cow::Borrowed(phong), further: Vec::new() }
     }
 }
 
-impl PointMaterial {
+impl PointMaterial<'_> {
     /// A part of a mixture; the weights of all its parts sum to one.
-    pub fn weighted(mut self, weight: f64) -> Self {
-        self.diffuse *= weight;
-        self.reflective *= weight;
-        self.transparent *= weight;
-        self.index_of_refraction *= weight;
-        self.highlight.color *= weight;
-        self
+    pub fn part(phong: &Phong, weight: f64) -> Self {
+        let part = Phong {
+            diffuse: phong.diffuse * weight,
+            specular: phong.specular * weight,
+            exponent: phong.exponent,
+            reflective: phong.reflective * weight,
+            transparent: phong.transparent * weight,
+            index_of_refraction: phong.index_of_refraction * weight,
+        };
+        Self { phong: Cow::Owned(part), further: Vec::new() }
     }
 
-    /// The sum of two weighted materials.
+    /// The sum with another part.
     pub fn plus(mut self, other: Self) -> Self {
-        self.diffuse += other.diffuse;
-        self.reflective += other.reflective;
-        self.transparent += other.transparent;
-        self.index_of_refraction += other.index_of_refraction;
-        self.further.push(other.highlight);
+        let (sum, other) = (self.phong.to_mut(), other.phong);
+        sum.diffuse += other.diffuse;
+        sum.reflective += other.reflective;
+        sum.transparent += other.transparent;
+        sum.index_of_refraction += other.index_of_refraction;
+        if other.specular != Color::ZERO {
+            self.further.push(Highlight { color: other.specular, exponent: other.exponent });
+        }
         self
     }
 
     /// The light sent to the viewer: Lambert's and Blinn's terms. `to_viewer` and `normal` are unit
     /// vectors, and the light stands above the surface; the highlight is not multiplied by its
     /// cosine, as in the course.
+    #[inline]
     pub fn reflect(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> Color {
-        let half = (light.direction + to_viewer).normalize_or_zero();
+        let mut sent = self.phong.diffuse * cosine;
+        if self.shines() {
+            sent += self.specular(light.direction, normal, to_viewer);
+        }
+        light.color * sent
+    }
+
+    /// Blinn's term, per unit of light.
+    fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
+        let half = (to_light + to_viewer).normalize_or_zero();
         let alignment = normal.dot(half).max(0.0);
-        let highlights = std::iter::once(&self.highlight).chain(&self.further);
-        let specular: Color = highlights.map(|h| h.strength(alignment)).sum();
-        light.color * (self.diffuse * cosine + specular)
+        let Phong { specular, exponent, .. } = *self.phong;
+        let first = Highlight { color: specular, exponent }.strength(alignment);
+        self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))
+    }
+
+    /// Whether there is a highlight at all.
+    fn shines(&self) -> bool {
+        self.phong.specular != Color::ZERO || !self.further.is_empty()
     }
 
     /// Whether light from any direction could show.
     pub fn is_black(&self) -> bool {
-        let no_highlight =
-            std::iter::once(&self.highlight).chain(&self.further).all(|h| h.color == Color::ZERO);
-        self.diffuse == Color::ZERO && no_highlight
+        self.phong.diffuse == Color::ZERO && !self.shines()
     }
 }
 
@@ -84,11 +94,12 @@ impl Highlight {
 /// `base` to the `exponent`: by squaring for the usual whole exponents, which is faster than the
 /// general power and the same on every machine.
 fn power(base: f64, exponent: f64) -> f64 {
-    const LARGEST: f64 = 65536.0;
-    if exponent.fract() != 0.0 || !(0.0..=LARGEST).contains(&exponent) {
+    const LARGEST: u32 = 65536;
+    let mut left = exponent as u32;
+    if left as f64 != exponent || left > LARGEST {
         return libm::pow(base, exponent);
     }
-    let (mut square, mut left, mut product) = (base, exponent as u32, 1.0);
+    let (mut square, mut product) = (base, 1.0);
     while left > 0 {
         if left & 1 == 1 {
             product *= square;

@@ -1,6 +1,6 @@
 //! Solid textures: how much of which Phong material a point of space is made of.
 
-use super::perlin::turbulence;
+use super::perlin::{turbulence, wrapped};
 use super::phong::PointMaterial;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::MaterialId;
@@ -8,28 +8,41 @@ use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
 
 /// The material `id` at the world point `point`, every texture on the way evaluated once.
-pub fn material_at(materials: &[Material], id: MaterialId, point: DVec3) -> PointMaterial {
-    match &materials[id] {
-        Material::Phong(phong) => phong.into(),
-        Material::Texture(_) => mixed(materials, id, point),
+///
+/// Most points of a checkerboard are all of one material, which is then handed out as it is.
+pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> PointMaterial<'_> {
+    loop {
+        let texture = match &materials[id] {
+            Material::Phong(phong) => return phong.into(),
+            Material::Texture(texture) => texture,
+        };
+        let first = first_weight(texture, point);
+        id = match first {
+            1.0 => texture.children[0],
+            0.0 => texture.children[1],
+            _ => return mixed(&materials[..id], texture, first, point),
+        };
     }
 }
 
+/// A texture with this much of its first material, made of the materials before it.
+///
 /// Textures may share children, so weights are collected from the last material down: a texture
 /// passes its weight on to its two children, which stand before it. Time is linear in the number of
 /// materials where a recursion could take exponentially long.
-fn mixed(materials: &[Material], id: MaterialId, point: DVec3) -> PointMaterial {
-    let mut weights = vec![0.0; id + 1];
-    weights[id] = 1.0;
+fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DVec3) -> PointMaterial<'m> {
+    let mut weights = vec![0.0; materials.len()];
+    weights[texture.children[0]] += first;
+    weights[texture.children[1]] += 1.0 - first;
     let mut sum: Option<PointMaterial> = None;
-    for i in (0..=id).rev() {
+    for (i, material) in materials.iter().enumerate().rev() {
         let weight = weights[i];
         if weight == 0.0 {
             continue;
         }
-        match &materials[i] {
+        match material {
             Material::Phong(phong) => {
-                let part = PointMaterial::from(phong).weighted(weight);
+                let part = PointMaterial::part(phong, weight);
                 sum = Some(match sum {
                     Some(sum) => sum.plus(part),
                     None => part,
@@ -42,7 +55,7 @@ fn mixed(materials: &[Material], id: MaterialId, point: DVec3) -> PointMaterial 
             }
         }
     }
-    sum.unwrap_or_else(|| PointMaterial::from(&Default::default()))
+    sum.unwrap_or_else(|| PointMaterial::part(&Default::default(), 1.0))
 }
 
 /// The weight of a texture's first material at a world point, 0 to 1.
@@ -75,16 +88,15 @@ pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
 fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     let q = map.transform_point3(point);
     let rows = map.matrix3.transpose();
-    let parity: f64 = (0..3)
-        .map(|axis| {
-            let nearest = q[axis].round();
-            let rounding = coordinate_rounding(rows.col(axis), map.translation[axis], point);
-            let on_boundary = (q[axis] - nearest).abs() <= rounding;
-            let cell = if on_boundary { nearest } else { q[axis].floor() };
-            cell.rem_euclid(2.0)
-        })
-        .sum();
-    if parity.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 }
+    let cell = |q: f64, row: DVec3, translation: f64| {
+        let below = q.floor();
+        let on_next = below + 1.0 - q <= coordinate_rounding(row, translation, point);
+        wrapped(if on_next { below + 1.0 } else { below }, 2)
+    };
+    let parity = cell(q.x, rows.x_axis, map.translation.x)
+        + cell(q.y, rows.y_axis, map.translation.y)
+        + cell(q.z, rows.z_axis, map.translation.z);
+    (parity % 2 == 0) as u8 as f64
 }
 
 /// How far `row . point + translation` may be off, for a point of a surface that is a boundary.
@@ -140,10 +152,13 @@ mod tests {
         )));
         let point = DVec3::new(0.3, -1.2, 7.7);
         let m = material_at(&materials, 4, point);
-        assert!((m.diffuse.element_sum() - 1.0).abs() < 1e-15 && (m.index_of_refraction - 1.0).abs() < 1e-15);
+        assert!(
+            (m.phong.diffuse.element_sum() - 1.0).abs() < 1e-15
+                && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
+        );
         let marble =
             |t: &Material| if let Material::Texture(t) = t { first_weight(t, point) } else { f64::NAN };
-        assert!((m.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
+        assert!((m.phong.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
     }
 
     #[test]
@@ -152,6 +167,6 @@ mod tests {
         for i in 0..2000 {
             materials.push(Material::Texture(texture(Pattern::Noise { octaves: 1 }, [i, i])));
         }
-        assert!((material_at(&materials, 2000, DVec3::splat(0.3)).diffuse.x - 1.0).abs() < 1e-12);
+        assert!((material_at(&materials, 2000, DVec3::splat(0.3)).phong.diffuse.x - 1.0).abs() < 1e-12);
     }
 }
