@@ -21,17 +21,14 @@ use std::time::Instant;
 fn main() -> ExitCode {
     match cli::parse(std::env::args_os()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        // From inside the pool, since each call into it from outside would wake a thread and wait for it.
-        Ok(Command::Render(options)) => {
-            match set_threads(&options).and_then(|()| rayon::scope(|_| run(&options))) {
-                Ok(Some(report)) => print(&report.to_string()),
-                Ok(None) => ExitCode::SUCCESS,
-                Err(message) => {
-                    tell(&message);
-                    ExitCode::FAILURE
-                }
+        Ok(Command::Render(options)) => match set_threads(&options).and_then(|()| run(&options)) {
+            Ok(Some(report)) => print(&report.to_string()),
+            Ok(None) => ExitCode::SUCCESS,
+            Err(message) => {
+                tell(&message);
+                ExitCode::FAILURE
             }
-        }
+        },
         Err(error) => {
             tell(&error.to_string());
             ExitCode::from(2)
@@ -56,9 +53,12 @@ fn failed(error: impl Display) -> String {
     format!("error: {error}")
 }
 
+/// Makes as many threads as the options ask for, or as there are processors. This one is among them:
+/// for one thread none is started, and calls from here neither wake another nor wait for it.
 fn set_threads(options: &Options) -> Result<(), String> {
-    let Some(threads) = options.threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(failed)
+    const AS_MANY_AS_PROCESSORS: usize = 0;
+    let threads = options.threads.unwrap_or(AS_MANY_AS_PROCESSORS);
+    rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global().map_err(failed)
 }
 
 /// Does what the options ask for; gives the statistics if they were asked for, or the message of
