@@ -2,6 +2,7 @@
 
 use crate::math::aabb::Aabb;
 use crate::world::World;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// Triangles in a block.
@@ -11,8 +12,8 @@ pub const LANES: usize = 8;
 pub const NONE: u32 = u32::MAX;
 
 /// Eight triangles, structure of arrays, in the coordinates of a [`Frame`]: seven cache lines, with
-/// what the filter reads in front.
-#[derive(Clone, Debug)]
+/// what the filter reads in front. Plain numbers, so that it may stand in any memory.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Block {
     /// x, y and z of the first corner; NaN in an empty lane, which no test passes.
@@ -26,55 +27,57 @@ pub struct Block {
     pub then: Then,
     /// The triangles' numbers in their world; [`NONE`] in an empty lane.
     pub numbers: [u32; LANES],
+    /// The rest of the last cache line.
+    _rest: [u32; 5],
 }
 
 /// What follows a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Then {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Then(u32);
+
+#[allow(non_upper_case_globals, reason = "they would be the variants of an enum if any bits made one")]
+impl Then {
     /// The next block, of the same cell.
-    Block,
+    pub const Block: Self = Self(0);
     /// Nothing: the cell ends here.
-    End,
+    pub const End: Self = Self(1);
     /// What the cell holds beside triangles.
-    Others,
+    pub const Others: Self = Self(2);
 }
 
 impl Block {
-    /// Holds nothing, and is its cell's last.
-    pub const EMPTY: Self = Self {
-        corner: [[f32::NAN; LANES]; 3],
-        edges: [[[0.0; LANES]; 3]; 2],
-        normal: [[0.0; LANES]; 3],
-        slack: Slack { edge: 0.0, depth: 0.0 },
-        then: Then::End,
-        numbers: [NONE; LANES],
-    };
-
-    /// Of at most eight triangles.
-    pub fn fill(&mut self, world: &World, frame: &Frame, triangles: &[u32]) {
-        let mut longest = 0.0f32;
-        self.numbers[..triangles.len()].copy_from_slice(triangles);
-        for (lane, &number) in triangles.iter().enumerate() {
-            let [a, b, c] = world.corners(number as usize);
-            let corner = frame.point(a);
-            let edges = [frame.vector(a - b), frame.vector(c - a)];
-            let normal = edges[0].cross(edges[1]);
-            for axis in 0..3 {
-                self.corner[axis][lane] = corner[axis] as f32;
-                self.normal[axis][lane] = normal[axis] as f32;
-                for (stored, edge) in self.edges.iter_mut().zip(edges) {
-                    stored[axis][lane] = edge[axis] as f32;
-                    longest = longest.max(stored[axis][lane].abs());
-                }
-            }
+    /// Fills a block of zeros with the triangles of these numbers, which end at the first [`NONE`].
+    pub fn fill(&mut self, world: &World, frame: &Frame, numbers: &[u32; LANES]) {
+        self.numbers = *numbers;
+        self.corner = [[f32::NAN; LANES]; 3];
+        let used = numbers.iter().take_while(|&&number| number != NONE);
+        for (lane, &number) in used.enumerate() {
+            self.set(lane, frame, world.corners(number as usize));
         }
+        // Straight through all lanes, since an empty one's edges are 0.
+        let longest = self.edges.as_flattened().as_flattened().iter().fold(0.0f32, |l, e| l.max(e.abs()));
         self.slack = Slack::of(longest);
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, frame: &Frame, [a, b, c]: [DVec3; 3]) {
+        let corner = frame.point(a);
+        let edges = [frame.vector(a - b), frame.vector(c - a)];
+        let normal = edges[0].cross(edges[1]);
+        for axis in 0..3 {
+            self.corner[axis][lane] = corner[axis] as f32;
+            self.edges[0][axis][lane] = edges[0][axis] as f32;
+            self.edges[1][axis][lane] = edges[1][axis] as f32;
+            self.normal[axis][lane] = normal[axis] as f32;
+        }
     }
 }
 
 /// What the filter's quantities may be off by, for the triangles of one block: the bounds that are
 /// derived in [`super::filter`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub struct Slack {
     /// u, v and w.
     pub edge: f32,

@@ -1,7 +1,8 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Block, Frame, LANES, NONE, Then};
+use super::block::{Frame, LANES, NONE, Then};
+use super::blocks::Blocks;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
@@ -18,7 +19,7 @@ pub const BORDER: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct Cells {
     words: Vec<u32>,
-    pub blocks: Vec<Block>,
+    pub blocks: Blocks,
     others: Others,
     pub frame: Frame,
 }
@@ -80,8 +81,8 @@ impl Cells {
         let lanes = numbers.as_flattened_mut().iter_mut();
         lanes.zip(0..triangles as u32).for_each(|(lane, number)| *lane = number);
         let mut cells = Self::of_numbers(world, numbers, frame)?;
-        let last = cells.blocks.len() - 1;
-        cells.mark_last(last);
+        let last = cells.blocks.as_slice().len() - 1;
+        cells.blocks.as_mut_slice()[last].then = Then::End;
         let others = triangles as u32..world.first_plane();
         cells.note_others(others.map(|number| (last as u32, number)).collect());
         Ok(cells)
@@ -94,32 +95,28 @@ impl Cells {
 
     /// Blocks of these triangles, of which none is marked as its cell's last.
     fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
-        // On all threads, and each block is written but once, since memory that was never touched
-        // before costs more than all the rest.
-        let mut blocks = room_for(numbers.len())?;
-        numbers.par_iter().map(|numbers| block_of(world, &frame, numbers)).collect_into_vec(&mut blocks);
+        let mut blocks = Blocks::zeroed(numbers.len())?;
+        let empty = blocks.as_mut_slice().par_iter_mut();
+        empty.zip(&numbers).for_each(|(block, numbers)| block.fill(world, &frame, numbers));
         Ok(Self { words: vec![], blocks, others: Others::default(), frame })
     }
 
     /// Turns the place of each cell's first lane into its word, and marks each cell's last block.
     fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
+        let blocks = self.blocks.as_mut_slice();
         for row in rows_of(lattice) {
             for word in &mut words[row] {
                 *word /= LANES as u32;
                 // The block before a cell's first one is another cell's last.
                 if *word > 1 {
-                    self.mark_last(*word as usize - 2);
+                    blocks[*word as usize - 2].then = Then::End;
                 }
             }
         }
-        if let Some(last) = self.blocks.last_mut() {
+        if let Some(last) = blocks.last_mut() {
             last.then = Then::End;
         }
         self.words = words;
-    }
-
-    fn mark_last(&mut self, block: usize) {
-        self.blocks[block].then = Then::End;
     }
 
     fn add_others(&mut self, rows: &Rows, others: Range<usize>) {
@@ -133,14 +130,15 @@ impl Cells {
     /// The last block of a cell that is not empty.
     fn last_block(&self, cell: u32) -> u32 {
         let first = self.words[cell as usize] as usize - 1;
-        let following = self.blocks[first..].iter().take_while(|block| block.then == Then::Block);
+        let following = self.blocks.as_slice()[first..].iter().take_while(|block| block.then == Then::Block);
         (first + following.count()) as u32
     }
 
     /// Takes last blocks, which must ascend, and numbers of what is no triangle.
     fn note_others(&mut self, places: Vec<(u32, u32)>) {
+        let blocks = self.blocks.as_mut_slice();
         for (block, number) in places {
-            self.blocks[block as usize].then = Then::Others;
+            blocks[block as usize].then = Then::Others;
             self.others.push(block, number);
         }
     }
@@ -198,24 +196,11 @@ fn scatter(rows: &Rows, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
     }
 }
 
-fn block_of(world: &World, frame: &Frame, numbers: &[u32; LANES]) -> Block {
-    let used = numbers.iter().position(|&number| number == NONE).unwrap_or(LANES);
-    let mut block = Block { then: Then::Block, ..Block::EMPTY };
-    block.fill(world, frame, &numbers[..used]);
-    block
-}
-
 /// A list of exactly this length, or an error where the memory is not to be had.
 fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = room_for(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
-/// An empty list with room for exactly so many, or an error where the memory is not to be had.
-fn room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
     let mut list = Vec::new();
     list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    list.resize(count, value);
     Ok(list)
 }
 
@@ -253,7 +238,7 @@ mod tests {
                 word => {
                     let first = word as usize - 1;
                     let last = cells.last_block(index as u32) as usize;
-                    let own = &cells.blocks[first..=last];
+                    let own = &cells.blocks.as_slice()[first..=last];
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
                     found.extend(cells.others_of(last));
                 }

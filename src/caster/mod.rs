@@ -1,6 +1,7 @@
 //! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
 
 pub mod block;
+mod blocks;
 pub mod cells;
 pub mod filter;
 mod search;
