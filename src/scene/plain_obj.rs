@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// the order in which faces first name them.
 pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
     let pieces = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect::<Option<_>>()?;
-    let Piece { vertices, mut faces } = joined(pieces);
-    let vertices = number_by_use(&vertices, &mut faces)?;
+    let Piece { mut vertices, mut faces } = joined(pieces);
+    number_by_use(&mut vertices, &mut faces)?;
     (!faces.is_empty()).then_some((vertices, faces))
 }
 
@@ -191,23 +191,39 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
     value.is_finite().then_some((value, &text[length..]))
 }
 
-/// The vertices in the order in which faces first name them, as the full reader gives them, for
-/// which the faces' corners become indices; none if a corner names no vertex.
-fn number_by_use(vertices: &[DVec3], faces: &mut [[u32; 3]]) -> Option<Vec<DVec3>> {
-    const UNUSED: u32 = 0;
-    // Places count from 1.
+/// Brings the vertices into the order in which faces first name them, as the full reader gives them,
+/// and turns the faces' corners into indices of those; none if a corner names no vertex.
+fn number_by_use(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Option<()> {
     let mut places = vec![UNUSED; vertices.len()];
-    let mut used = Vec::with_capacity(vertices.len());
+    let mut used = 0;
     for corner in faces.as_flattened_mut() {
-        let index = (*corner as usize).wrapping_sub(1);
-        let place = places.get_mut(index)?;
+        let place = places.get_mut((*corner as usize).wrapping_sub(1))?;
         if *place == UNUSED {
-            used.push(vertices[index]);
-            *place = used.len() as u32;
+            *place = used;
+            used += 1;
         }
-        *corner = *place - 1;
+        *corner = *place;
     }
-    Some(used)
+    move_to(&mut places, vertices);
+    vertices.truncate(used as usize);
+    Some(())
+}
+
+/// The place of a vertex that no face names; a corner's nine digits reach no such place.
+const UNUSED: u32 = u32::MAX;
+
+/// Moves each used vertex to its place, without a second list, since new memory costs more than the
+/// moves.
+fn move_to(places: &mut [u32], vertices: &mut [DVec3]) {
+    for index in 0..places.len() {
+        // What comes here in exchange has a place of its own, until what belongs here has come or
+        // what nobody uses.
+        while places[index] != UNUSED && places[index] as usize != index {
+            let place = places[index] as usize;
+            vertices.swap(index, place);
+            places.swap(index, place);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -231,6 +247,9 @@ mod tests {
              v 0.000000000000000001 0.0000000000000000001 12345678.12345678\nf 1 2 3"
                 .to_owned(),
             "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
+            // Corners in a circle of exchanges, in a chain of them, and in neither, between unused ones.
+            "v 9 9 9\nv 1 2 3\nv 8 8 8\nv 2 3 4\nv 3 4 5\nv 7 7 7\nf 5 2 4".to_owned(),
+            "v 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\nv 5 0 0\nf 2 3 1\nf 5 5 2".to_owned(),
         ];
         for text in texts {
             let fast = read(&text).unwrap();
