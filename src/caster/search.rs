@@ -243,8 +243,12 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn test_triangle(&mut self, number: u32) -> bool {
-        let shear = self.shear.get_or_insert_with(|| Shear::new(self.ray));
-        match shear.intersect(self.world.corners(number as usize)) {
+        // A copy, so that a new one is not written before it is read.
+        let shear = match self.shear {
+            Some(shear) => shear,
+            None => *self.shear.insert(Shear::new(self.ray)),
+        };
+        match shear.intersect(self.world.corners_in_place(number as usize)) {
             Some(crossing) if self.ray.covers(crossing.t) => {
                 self.offer(Hit { t: crossing.t, primitive: number })
             }
