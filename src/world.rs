@@ -173,8 +173,15 @@ impl World {
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         // Written out: a mapped array goes through memory, and waits for it.
+        let [a, b, c] = self.corners_in_place(triangle);
+        [*a, *b, *c]
+    }
+
+    /// The same without a copy, for what reads their coordinates in an order of its own.
+    #[inline(always)]
+    pub fn corners_in_place(&self, triangle: usize) -> [&DVec3; 3] {
         let [a, b, c] = self.triangles[triangle];
-        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
+        [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
     /// Whether `hit` is seen and not `other`: the nearer. Of two at the same t it is the one that the
@@ -212,7 +219,7 @@ impl World {
 
     fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
-        let crossing = triangle::Shear::new(ray).intersect(corners);
+        let crossing = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
         (triangle::normal(corners), crossing.map_or(along, |c| c.point(corners)))
     }
 

@@ -67,7 +67,7 @@ fn origin64(x: usize, y: usize) -> DVec3 {
 fn ours(x: usize, y: usize) -> usize {
     let ray = Ray::new(origin64(x, y), DIRECTION);
     let shear = Shear::new(&ray);
-    side(shear.intersect(LEFT).is_some(), shear.intersect(RIGHT).is_some())
+    side(shear.intersect(LEFT.each_ref()).is_some(), shear.intersect(RIGHT.each_ref()).is_some())
 }
 
 fn textbook64(x: usize, y: usize) -> usize {

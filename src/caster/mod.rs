@@ -17,6 +17,7 @@ use crate::world::{Primitive, World};
 use block::Frame;
 use cells::Cells;
 use filter::Kernel;
+use glam::DVec2;
 use search::Search;
 
 /// Which cells a primitive is entered in. More cells change no hit.
@@ -94,11 +95,13 @@ impl<'w> Caster<'w> {
     }
 
     /// The nearest hit on the ray.
+    #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         self.run::<P, false>(ray, probe)
     }
 
     /// Whether anything stands on the ray.
+    #[inline]
     pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         if P::COUNTS {
             // The course's program looks for the nearest hit also where any would do.
@@ -107,33 +110,48 @@ impl<'w> Caster<'w> {
         self.run::<P, true>(ray, probe).is_some()
     }
 
+    #[inline(always)]
     fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         match self.instructions {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: only instructions that were found available are kept in `self`.
-            Instructions::Avx2 => unsafe { run_avx2::<P, ANY>(self, ray, probe) },
-            _ => self.run_with::<filter::Portable, P, ANY>(ray, probe),
+            Instructions::Avx2 => {
+                let [a, b, c, d] = ray.pairs();
+                // SAFETY: only instructions that were found available are kept in `self`.
+                unsafe { run_avx2::<P, ANY>(self, a, b, c, d, probe) }
+            }
+            _ => self.run_with::<filter::Portable, P, ANY>(*ray, probe),
         }
     }
 
     #[inline(always)]
-    fn run_with<K: Kernel, P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut search = Search::new(self.world, ray);
-        search.test_planes(probe);
+    fn run_with<K: Kernel, P: Probe, const ANY: bool>(&self, ray: Ray, probe: &mut P) -> Option<Hit> {
+        // For what is called out of line. All else takes `ray` itself, which stays in registers.
+        let stored = ray;
+        let mut search = Search::new(self.world, &stored);
+        search.test_planes(&ray, probe);
         if ANY && search.best().is_some() {
             return search.best();
         }
         if let Some(structure) = &self.structure {
-            structure.run::<K, P, ANY>(&mut search, probe);
+            structure.run::<K, P, ANY>(&ray, &mut search, probe);
         }
         search.best()
     }
 }
 
+/// The search compiled for AVX2, along the ray of these four pairs.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn run_avx2<P: Probe, const ANY: bool>(caster: &Caster, ray: &Ray, probe: &mut P) -> Option<Hit> {
-    caster.run_with::<filter::Avx2, P, ANY>(ray, probe)
+#[inline(never)]
+fn run_avx2<P: Probe, const ANY: bool>(
+    caster: &Caster,
+    a: DVec2,
+    b: DVec2,
+    c: DVec2,
+    d: DVec2,
+    probe: &mut P,
+) -> Option<Hit> {
+    caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), probe)
 }
 
 impl Structure {

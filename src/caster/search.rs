@@ -60,8 +60,7 @@ impl Filtered {
 impl Structure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
-    pub fn run<K: Kernel, P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        let ray = search.ray;
+    pub fn run<K: Kernel, P: Probe, const ANY: bool>(&self, ray: &Ray, search: &mut Search, probe: &mut P) {
         if !self.is_near::<K::Four>(ray) {
             return self.run_all::<P, ANY>(search, probe);
         }
@@ -162,11 +161,11 @@ impl<'a> Search<'a> {
     }
 
     #[inline(always)]
-    pub fn test_planes<P: Probe>(&mut self, probe: &mut P) {
+    pub fn test_planes<P: Probe>(&mut self, ray: &Ray, probe: &mut P) {
         let first = self.world.first_plane();
         probe.intersections(self.world.planes.len());
         for (i, plane) in self.world.planes.iter().enumerate() {
-            if let Some(t) = plane.intersect(self.ray) {
+            if let Some(t) = plane.intersect(ray) {
                 self.offer(Hit { t, primitive: first + i as u32 });
             }
         }
@@ -244,8 +243,12 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn test_triangle(&mut self, number: u32) -> bool {
-        let shear = self.shear.get_or_insert_with(|| Shear::new(self.ray));
-        match shear.intersect(self.world.corners(number as usize)) {
+        // A copy, so that a new one is not written before it is read.
+        let shear = match self.shear {
+            Some(shear) => shear,
+            None => *self.shear.insert(Shear::new(self.ray)),
+        };
+        match shear.intersect(self.world.corners_in_place(number as usize)) {
             Some(crossing) if self.ray.covers(crossing.t) => {
                 self.offer(Hit { t: crossing.t, primitive: number })
             }

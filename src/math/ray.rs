@@ -1,6 +1,6 @@
 //! Rays and hits.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The points `origin + t * direction` with `t_min <= t < t_max`.
 ///
@@ -20,6 +20,20 @@ impl Ray {
     /// A ray from `origin` that ends nowhere.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+    }
+
+    /// Its numbers two by two. A pair is handed to a function in registers, while a ray is handed over
+    /// in memory: written part by part and read as whole vectors there, for which the processor waits.
+    #[inline(always)]
+    pub fn pairs(&self) -> [DVec2; 4] {
+        let (o, d) = (self.origin, self.direction);
+        [o.truncate(), DVec2::new(o.z, self.t_min), d.truncate(), DVec2::new(d.z, self.t_max)]
+    }
+
+    /// The ray whose [`pairs`](Self::pairs) these are.
+    #[inline(always)]
+    pub fn of_pairs([o, o_z, d, d_z]: [DVec2; 4]) -> Self {
+        Self { origin: o.extend(o_z.x), t_min: o_z.y, direction: d.extend(d_z.x), t_max: d_z.y }
     }
 
     pub fn at(&self, t: f64) -> DVec3 {

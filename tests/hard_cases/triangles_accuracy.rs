@@ -73,7 +73,7 @@ fn compare(
 fn answers(ray: &Ray, triangle: [DVec3; 3]) -> [Option<f64>; 4] {
     let (o, d, t) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction), lower_triangle::<f32>(triangle));
     [
-        Shear::new(ray).intersect(triangle).map(|c| c.t),
+        Shear::new(ray).intersect(triangle.each_ref()).map(|c| c.t),
         moller_trumbore(o, d, t, 0.0).map(f64::from),
         woop(o, d, t, Edges::Inclusive).map(f64::from),
         baldwin_weber(o, d, t).map(f64::from),
@@ -200,7 +200,7 @@ fn case_20_tiny_and_huge_numbers() {
             let shear = Shear::new(&ray);
             let hits = closed.rings[i]
                 .iter()
-                .filter_map(|&t| shear.intersect(closed.corners(t)))
+                .filter_map(|&t| shear.intersect(closed.corners(t).each_ref()))
                 .collect::<Vec<_>>();
             let in_front = hits.iter().filter(|c| c.t > 0.0 && c.t.is_finite()).count();
             let wrong = in_front != 1 || caster.closest(&ray, &mut Quiet).is_none();
@@ -241,7 +241,7 @@ fn case_20_numbers_beyond_all_products() {
         };
         let triangle = [wild(rng), wild(rng), wild(rng)];
         let ray = Ray::new(wild(rng), wild(rng));
-        let crossing = Shear::new(&ray).intersect(triangle);
+        let crossing = Shear::new(&ray).intersect(triangle.each_ref());
         ([crossing.is_some_and(|c| !c.t.is_finite()) as u64], [])
     };
     let ([broken], []) = measure(rays(100_000, 10_000_000), one);
