@@ -135,7 +135,11 @@ fn draw<P: Probe>(
     let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
     let grid = options.grid.map(resolution);
     let cells = grid.filter(|_| !options.visualize_grid);
-    let insertion = if P::COUNTS { Insertion::Course } else { Insertion::Exact };
+    let insertion = match options.grid {
+        _ if P::COUNTS => Insertion::Course,
+        Some(Resolution::Auto) => Insertion::Nested,
+        _ => Insertion::Exact,
+    };
     let instructions = Instructions::available()[0];
     let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
     let occupancy = match grid {

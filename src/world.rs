@@ -169,6 +169,16 @@ impl World {
         self.spheres.iter().map(Sphere::bounds).chain(self.ellipsoids.iter().map(Ellipsoid::bounds))
     }
 
+    /// The tight box of a finite primitive; nothing's of a plane.
+    pub fn box_of(&self, number: u32) -> Aabb {
+        match self.primitive(number) {
+            Primitive::Triangle(i) => Aabb::around(self.corners(i)),
+            Primitive::Sphere(i) => self.spheres[i].bounds(),
+            Primitive::Ellipsoid(i) => self.ellipsoids[i].bounds(),
+            Primitive::Plane(_) => Aabb::EMPTY,
+        }
+    }
+
     /// The corners of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {

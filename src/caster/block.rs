@@ -51,13 +51,22 @@ impl Block {
     pub fn fill(&mut self, world: &World, frame: &Frame, numbers: &[u32; LANES]) {
         self.numbers = *numbers;
         self.corner = [[f32::NAN; LANES]; 3];
+        let mut farthest = 1.0;
         let used = numbers.iter().take_while(|&&number| number != NONE);
         for (lane, &number) in used.enumerate() {
-            self.set(lane, frame, world.corners(number as usize));
+            let corners = world.corners(number as usize);
+            let reach = frame.reach(corners);
+            if reach <= FARTHEST_CORNER {
+                self.set(lane, frame, corners);
+                farthest = f64::max(farthest, reach);
+            } else {
+                // All zeros: the filter never rejects it, nor is ever certain of it.
+                self.corner.iter_mut().for_each(|row| row[lane] = 0.0);
+            }
         }
         // Straight through all lanes, since an empty one's edges are 0.
         let longest = self.edges.as_flattened().as_flattened().iter().fold(0.0f32, |l, e| l.max(e.abs()));
-        self.slack = Slack::of(longest);
+        self.slack = Slack::of(longest, farthest as f32);
     }
 
     #[inline(always)]
@@ -74,6 +83,10 @@ impl Block {
     }
 }
 
+/// No corner in a block has a larger coordinate. In the frame of a grid within a cell a triangle may
+/// reach far out; one that reaches farther is left open, for the sake of its neighbours' slack.
+const FARTHEST_CORNER: f64 = 4.0;
+
 /// What the filter's quantities may be off by, for the triangles of one block: the bounds that are
 /// derived in [`super::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -86,10 +99,12 @@ pub struct Slack {
 }
 
 impl Slack {
-    /// `longest` is b, the largest absolute coordinate of the block's edges.
-    pub fn of(longest: f32) -> Self {
+    /// `longest` is b, the largest absolute coordinate of the block's edges, and `farthest` is c, that
+    /// of its corners but not below 1.
+    pub fn of(longest: f32, farthest: f32) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
-        Self { edge: 400.0 * ROUNDING * longest, depth: 280.0 * ROUNDING * longest * longest }
+        let scale = ROUNDING * farthest * longest;
+        Self { edge: 400.0 * scale, depth: 280.0 * scale * longest }
     }
 }
 
@@ -110,6 +125,12 @@ impl Frame {
         // 2^-e for the least 2^e above the reach.
         let exponent = libm::frexp(reach).1;
         Self { center: [center.x, center.y, center.z, 0.0], scale: libm::ldexp(1.0, -exponent) }
+    }
+
+    /// The largest absolute coordinate of three corners.
+    fn reach(&self, [a, b, c]: [DVec3; 3]) -> f64 {
+        let [a, b, c] = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
+        a.max(b).max(c).max_element()
     }
 
     pub fn point(&self, point: DVec3) -> DVec3 {

@@ -3,42 +3,49 @@
 use super::block::Block;
 use crate::grid::build::GridTooLarge;
 use crate::pages::LargePages;
-use std::ops::Index;
+use bytemuck::Zeroable;
 
 /// Blocks one after the other.
 #[derive(Debug)]
-pub struct Blocks {
-    /// The blocks' bytes, and what is left of the last page.
-    pages: LargePages,
-    count: usize,
+pub enum Blocks {
+    /// Systems count the pages that are asked for one by one, and grids within cells are many.
+    Few(Vec<Block>),
+    Many {
+        /// The blocks' bytes, and what is left of the last page.
+        pages: LargePages,
+        count: usize,
+    },
 }
 
 const BLOCK_BYTES: usize = size_of::<Block>();
 
+/// From so many on blocks fill a large page.
+const MANY: usize = (1 << 20) / BLOCK_BYTES;
+
 impl Blocks {
     /// So many that hold nothing yet: all their bytes are zero.
     pub fn zeroed(count: usize) -> Result<Self, GridTooLarge> {
+        if count < MANY {
+            return Ok(Self::Few(vec![Block::zeroed(); count]));
+        }
         let bytes = count.checked_mul(BLOCK_BYTES).ok_or(GridTooLarge)?;
         let pages = LargePages::zeroed(bytes).map_err(|_| GridTooLarge)?;
-        Ok(Self { pages, count })
+        Ok(Self::Many { pages, count })
     }
 
+    #[inline(always)]
     pub fn as_slice(&self) -> &[Block] {
-        bytemuck::cast_slice(&self.pages[..self.count * BLOCK_BYTES])
+        match self {
+            Self::Few(list) => list,
+            Self::Many { pages, count } => bytemuck::cast_slice(&pages[..count * BLOCK_BYTES]),
+        }
     }
 
     pub fn as_mut_slice(&mut self) -> &mut [Block] {
-        bytemuck::cast_slice_mut(&mut self.pages[..self.count * BLOCK_BYTES])
-    }
-}
-
-/// Without a division, unlike [`Blocks::as_slice`], for the loop that reads one block after the other.
-impl Index<usize> for Blocks {
-    type Output = Block;
-
-    #[inline(always)]
-    fn index(&self, number: usize) -> &Block {
-        bytemuck::from_bytes(&self.pages[number * BLOCK_BYTES..][..BLOCK_BYTES])
+        match self {
+            Self::Few(list) => list,
+            Self::Many { pages, count } => bytemuck::cast_slice_mut(&mut pages[..*count * BLOCK_BYTES]),
+        }
     }
 }
 
@@ -57,7 +64,8 @@ mod tests {
                 assert_eq!((block.then, block.numbers), (Then::Block, [0; 8]));
                 block.numbers = [number as u32; 8];
             }
-            assert!((0..count).all(|number| blocks[number].numbers == [number as u32; 8]));
+            let numbers = blocks.as_slice().iter().map(|block| block.numbers);
+            assert!(numbers.eq((0..count).map(|number| [number as u32; 8])));
         }
         assert!(Blocks::zeroed(0).unwrap().as_slice().is_empty());
     }

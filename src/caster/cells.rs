@@ -3,6 +3,7 @@
 
 use super::block::{Frame, LANES, NONE, Then};
 use super::blocks::Blocks;
+use super::items::Items;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows};
 use crate::world::World;
@@ -11,10 +12,12 @@ use std::ops::Range;
 
 /// The word of an empty cell.
 pub const EMPTY: u32 = 0;
+/// From this word on up to the next one a word names a grid of the cell's own, the first one by this.
+pub const NESTED: u32 = 1 << 31;
 /// The word of a border cell.
 pub const BORDER: u32 = u32::MAX;
 
-/// The cells' contents. A word is the number of the cell's first block plus one, or one of the two
+/// The cells' contents. A word is the number of the cell's first block plus one, or one of those
 /// above; the cell's blocks follow one another up to the one marked as last.
 #[derive(Debug)]
 pub struct Cells {
@@ -50,16 +53,16 @@ impl Others {
 
 impl Cells {
     /// Lays out the primitives of a lattice's cells, each cell's in the order of their numbers.
-    pub fn new(world: &World, lattice: &Lattice, rows: &Rows) -> Result<Self, GridTooLarge> {
-        let triangles = world.triangles.len();
-        let others = triangles..world.finite_count();
+    pub fn new(world: &World, lattice: &Lattice, rows: &Rows, items: &Items) -> Result<Self, GridTooLarge> {
+        let triangles = items.triangles(world);
+        let others = triangles..items.count(world);
         let mut words = counts(lattice, rows, triangles, others.clone())?;
         let lanes = to_ends(lattice, &mut words)?;
         let mut numbers = filled_with([NONE; LANES], lanes / LANES)?;
-        scatter(rows, triangles, &mut words, numbers.as_flattened_mut());
+        scatter(rows, items, triangles, &mut words, numbers.as_flattened_mut());
         let mut cells = Self::of_numbers(world, numbers, Frame::new(&lattice.bounds))?;
         cells.finish(words, lattice);
-        cells.add_others(rows, others);
+        cells.add_others(rows, items, others);
         Ok(cells)
     }
 
@@ -75,17 +78,24 @@ impl Cells {
     }
 
     /// Everything in one cell, whose first block is 0.
-    pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
-        let triangles = world.triangles.len();
+    pub fn all(world: &World, items: &Items, frame: Frame) -> Result<Self, GridTooLarge> {
+        let triangles = items.triangles(world);
         let mut numbers = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
         let lanes = numbers.as_flattened_mut().iter_mut();
-        lanes.zip(0..triangles as u32).for_each(|(lane, number)| *lane = number);
+        lanes.zip(0..triangles).for_each(|(lane, i)| *lane = items.number(i));
         let mut cells = Self::of_numbers(world, numbers, frame)?;
         let last = cells.blocks.as_slice().len() - 1;
         cells.blocks.as_mut_slice()[last].then = Then::End;
-        let others = triangles as u32..world.first_plane();
-        cells.note_others(others.map(|number| (last as u32, number)).collect());
+        let others = triangles..items.count(world);
+        cells.note_others(others.map(|i| (last as u32, items.number(i))).collect());
         Ok(cells)
+    }
+
+    /// Lets the words of these cells, which are empty so far, name grids from the first one on.
+    pub fn name_nested(&mut self, cells: impl Iterator<Item = u32>) {
+        for (word, cell) in (NESTED..).zip(cells) {
+            self.words[cell as usize] = word;
+        }
     }
 
     /// The numbers in the cell whose last block this is that are no triangles'.
@@ -119,9 +129,10 @@ impl Cells {
         self.words = words;
     }
 
-    fn add_others(&mut self, rows: &Rows, others: Range<usize>) {
+    fn add_others(&mut self, rows: &Rows, items: &Items, others: Range<usize>) {
         let last_block = |&cell: &u32| self.last_block(cell);
-        let places = others.flat_map(|n| rows.cells_of(n).iter().map(last_block).map(move |b| (b, n as u32)));
+        let places =
+            others.flat_map(|i| rows.cells_of(i).iter().map(last_block).map(move |b| (b, items.number(i))));
         let mut places: Vec<(u32, u32)> = places.collect();
         places.sort_unstable();
         self.note_others(places);
@@ -186,12 +197,13 @@ fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge>
 
 /// Enters the triangles backwards from the `ends` of their cells, which become the cells' starts.
 /// The end of a cell that only names other primitives stays in its one block.
-fn scatter(rows: &Rows, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
-    for number in (0..triangles).rev() {
-        for &cell in rows.cells_of(number) {
+fn scatter(rows: &Rows, items: &Items, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
+    for i in (0..triangles).rev() {
+        let number = items.number(i);
+        for &cell in rows.cells_of(i) {
             let place = &mut ends[cell as usize];
             *place -= 1;
-            lanes[*place as usize - LANES] = number as u32;
+            lanes[*place as usize - LANES] = number;
         }
     }
 }
@@ -230,7 +242,7 @@ mod tests {
         let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let rows =
             Rows::new(&lattice, 55, |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
-        let cells = Cells::new(&world, &lattice, &rows).unwrap();
+        let cells = Cells::new(&world, &lattice, &rows, &Items::All).unwrap();
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];
             match cells.words[index] {

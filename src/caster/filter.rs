@@ -9,23 +9,23 @@
 //! ray hits where u = e2.q, v = e1.q and w = det - u - v have the determinant's sign, at
 //! t = n.s / det.
 //!
-//! *Error bound.* Let r = 2^-24, the relative rounding of single precision, and b the largest
-//! coordinate of the block's edges. In the block's [`Frame`](super::block::Frame) every corner and
-//! the ray's origin, which is moved along the ray to where it enters the box, have coordinates of at
-//! most 1, the direction's largest is 1, and so b <= 2. Stored numbers are rounded once. To first
-//! order, with sums of absolute values for the exact quantities:
+//! *Error bound.* Let r = 2^-24, the relative rounding of single precision, b the largest coordinate
+//! of the block's edges and c that of its corners, but at least 1. In the block's
+//! [`Frame`](super::block::Frame) the ray's origin, which is moved along the ray to where it enters
+//! the box, has coordinates of at most 1, the direction's largest is 1, and b <= 2 c. Stored numbers
+//! are rounded once. To first order, with sums of absolute values for the exact quantities:
 //!
 //! | quantity | at most | error at most |
 //! |---|---|---|
-//! | s | 2 | 4 r: corner and origin r each, their difference 2 r |
+//! | s | 2 c | 4 r c: corner and origin r c each, their difference 2 r c |
 //! | n | 2 b^2 | 2 r b^2 |
 //! | det = n.d | 6 b^2 | 30 r b^2: n 6, d 6, rounding 3 * 6 |
-//! | q = d x s | 4 | 20 r: d 4, s 8, two products and a difference 8 |
-//! | u = e2.q | 12 b | 108 r b: e2 12, q 60, rounding 3 * 12 |
-//! | v = e1.q | 12 b | 108 r b |
-//! | w | 24 b + 6 b^2 | 324 r b: det 60 (b <= 2), u and v 216, rounding 48 |
-//! | n.s | 12 b^2 | 72 r b^2: n 12, s 24, rounding 36 |
-//! | n.s - t det | | 195 r b^2 for 0 <= t <= 2.5: 72 and 75, rounding 48 |
+//! | q = d x s | 4 c | 20 r c: d 4, s 8, two products and a difference 8 |
+//! | u = e2.q | 12 b c | 108 r b c: e2 12, q 60, rounding 3 * 12 |
+//! | v = e1.q | 12 b c | 108 r b c |
+//! | w | 24 b c + 6 b^2 | 324 r b c: det 60 (b <= 2 c), u and v 216, rounding 48 |
+//! | n.s | 12 b^2 c | 72 r b^2 c: n 12, s 24, rounding 36 |
+//! | n.s - t det | | 195 r b^2 c for 0 <= t <= 2.5: 72 and 75, rounding 48 |
 //!
 //! Second-order terms are below 1e-5 of these. The double-precision test's own error, a few 2^-53 of
 //! the way from the ray's origin, stays below r for origins up to 2^20 boxes away; farther ones do

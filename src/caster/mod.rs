@@ -4,27 +4,27 @@ pub mod block;
 mod blocks;
 pub mod cells;
 pub mod filter;
+mod items;
+mod nested;
 mod search;
+mod structure;
 
-use crate::grid::Lattice;
-use crate::grid::build::{GridTooLarge, Rows, widened};
-use crate::grid::footprint;
-use crate::grid::march::{Slab, drift};
-use crate::math::aabb::Aabb;
+use crate::grid::build::GridTooLarge;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
-use crate::world::{Primitive, World};
-use block::Frame;
-use cells::Cells;
-use filter::Kernel;
+use crate::world::World;
 use glam::DVec2;
+use nested::Nest;
 use search::Search;
+use structure::Structure;
 
 /// Which cells a primitive is entered in. More cells change no hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
     /// Those it touches.
     Exact,
+    /// Those it touches, and a crowded cell is cut into cells of its own.
+    Nested,
     /// Those that the course's program enters it in, for counters that compare with the course's.
     Course,
 }
@@ -61,17 +61,6 @@ pub struct Caster<'w> {
     instructions: Instructions,
     /// What everything finite lies in; none where nothing is finite.
     structure: Option<Structure>,
-}
-
-/// The finite primitives, by cells or all in one list.
-#[derive(Debug)]
-struct Structure {
-    slab: Slab,
-    lattice: Option<Lattice>,
-    cells: Cells,
-    /// A ray that begins farther than this from the middle, along any axis, is too coarse for the
-    /// proofs of filter and march; everything is tested for it one by one.
-    farthest: f64,
 }
 
 impl<'w> Caster<'w> {
@@ -124,7 +113,7 @@ impl<'w> Caster<'w> {
     }
 
     #[inline(always)]
-    fn run_with<K: Kernel, P: Probe, const ANY: bool>(&self, ray: Ray, probe: &mut P) -> Option<Hit> {
+    fn run_with<K: Nest, P: Probe, const ANY: bool>(&self, ray: Ray, probe: &mut P) -> Option<Hit> {
         // For what is called out of line. All else takes `ray` itself, which stays in registers.
         let stored = ray;
         let mut search = Search::new(self.world, &stored);
@@ -152,63 +141,4 @@ fn run_avx2<P: Probe, const ANY: bool>(
     probe: &mut P,
 ) -> Option<Hit> {
     caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), probe)
-}
-
-impl Structure {
-    fn new(world: &World, cells: Option<[usize; 3]>, insertion: Insertion) -> Result<Self, GridTooLarge> {
-        let bounds = widened(world.boxes().fold(world.bounds, |all, b| all.union(b)));
-        let Some(cells) = cells else {
-            let all = Cells::all(world, Frame::new(&bounds))?;
-            return Ok(Self {
-                slab: Slab::new(&bounds),
-                lattice: None,
-                farthest: farthest(&bounds, f64::INFINITY),
-                cells: all,
-            });
-        };
-        let lattice = Lattice::new(bounds, cells);
-        // A little more than the march needs, for the rounding of a hit's place.
-        let slack = drift(&lattice) + 1e-5;
-        let rows = Rows::new(&lattice, world.finite_count(), |number, out| {
-            enter(world, number as u32, &lattice, insertion, slack, out)
-        })?;
-        let cells = Cells::new(world, &lattice, &rows)?;
-        let farthest = farthest(&bounds, lattice.cell_size.min_element());
-        Ok(Self { slab: Slab::new(&bounds), lattice: Some(lattice), cells, farthest })
-    }
-}
-
-/// Up to 2^20 boxes away the filter's proof holds, and up to 2^32 cells away a dozen roundings of the
-/// ray's way stay below the hundred-thousandth of a cell that cells are widened by.
-fn farthest(bounds: &Aabb, cell: f64) -> f64 {
-    (bounds.extent().max_element() * 0.5f64.powi(-19)).min(cell * 0.5f64.powi(-32))
-}
-
-/// Appends the cells of a primitive.
-fn enter(
-    world: &World,
-    number: u32,
-    lattice: &Lattice,
-    insertion: Insertion,
-    slack: f64,
-    out: &mut Vec<u32>,
-) {
-    match (world.primitive(number), insertion) {
-        (Primitive::Triangle(i), Insertion::Exact) => {
-            footprint::of_triangle(lattice, world.corners(i), slack, out);
-        }
-        (Primitive::Triangle(i), Insertion::Course) => {
-            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out);
-        }
-        (Primitive::Sphere(i), Insertion::Exact) => {
-            let sphere = &world.spheres[i];
-            footprint::of_ball(lattice, sphere.center, sphere.radius, slack, out);
-        }
-        (Primitive::Sphere(i), Insertion::Course) => {
-            let sphere = &world.spheres[i];
-            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out);
-        }
-        (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
-        (Primitive::Plane(_), _) => {}
-    }
 }

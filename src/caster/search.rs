@@ -1,9 +1,10 @@
 //! The search along one ray: cells in order, eight triangles at a time, each decided exactly.
 
 use super::Structure;
-use super::block::{Frame, LANES, NONE, Then};
-use super::cells::{BORDER, Cells, EMPTY};
+use super::block::{Block, Frame, LANES, NONE, Then};
+use super::cells::{BORDER, Cells, EMPTY, NESTED};
 use super::filter::{FARTHEST, FilterRay, Kernel};
+use super::nested::Nest;
 use crate::grid::march::{March, Passage, clip};
 use crate::math::four::Four;
 use crate::math::ray::{Hit, Ray};
@@ -19,7 +20,13 @@ pub struct Search<'a> {
     shear: Option<Shear<'a>>,
     /// At the ray's end and of nothing, until something is found.
     best: Hit,
+    /// The triangles decided last, and the place of the next one. Those that span many cells, and
+    /// which the filter leaves open, would be decided over and over.
+    decided: [u32; DECIDED],
+    next: usize,
 }
+
+const DECIDED: usize = 4;
 
 /// A ray on its way through the structure, in the filter's coordinates.
 struct Filtered {
@@ -60,23 +67,25 @@ impl Filtered {
 impl Structure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
-    pub fn run<K: Kernel, P: Probe, const ANY: bool>(&self, ray: &Ray, search: &mut Search, probe: &mut P) {
+    pub fn run<K: Nest, P: Probe, const ANY: bool>(&self, ray: &Ray, search: &mut Search, probe: &mut P) {
         if !self.is_near::<K::Four>(ray) {
             return self.run_all::<P, ANY>(search, probe);
         }
         let Some(passage) = clip::<K::Four>(&self.slab, ray, search.best.t) else {
             // The course's program tests everything; what is outside the box misses.
-            let untested = if self.lattice.is_none() { search.world.finite_count() } else { 0 };
+            let untested = if self.lattice.is_none() { self.items.count(search.world) } else { 0 };
             return probe.intersections(untested);
         };
+        // Asked for once, since it takes a look at how they are kept.
+        let blocks = self.cells.blocks.as_slice();
         let mut filtered = Filtered::new(&self.cells.frame, &passage, search.best.t);
         match &self.lattice {
             Some(lattice) => {
                 let march = March::new(lattice, &passage);
-                self.march::<K, P, ANY>(march, &mut filtered, search, probe);
+                self.march::<K, P, ANY>(march, blocks, &mut filtered, search, probe);
             }
             None => {
-                search.test_cell::<K, P, ANY>(&self.cells, 0, &mut filtered, probe);
+                search.test_cell::<K, P, ANY>(&self.cells, blocks, 0, &mut filtered, probe);
             }
         }
     }
@@ -91,9 +100,10 @@ impl Structure {
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    fn march<K: Kernel, P: Probe, const ANY: bool>(
+    fn march<K: Nest, P: Probe, const ANY: bool>(
         &self,
         mut march: March,
+        blocks: &[Block],
         filtered: &mut Filtered,
         search: &mut Search,
         probe: &mut P,
@@ -103,10 +113,14 @@ impl Structure {
             let word = self.word_at(&march);
             if word != EMPTY {
                 unlikely();
-                if word == BORDER {
+                let changed = if word < NESTED {
+                    search.test_cell::<K, P, ANY>(&self.cells, blocks, word as usize - 1, filtered, probe)
+                } else if word != BORDER {
+                    self.test_nested::<K, P, ANY>(word, filtered, search, probe)
+                } else {
                     return;
-                }
-                if search.test_cell::<K, P, ANY>(&self.cells, word as usize - 1, filtered, probe) {
+                };
+                if changed {
                     if ANY {
                         return;
                     }
@@ -123,6 +137,27 @@ impl Structure {
         }
     }
 
+    /// Searches what a word names; says whether the best hit changed.
+    #[inline(always)]
+    fn test_nested<K: Nest, P: Probe, const ANY: bool>(
+        &self,
+        word: u32,
+        filtered: &mut Filtered,
+        search: &mut Search,
+        probe: &mut P,
+    ) -> bool {
+        let before = search.best;
+        let crowd = &self.nested[(word - NESTED) as usize];
+        for structure in crowd.wide.iter().chain([&crowd.fine]) {
+            K::search::<P, ANY>(structure, search, probe);
+            if ANY && search.best != before {
+                return true;
+            }
+        }
+        filtered.cut(search.best.t);
+        search.best != before
+    }
+
     #[inline(always)]
     fn word_at(&self, march: &March) -> u32 {
         // SAFETY: the march goes through this structure's lattice. It begins in a cell, and goes on
@@ -134,9 +169,9 @@ impl Structure {
     /// Without filter and march: every primitive by itself.
     #[cold]
     fn run_all<P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        for number in 0..search.world.first_plane() {
+        for i in 0..self.items.count(search.world) {
             probe.intersections(1);
-            if search.test(number) && ANY {
+            if search.test(self.items.number(i)) && ANY {
                 return;
             }
         }
@@ -151,7 +186,12 @@ fn unlikely() {}
 impl<'a> Search<'a> {
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray) -> Self {
-        Self { world, ray, shear: None, best: Hit { t: ray.t_max, primitive: NONE } }
+        let best = Hit { t: ray.t_max, primitive: NONE };
+        Self { world, ray, shear: None, best, decided: [NONE; DECIDED], next: 0 }
+    }
+
+    pub fn ray(&self) -> &'a Ray {
+        self.ray
     }
 
     /// The best hit, if there is one.
@@ -177,6 +217,7 @@ impl<'a> Search<'a> {
     fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
         &mut self,
         cells: &Cells,
+        blocks: &[Block],
         first: usize,
         filtered: &mut Filtered,
         probe: &mut P,
@@ -184,7 +225,7 @@ impl<'a> Search<'a> {
         let mut changed = false;
         let mut number = first;
         loop {
-            let block = &cells.blocks[number];
+            let block = &blocks[number];
             if P::COUNTS {
                 probe.intersections(block.numbers.iter().filter(|&&n| n != NONE).count());
             }
@@ -208,7 +249,7 @@ impl<'a> Search<'a> {
             }
             number += 1;
         }
-        if cells.blocks[number].then == Then::Others && self.test_others(cells, number, probe) {
+        if blocks[number].then == Then::Others && self.test_others(cells, number, probe) {
             changed = true;
             filtered.cut(self.best.t);
         }
@@ -230,8 +271,10 @@ impl<'a> Search<'a> {
         while lanes != 0 {
             let number = numbers[lanes.trailing_zeros() as usize];
             lanes &= lanes - 1;
-            // What is already the best need not be found again in the next cell.
-            if number != self.best.primitive {
+            // What was decided once is the best, or will never be.
+            if !self.decided.contains(&number) {
+                self.decided[self.next % DECIDED] = number;
+                self.next += 1;
                 changed |= self.test_triangle(number);
                 if ANY && changed {
                     return true;

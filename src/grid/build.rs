@@ -51,6 +51,28 @@ impl Rows {
         if total <= u32::MAX as usize { Ok(Self { runs }) } else { Err(GridTooLarge) }
     }
 
+    /// Takes out the cells that hold more than `crowd` primitives; gives them in ascending order, with
+    /// what they hold.
+    pub fn take_crowded(
+        &mut self,
+        lattice: &Lattice,
+        crowd: usize,
+    ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
+        let mut counts = zeros(lattice.index_count())?;
+        for &cell in self.runs.iter().flat_map(|run| &run.cells) {
+            counts[cell as usize] += 1;
+        }
+        let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > crowd);
+        let mut crowded: Vec<(u32, Vec<u32>)> =
+            crowded.map(|(cell, &count)| (cell as u32, Vec::with_capacity(count as usize))).collect();
+        if !crowded.is_empty() {
+            for (run, first) in self.runs.iter_mut().zip((0..).step_by(PER_RUN)) {
+                run.take(first, &counts, crowd, &mut crowded);
+            }
+        }
+        Ok(crowded)
+    }
+
     /// The indices of a primitive's cells.
     #[inline]
     pub fn cells_of(&self, number: usize) -> &[u32] {
@@ -71,6 +93,30 @@ impl Run {
         }
         Self { ends, cells }
     }
+
+    /// Moves what stands in crowded cells from here to the list of its cell.
+    fn take(&mut self, first: u32, counts: &[u32], crowd: usize, crowded: &mut [(u32, Vec<u32>)]) {
+        let all = std::mem::take(&mut self.cells);
+        let mut start = 0;
+        for (number, end) in (first..).zip(&mut self.ends) {
+            for &cell in &all[start..*end as usize] {
+                if counts[cell as usize] as usize <= crowd {
+                    self.cells.push(cell);
+                } else if let Ok(place) = crowded.binary_search_by_key(&cell, |c| c.0) {
+                    crowded[place].1.push(number);
+                }
+            }
+            start = *end as usize;
+            *end = self.cells.len() as u32;
+        }
+    }
+}
+
+/// A zeroed list, or an error where the memory is not to be had.
+fn zeros(count: usize) -> Result<Vec<u32>, GridTooLarge> {
+    // Asked for first, since a zeroed allocation aborts where it fails.
+    Vec::<u32>::new().try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    Ok(vec![0; count])
 }
 
 /// The box a little larger, so that no hit lies outside by rounding, and never flat.

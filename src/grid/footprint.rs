@@ -25,16 +25,20 @@ pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, slack: 
     });
 }
 
-/// Appends the index of every cell that the ball touches, each cell widened by `slack` cells.
-pub fn of_ball(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
+/// Appends the index of every cell that the sphere's surface touches, each cell widened by `slack`
+/// cells. Cells within the sphere are left out: no ray hits it there.
+pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
     let (middle, size) = (lattice.to_cells(center), lattice.cell_size);
     let range =
         Range::new(lattice, lattice.to_cells(center - radius), lattice.to_cells(center + radius), slack);
+    let square = radius * radius;
     range.for_each(lattice, |index, cell| {
-        let nearest = middle.clamp(cell - slack, cell + (1.0 + slack));
-        let away = (middle - nearest) * size;
+        let (low, high) = (cell - slack, cell + (1.0 + slack));
+        let nearest = (middle - middle.clamp(low, high)) * size;
+        let farthest = (middle - low).abs().max((high - middle).abs()) * size;
         // The slack may vanish in the rounding of a radius that is large in cells.
-        if away.length_squared() <= radius * radius * (1.0 + 1e-12) {
+        let reaches = nearest.length_squared() <= square * (1.0 + 1e-12);
+        if reaches && farthest.length_squared() >= square * (1.0 - 1e-12) {
             out.push(index);
         }
     });
@@ -265,16 +269,17 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_entered_just_where_it_reaches() {
+    fn a_sphere_is_entered_just_where_its_surface_is() {
         let l = lattice();
         let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
         let (mut cells, mut by_centers) = (vec![], vec![]);
-        of_ball(&l, center, radius, 1e-6, &mut cells);
+        of_sphere(&l, center, radius, 1e-6, &mut cells);
         of_ball_by_centers(&l, center, radius, 0.0, &mut by_centers);
         for (index, b) in cell_boxes(&l) {
-            let distance = center.distance(center.clamp(b.min, b.max));
-            assert_eq!(cells.contains(&index), distance <= radius, "{index} at {distance}");
-            assert!(by_centers.contains(&index) || distance > radius);
+            let nearest = center.distance(center.clamp(b.min, b.max));
+            let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
+            assert_eq!(cells.contains(&index), nearest <= radius && farthest >= radius, "{index}");
+            assert!(by_centers.contains(&index) || nearest > radius);
         }
     }
 

@@ -16,19 +16,24 @@ impl Resolution {
     ///
     /// Cubic cells, one for each primitive: measured, half or twice as many cost a few percent, and
     /// eight times as many a quarter. With so few rays that filling the cells counts, 0.4 for each.
+    /// Many rays through many primitives want few cells, which are crowded and cut again, each to fit
+    /// what it holds: at 2.5 million that makes rays 28 to 50% faster, and building by a tenth slower.
     pub fn cells(self, bounds: &Aabb, count: usize, rays: usize) -> [usize; 3] {
         const MANY_RAYS: usize = 8;
-        match self {
-            Self::Cells(cells) => cells,
-            Self::Auto if rays >= MANY_RAYS * count => cubic(bounds, count as f64),
-            Self::Auto => cubic(bounds, 0.4 * count as f64),
-        }
+        const MANY: usize = 200_000;
+        let per_primitive = match self {
+            Self::Cells(cells) => return cells,
+            Self::Auto if rays < MANY_RAYS * count => 0.4,
+            Self::Auto if count < MANY => 1.0,
+            Self::Auto => 1.0 / 1024.0,
+        };
+        cubic(bounds, per_primitive * count as f64)
     }
 }
 
 /// About `total` cubic cells. A box that is flat in comparison to its largest side counts as a
 /// little thick, so that a flat scene is cut along its two sides.
-fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
+pub fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
     const FLAT: f64 = 1e-3;
     let extent = bounds.extent();
     let largest = extent.max_element();

@@ -1,0 +1,163 @@
+//! Scenes whose primitives stand close in one place and far apart in another, which one even grid
+//! cannot serve: `-grid auto` gives crowded cells grids of their own.
+
+use glam::{DVec2, DVec3};
+use raytracer::camera::Camera;
+use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::grid::resolution::{Resolution, cubic};
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::parser::parse;
+use raytracer::scene_io::load;
+use raytracer::stats::{Counts, Quiet};
+use raytracer::world::World;
+use std::path::{Path, PathBuf};
+
+fn scenes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
+}
+
+fn mesh(name: &str) -> Mesh {
+    parse_obj(&std::fs::read(scenes().join(name)).unwrap()).unwrap()
+}
+
+/// The rabbit alone, or in one corner of a stadium so many times as large: a floor of two triangles,
+/// stands of boxes, and a few things that reach across many cells or sit within the rabbit's.
+fn stadium(times: Option<f64>) -> World {
+    let mut objects = vec!["TriangleMesh { obj_file rabbit.obj }".to_string()];
+    if let Some(size) = times {
+        objects.extend((0..300).map(|i| {
+            let (x, z) = (size * (0.4 + (i % 20) as f64), -size * (0.3 + (i / 20) as f64));
+            let (far_x, far_z) = (x + 0.4 * size, z - 0.4 * size);
+            format!("Box {{ min {x} 0 {far_z} max {far_x} {size} {z} }}")
+        }));
+        let (low, high) = (-0.5 * size, 21.0 * size);
+        objects.extend([
+            format!(
+                "Triangle {{ vertex0 {low} -0.1 {} vertex1 {low} -0.1 {high} vertex2 {high} -0.1 {high} }}",
+                -high
+            ),
+            format!(
+                "Triangle {{ vertex0 {low} -0.1 {} vertex1 {high} -0.1 {high} vertex2 {high} -0.1 {} }}",
+                -high, -high
+            ),
+            format!("Triangle {{ vertex0 -0.2 0.3 0.4 vertex1 0.2 0.31 0.4 vertex2 {size} 0.3 0.41 }}"),
+            "Sphere { center -0.12 0.05 0.1 radius 0.02 }".to_string(),
+            format!("Sphere {{ center 0 {} 0 radius {size} }}", size + 1.0),
+            "Transform { Translate 0.15 0.2 0 Scale 0.02 0.05 0.03 Sphere { center 0 0 0 radius 1 } }"
+                .to_string(),
+        ]);
+    }
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
+         Group {{ numObjects {} Material {{ }} {} }}",
+        objects.len(),
+        objects.join("\n")
+    );
+    World::new(&parse(&text).unwrap(), &[mesh("bunny_5k.obj")]).unwrap()
+}
+
+/// Numbers from -0.5 to 0.5.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+/// Rays from within `reach` of the rabbit through the rabbit's box, or along an axis through it.
+fn rays(count: usize, reach: f64) -> impl Iterator<Item = Ray> {
+    let mut random = random(11);
+    (0..count).map(move |i| {
+        let mut point = || DVec3::new(random(), random(), random());
+        let (from, to) = (reach * point(), 0.4 * point() + DVec3::new(0.0, 0.1, 0.0));
+        if i % 9 == 0 {
+            Ray::new(to + reach * DVec3::AXES[i % 3], DVec3::AXES[i % 3] * -reach)
+        } else {
+            Ray::new(from, to - from)
+        }
+    })
+}
+
+fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
+    let cells = Resolution::Auto.cells(&world.bounds, world.finite_count(), rays);
+    Caster::with(world, Some(cells), Insertion::Nested, instructions).unwrap()
+}
+
+#[test]
+fn grids_within_cells_give_the_hits_that_testing_everything_gives() {
+    for size in [1.0, 1e3, 1e7] {
+        let world = stadium(Some(size));
+        let everything = Caster::new(&world, None).unwrap();
+        let casters = Instructions::available().into_iter().map(|with| automatic(&world, 1_000_000, with));
+        let casters: Vec<Caster> = casters.collect();
+        // The farthest begin too far from the innermost grids for what these prove about themselves.
+        for reach in [1.0, 20.0 * size] {
+            let mut hits = 0;
+            for ray in rays(3000, reach) {
+                let expected = everything.closest(&ray, &mut Quiet);
+                hits += usize::from(expected.is_some());
+                for caster in &casters {
+                    assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{size} {ray:?}");
+                    assert_eq!(caster.closest(&ray, &mut Counts::default()), expected, "{size} {ray:?}");
+                    assert_eq!(caster.any(&ray, &mut Quiet), expected.is_some(), "{size} {ray:?}");
+                }
+            }
+            assert!(hits > 1000, "{hits}");
+        }
+    }
+}
+
+/// What the rays cost: cells gone through, and blocks of eight tested, which take five times as long.
+fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
+    let mut probe = Counts::default();
+    rays.for_each(|ray| {
+        caster.closest(&ray, &mut probe);
+    });
+    probe.cells_traversed as f64 + 5.0 / 8.0 * probe.intersections as f64
+}
+
+/// Whoever looks at the rabbit does not wait for the stadium.
+#[test]
+fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
+    let with = Instructions::available()[0];
+    let world = stadium(None);
+    let alone = automatic(&world, 1_000_000, with);
+    let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, &mut Quiet));
+    assert!(at_rabbit().count() > 10_000);
+    let least = work(&alone, at_rabbit());
+    for size in [10.0, 1e3, 1e5] {
+        let vast = stadium(Some(size));
+        let more = work(&automatic(&vast, 1_000_000, with), at_rabbit()) / least;
+        println!("{size} times as large: {more:.2} times the work");
+        assert!(more <= 2.0, "{size}: {more}");
+    }
+}
+
+/// Every scene, seen by its own camera: no fixed grid is twice as good as the automatic one.
+#[test]
+fn the_automatic_grid_is_never_much_worse_than_the_best() {
+    let with = Instructions::available()[0];
+    let texts = std::fs::read_dir(scenes()).unwrap().map(|entry| entry.unwrap().path());
+    for path in texts.filter(|path| path.extension().is_some_and(|e| e == "txt")) {
+        let loaded = load(&path).unwrap();
+        let world = World::of_meshes(&loaded.scene, loaded.meshes).unwrap();
+        if world.finite_count() == 0 {
+            continue;
+        }
+        let camera = Camera::new(&loaded.scene.camera, [64, 64]);
+        let pixels = (0..64 * 64).map(|k| DVec2::new((k % 64) as f64, (k / 64) as f64));
+        let rays: Vec<Ray> = pixels.map(|pixel| camera.ray(pixel, DVec2::ZERO)).collect();
+        let cost = |caster: &Caster| work(caster, rays.iter().copied());
+        let chosen = cost(&automatic(&world, 1_000_000, with));
+        let fixed = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128].map(|n| {
+            let cells = cubic(&world.bounds, (n * n * n) as f64);
+            cost(&Caster::with(&world, Some(cells), Insertion::Exact, with).unwrap())
+        });
+        let best = fixed.into_iter().fold(f64::INFINITY, f64::min);
+        let ratio = chosen / best;
+        println!("{}: {ratio:.2}", path.display());
+        assert!(ratio <= 2.0, "{}: {ratio}", path.display());
+    }
+}
