@@ -69,6 +69,11 @@ pub struct Placement<'s> {
 }
 
 impl Placement<'_> {
+    /// A point of the object in the world.
+    fn place(&self, point: DVec3) -> DVec3 {
+        if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
+    }
+
     /// An error at the transform, or at the start of the text where there is none.
     fn error(&self, problem: Problem) -> SceneError {
         SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)

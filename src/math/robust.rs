@@ -1,6 +1,7 @@
 //! Arithmetic whose error is bounded, and the offsets that follow from the bounds.
 
-use glam::{DMat3, DVec3};
+use super::double_double::{Dd, dot};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// The largest relative error of one rounded f64 operation, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
@@ -35,6 +36,16 @@ pub fn unit(v: DVec3) -> DVec3 {
 #[cold]
 fn unit_of_extreme(v: DVec3) -> DVec3 {
     (v / v.abs().max_element()).normalize()
+}
+
+/// A point under an affine map, each coordinate rounded but once. In plain arithmetic it may be off by
+/// seven roundings of the longest vector on its way.
+pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
+    let (rows, point) = (map.matrix3.transpose(), point.to_array().map(Dd::from));
+    let coordinate =
+        |row: DVec3, shift: f64| (dot(row.to_array().map(Dd::from), point) + shift.into()).value();
+    let DVec3 { x, y, z } = map.translation;
+    DVec3::new(coordinate(rows.x_axis, x), coordinate(rows.y_axis, y), coordinate(rows.z_axis, z))
 }
 
 /// The cofactor matrix: the inverse transpose times the determinant. It maps normals, and unlike

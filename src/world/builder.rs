@@ -34,7 +34,7 @@ impl<'a> Builder<'a> {
     }
 
     pub fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
-        let map = |p: DVec3| placement.matrix.transform_point3(p);
+        let map = |p: DVec3| placement.place(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
                 self.triangles(vertices.map(map), &[[0, 1, 2]], placement, material)
@@ -71,14 +71,16 @@ impl<'a> Builder<'a> {
     }
 
     fn mesh(&mut self, number: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
-        let map = |p: DVec3| placement.matrix.transform_point3(p);
+        let map = |p: DVec3| placement.place(p);
         let mesh = mem::take(&mut self.meshes[number]);
         self.uses[number] = self.uses[number].saturating_sub(1);
         let is_last = self.uses[number] == 0;
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
                 (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
-                self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
+                if placement.transform.is_some() {
+                    self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
+                }
                 self.note_triangles(0, 0, placement, material)
             }
             mesh => {
@@ -120,7 +122,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let matrix = placement.matrix;
         let linear = matrix.matrix3;
-        let (middle, reach) = (matrix.transform_point3(center), linear * radius);
+        let (middle, reach) = (placement.place(center), linear * radius);
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
@@ -153,7 +155,7 @@ impl<'a> Builder<'a> {
         }
         let outward = robust::cofactor(linear) * normal * linear.determinant().signum();
         let normal_there = robust::unit(outward);
-        let point = placement.matrix.transform_point3(offset * normal);
+        let point = placement.place(offset * normal);
         self.world.planes.push(Plane { normal: normal_there, offset: normal_there.dot(point) });
         if point.is_finite() && normal_there.is_finite() {
             Ok(())
