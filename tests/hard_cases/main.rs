@@ -5,6 +5,7 @@
 //! `HARD_CASES=long cargo test --release --test hard_cases`. With `ACCURACY_DIR` set to a folder,
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
+mod filter;
 mod grid;
 mod grid_march;
 mod grid_scenes;

@@ -1,0 +1,132 @@
+//! The single-precision filter by itself, beside case 19: what it rejects is missed, and what it is
+//! certain of is hit. The oracle is the exact test.
+
+use crate::support::measure::{Failures, measure};
+use crate::support::meshes::world_of;
+use crate::support::rays;
+use crate::support::rng::Rng;
+use glam::DVec3;
+use raytracer::caster::Instructions;
+use raytracer::caster::block::{Block, Frame, LANES, Slack};
+use raytracer::caster::filter::{FilterRay, Kernel, Portable, Verdict};
+use raytracer::math::ray::Ray;
+use raytracer::primitive::triangle::Shear;
+use raytracer::scene::mesh::Mesh;
+use raytracer::world::World;
+
+const SEED: u64 = 3019;
+const RAYS_PER_BLOCK: u64 = 100;
+
+/// A frame anywhere and of any size.
+fn frame(rng: &mut Rng) -> Frame {
+    let center = if rng.below(2) == 0 { DVec3::ZERO } else { 1e4 * rng.in_cube() };
+    let [x, y, z] = center.to_array();
+    Frame { center: [x, y, z, 0.0], scale: f64::powi(2.0, rng.below(40) as i32 - 20) }
+}
+
+/// Eight triangles of one size, needles among them, in a frame's box or out to four times as far; one
+/// of them at times farther than the filter takes any.
+fn triangles(rng: &mut Rng, frame: &Frame) -> World {
+    let size = f64::powf(10.0, rng.range(-6.0, 0.3));
+    let reach = if rng.below(2) == 0 { 1.0 } else { 4.0 };
+    let stray = if rng.below(10) == 0 { 1e3 } else { 1.0 };
+    let mut mesh = Mesh::default();
+    for lane in 0..LANES as u32 {
+        let size = if lane == 7 { size * stray } else { size };
+        let corner = reach * rng.in_cube();
+        let narrow = f64::powf(10.0, rng.range(-4.0, 0.0));
+        let (along, aside) = (size * rng.direction(), size * narrow * rng.direction());
+        let corners = [corner, corner + along, corner + rng.unit() * along + aside];
+        mesh.vertices.extend(corners.map(|p| {
+            center(frame) + p.clamp(-reach * DVec3::splat(stray), reach * DVec3::splat(stray)) / frame.scale
+        }));
+        mesh.triangles.push([3 * lane, 3 * lane + 1, 3 * lane + 2]);
+    }
+    world_of(&mesh)
+}
+
+fn center(frame: &Frame) -> DVec3 {
+    let [x, y, z, _] = frame.center;
+    DVec3::new(x, y, z)
+}
+
+/// A ray from within the frame's box that passes an edge, a vertex or the inside of a triangle, closely
+/// or at random.
+fn ray(rng: &mut Rng, frame: &Frame, corners: [DVec3; 3]) -> Ray {
+    let origin = center(frame) + rng.in_cube() / frame.scale;
+    let [a, b, c] = corners;
+    let target = match rng.below(4) {
+        0 => a,
+        1 => a.lerp(b, rng.unit()),
+        2 => b.lerp(c, rng.unit()),
+        _ => a.lerp(b, rng.unit()).lerp(c, rng.unit()),
+    };
+    let off = (b - a).length() * f64::powf(10.0, rng.range(-12.0, -1.0)) * rng.direction();
+    let direction = target + off - origin;
+    Ray::new(origin, if rng.below(8) == 0 { direction.normalize() } else { direction })
+}
+
+/// As the search makes it, for a ray that begins in the frame's box.
+fn filter_ray(frame: &Frame, ray: &Ray, farthest: f32) -> FilterRay {
+    let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
+    let direction = ray.direction / ray.direction.abs().max_element();
+    FilterRay { origin: single(frame.point(ray.origin)), direction: single(direction), farthest }
+}
+
+/// The lanes that the exact test hits up to the filter's farthest t.
+fn hit_lanes(world: &World, frame: &Frame, ray: &Ray, farthest: f32) -> u32 {
+    let shear = Shear::new(ray);
+    let per_t = ray.direction.abs().max_element() * frame.scale;
+    let is_hit = |lane: &u32| {
+        let corners = world.corners(*lane as usize);
+        let crossing = shear.intersect(corners.each_ref());
+        crossing.is_some_and(|c| c.t >= 0.0 && c.t * per_t <= f64::from(farthest))
+    };
+    (0..LANES as u32).filter(is_hit).fold(0, |lanes, lane| lanes | 1 << lane)
+}
+
+fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
+    let portable = Portable::test(block, ray);
+    #[cfg(target_arch = "x86_64")]
+    if Instructions::available().contains(&Instructions::Avx2) {
+        return vec![portable, raytracer::caster::filter::Avx2::test(block, ray)];
+    }
+    vec![portable]
+}
+
+#[test]
+fn the_filter_is_never_wrong() {
+    let blocks = rays(1250, 125_000);
+    let failures = Failures::default();
+    let one = |index| {
+        let rng = &mut Rng::at(SEED, index);
+        let frame = frame(rng);
+        let world = triangles(rng, &frame);
+        let mut block: Block = bytemuck::Zeroable::zeroed();
+        block.fill(&world, &frame, &std::array::from_fn(|lane| lane as u32));
+        let mut without_margin = block;
+        without_margin.slack = Slack { edge: 0.0, depth: 0.0 };
+        let mut counts = [0; 4];
+        for k in 0..RAYS_PER_BLOCK {
+            let aim = world.corners(rng.below(LANES));
+            let ray = ray(rng, &frame, aim);
+            let farthest = if rng.below(2) == 0 { 2.5 } else { rng.range(0.0, 2.5) as f32 };
+            let (exact, single) =
+                (hit_lanes(&world, &frame, &ray, farthest), filter_ray(&frame, &ray, farthest));
+            for Verdict { possible, certain } in verdicts(&block, &single) {
+                let wrong = exact & !possible | certain & !exact;
+                counts[0] += u64::from(wrong.count_ones());
+                counts[1] += u64::from(possible.count_ones());
+                failures.note(wrong != 0, || format!("seed {SEED}, block {index}, ray {k}: {wrong:#b}"));
+            }
+            counts[2] += u64::from((exact & !Portable::test(&without_margin, &single).possible).count_ones());
+            counts[3] += u64::from(exact.count_ones());
+        }
+        (counts, [])
+    };
+    let [wrong, open, textbook, hits] = measure::<4, 0>(blocks, one).0;
+    let pairs = blocks * RAYS_PER_BLOCK * LANES as u64;
+    println!("{pairs} pairs, {hits} hits, {open} left open; wrong: {wrong}, without a margin {textbook}");
+    assert_eq!(wrong, 0);
+    assert!(textbook > 0 && hits > pairs / 100, "the test tests nothing");
+}
