@@ -13,7 +13,6 @@ mod stage;
 
 use contestant::Contestant;
 use measure::{built, race};
-use raytracer::caster::Caster;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
 use report::Row;
@@ -79,7 +78,7 @@ fn measure_mesh(stage: &Stage, mesh: Mesh, rounds: usize) -> Result<Row, Box<dyn
     let world = World::new(&stage.scene, &meshes).map_err(|error| format!("{error:?}"))?;
     let cells = ours::cells(&world);
     let builds = if mesh.triangles.len() > BUILT_OFTEN { 1 } else { rounds };
-    let (ours, our_build) = built(builds, || Caster::new(&world, Some(cells)));
+    let (ours, our_build) = built(builds, || ours::caster(&world, cells));
     let ours = ours.map_err(|error| error.to_string())?;
     let (obvhs, obvhs_build) = built(builds, || peers::Obvhs::new(mesh));
     let (parry, parry_build) = built(builds, || peers::Parry::new(mesh));

@@ -1,8 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::caster::Caster;
-use raytracer::math::aabb::Aabb;
+use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::grid::build::GridTooLarge;
+use raytracer::grid::resolution::Resolution;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -18,10 +19,11 @@ impl Cast for Caster<'_> {
     }
 }
 
-/// Cubic cells, about one for each triangle.
+/// The cells that `-grid auto` chooses for a picture of so many rays that building does not count.
 pub fn cells(world: &World) -> [usize; 3] {
-    let Aabb { min, max } = world.bounds;
-    let extent = max - min;
-    let edge = (extent.element_product() / world.triangles.len() as f64).cbrt();
-    (extent / edge).to_array().map(|count| count.round().max(1.0) as usize)
+    Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 30)
+}
+
+pub fn caster(world: &World, cells: [usize; 3]) -> Result<Caster<'_>, GridTooLarge> {
+    Caster::with(world, Some(cells), Insertion::Nested, Instructions::available()[0])
 }
