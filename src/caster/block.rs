@@ -87,8 +87,8 @@ impl Block {
 /// reach far out; one that reaches farther is left open, for the sake of its neighbours' slack.
 const FARTHEST_CORNER: f64 = 4.0;
 
-/// What the filter's quantities may be off by, for the triangles of one block: the bounds that are
-/// derived in [`super::filter`].
+/// How far below zero the filter's quantities may come out for the triangles of one block where in truth
+/// they are not negative: minus the bounds that are derived in [`super::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Slack {
@@ -104,7 +104,7 @@ impl Slack {
     pub fn of(longest: f32, farthest: f32) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
         let scale = ROUNDING * farthest * longest;
-        Self { edge: 400.0 * scale, depth: 280.0 * scale * longest }
+        Self { edge: -400.0 * scale, depth: -280.0 * scale * longest }
     }
 }
 

@@ -91,8 +91,8 @@ impl Kernel for Portable {
             let before = ray.farthest * det - depth;
             // NaN lanes fail the comparisons; `min` would hide the NaN of a single operand, but an
             // empty lane has three.
-            let possible = inside >= -edge_slack && depth >= -depth_slack && before >= -depth_slack;
-            let certain = inside > edge_slack && depth > depth_slack && before > depth_slack;
+            let possible = inside >= edge_slack && depth >= depth_slack && before >= depth_slack;
+            let certain = inside > -edge_slack && depth > -depth_slack && before > -depth_slack;
             verdict.possible |= (possible as u32) << lane;
             verdict.certain |= (certain as u32) << lane;
         }
@@ -180,16 +180,16 @@ mod avx2 {
         let Slack { edge, depth } = &block.slack;
         let [edge, deep] = [edge, depth].map(|x| _mm256_broadcast_ss(x));
         let possible = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, _mm256_xor_ps(edge, minus)),
-            _mm256_cmp_ps::<_CMP_GE_OQ>(within, _mm256_xor_ps(deep, minus)),
+            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge),
+            _mm256_cmp_ps::<_CMP_GE_OQ>(within, deep),
         );
         let possible = _mm256_movemask_ps(possible) as u32;
         if possible == 0 {
             return Verdict { possible, certain: 0 };
         }
         let certain = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, edge),
-            _mm256_cmp_ps::<_CMP_GT_OQ>(within, deep),
+            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge, minus)),
+            _mm256_cmp_ps::<_CMP_GT_OQ>(within, _mm256_xor_ps(deep, minus)),
         );
         Verdict { possible, certain: _mm256_movemask_ps(certain) as u32 }
     }
