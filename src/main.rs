@@ -3,7 +3,7 @@
 use raytracer::camera::Camera;
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::cli::{self, Command, Options};
-use raytracer::grid::resolution::Resolution;
+use raytracer::grid::resolution::{Resolution, crowd};
 use raytracer::grid::visualize::Occupancy;
 use raytracer::image_io::{ImageError, OutputFile};
 use raytracer::picture::Picture;
@@ -137,7 +137,7 @@ fn draw<P: Probe>(
     let cells = grid.filter(|_| !options.visualize_grid);
     let insertion = match options.grid {
         _ if P::COUNTS => Insertion::Course,
-        Some(Resolution::Auto) => Insertion::Nested,
+        Some(Resolution::Auto) => Insertion::Nested { crowd: crowd(world.finite_count(), rays) },
         _ => Insertion::Exact,
     };
     let instructions = Instructions::available()[0];

@@ -47,7 +47,7 @@ fn hits_depend_neither_on_instructions_nor_on_insertion() {
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
-        for insertion in [Insertion::Exact, Insertion::Nested, Insertion::Course] {
+        for insertion in [Insertion::Exact, Insertion::Nested { crowd: 96 }, Insertion::Course] {
             for cells in [None, Some([1, 1, 1]), Some([20, 17, 23])] {
                 let caster = Caster::with(&world, cells, insertion, instructions).unwrap();
                 for (ray, hit) in &expected {

@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::caster::{Caster, Insertion, Instructions};
-use raytracer::grid::resolution::{Resolution, cubic};
+use raytracer::grid::resolution::{Resolution, crowd, cubic};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
@@ -82,7 +82,8 @@ fn rays(count: usize, reach: f64) -> impl Iterator<Item = Ray> {
 
 fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
     let cells = Resolution::Auto.cells(&world.bounds, world.finite_count(), rays);
-    Caster::with(world, Some(cells), Insertion::Nested, instructions).unwrap()
+    let crowd = crowd(world.finite_count(), rays);
+    Caster::with(world, Some(cells), Insertion::Nested { crowd }, instructions).unwrap()
 }
 
 #[test]

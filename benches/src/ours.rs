@@ -3,7 +3,7 @@
 use crate::contestant::{Cast, FlatRay};
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::grid::build::GridTooLarge;
-use raytracer::grid::resolution::Resolution;
+use raytracer::grid::resolution::{Resolution, crowd};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -19,11 +19,15 @@ impl Cast for Caster<'_> {
     }
 }
 
-/// The cells that `-grid auto` chooses for a picture of so many rays that building does not count.
+/// So many that building does not count.
+const RAYS: usize = 1 << 30;
+
+/// The cells that `-grid auto` chooses.
 pub fn cells(world: &World) -> [usize; 3] {
-    Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 30)
+    Resolution::Auto.cells(&world.bounds, world.finite_count(), RAYS)
 }
 
 pub fn caster(world: &World, cells: [usize; 3]) -> Result<Caster<'_>, GridTooLarge> {
-    Caster::with(world, Some(cells), Insertion::Nested, Instructions::available()[0])
+    let insertion = Insertion::Nested { crowd: crowd(world.finite_count(), RAYS) };
+    Caster::with(world, Some(cells), insertion, Instructions::available()[0])
 }

@@ -23,8 +23,8 @@ use structure::Structure;
 pub enum Insertion {
     /// Those it touches.
     Exact,
-    /// Those it touches, and a crowded cell is cut into cells of its own.
-    Nested,
+    /// Those it touches, and a cell with more than `crowd` is cut into cells of its own.
+    Nested { crowd: usize },
     /// Those that the course's program enters it in, for counters that compare with the course's.
     Course,
 }

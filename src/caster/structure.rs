@@ -15,10 +15,6 @@ use crate::world::{Primitive, World};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A cell with more primitives than this gets a grid of its own: five times as many as the cells of an
-/// even mesh hold that hold any.
-const CROWD: usize = 96;
-
 /// Up to so many primitives that span a crowded cell stand beside its grid instead of in it.
 const WIDE: usize = 32;
 
@@ -61,7 +57,7 @@ impl Structure {
         let Some(cells) = cells else {
             return Self::listed(world, Items::All, &bounds, Frame::new(&bounds));
         };
-        let depth = if insertion == Insertion::Nested { DEPTH } else { 1 };
+        let depth = if matches!(insertion, Insertion::Nested { .. }) { DEPTH } else { 1 };
         Self::gridded(world, Items::All, Lattice::new(bounds, cells), insertion, depth)
     }
 
@@ -89,12 +85,15 @@ impl Structure {
         let mut rows = Rows::new(&lattice, items.count(world), |i, out| {
             enter(world, items.number(i), &lattice, insertion, slack, out)
         })?;
-        let crowded = if depth > 1 { rows.take_crowded(&lattice, CROWD)? } else { vec![] };
+        let crowded = match insertion {
+            Insertion::Nested { crowd } if depth > 1 => rows.take_crowded(&lattice, crowd)?,
+            _ => vec![],
+        };
         let mut cells = Cells::new(world, &lattice, &rows, &items)?;
         drop(rows);
         let nest = |(cell, held): &(u32, Vec<u32>)| {
             let held = held.iter().map(|&i| items.number(i as usize)).collect();
-            Crowd::new(world, held, &cell_box(&lattice, *cell), depth - 1)
+            Crowd::new(world, held, &cell_box(&lattice, *cell), insertion, depth - 1)
         };
         let nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
         cells.name_nested(crowded.iter().map(|(cell, _)| *cell));
@@ -125,7 +124,13 @@ fn cell_box(lattice: &Lattice, index: u32) -> Aabb {
 
 impl Crowd {
     /// Of the primitives that a cell holds, as far as they reach into it.
-    fn new(world: &World, held: Vec<u32>, cell: &Aabb, depth: usize) -> Result<Self, GridTooLarge> {
+    fn new(
+        world: &World,
+        held: Vec<u32>,
+        cell: &Aabb,
+        insertion: Insertion,
+        depth: usize,
+    ) -> Result<Self, GridTooLarge> {
         let (mut wide, mut fine): (Vec<u32>, _) =
             held.into_iter().partition(|&number| spans(&world.box_of(number), cell));
         if wide.len() > WIDE {
@@ -133,7 +138,7 @@ impl Crowd {
             fine.sort_unstable();
         }
         let lattice = nested_lattice(world, &fine, cell);
-        let fine = Structure::gridded(world, Items::These(fine), lattice, Insertion::Nested, depth)?;
+        let fine = Structure::gridded(world, Items::These(fine), lattice, insertion, depth)?;
         if wide.is_empty() {
             return Ok(Self { wide: None, fine });
         }
