@@ -27,8 +27,10 @@ pub struct Block {
     pub then: Then,
     /// The triangles' numbers in their world; [`NONE`] in an empty lane.
     pub numbers: [u32; LANES],
+    /// Where in the list of what is no triangle the cell's own begin and end.
+    pub others: [u32; 2],
     /// The rest of the last cache line.
-    _rest: [u32; 5],
+    _rest: [u32; 3],
 }
 
 /// What follows a block.

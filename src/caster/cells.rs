@@ -23,32 +23,9 @@ pub const BORDER: u32 = u32::MAX;
 pub struct Cells {
     words: Vec<u32>,
     pub blocks: Blocks,
-    others: Others,
+    /// The primitives that are no triangles, cell by cell: each cell's last block says which are its own.
+    pub others: Vec<u32>,
     pub frame: Frame,
-}
-
-/// The primitives that are no triangles, cell by cell.
-#[derive(Debug, Default)]
-struct Others {
-    /// The last block of each cell that has some, in increasing order, and where its list starts.
-    cells: Vec<(u32, u32)>,
-    numbers: Vec<u32>,
-}
-
-impl Others {
-    /// Blocks come in increasing order.
-    fn push(&mut self, block: u32, number: u32) {
-        if self.cells.last().is_none_or(|cell| cell.0 != block) {
-            self.cells.push((block, self.numbers.len() as u32));
-        }
-        self.numbers.push(number);
-    }
-
-    fn of(&self, block: usize) -> &[u32] {
-        let Ok(place) = self.cells.binary_search_by_key(&(block as u32), |cell| cell.0) else { return &[] };
-        let end = self.cells.get(place + 1).map_or(self.numbers.len(), |next| next.1 as usize);
-        &self.numbers[self.cells[place].1 as usize..end]
-    }
 }
 
 impl Cells {
@@ -98,17 +75,12 @@ impl Cells {
         }
     }
 
-    /// The numbers in the cell whose last block this is that are no triangles'.
-    pub fn others_of(&self, block: usize) -> &[u32] {
-        self.others.of(block)
-    }
-
     /// Blocks of these triangles, of which none is marked as its cell's last.
     fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
         let mut blocks = Blocks::zeroed(numbers.len())?;
         let empty = blocks.as_mut_slice().par_iter_mut();
         empty.zip(&numbers).for_each(|(block, numbers)| block.fill(world, &frame, numbers));
-        Ok(Self { words: vec![], blocks, others: Others::default(), frame })
+        Ok(Self { words: vec![], blocks, others: vec![], frame })
     }
 
     /// Turns the place of each cell's first lane into its word, and marks each cell's last block.
@@ -148,9 +120,14 @@ impl Cells {
     /// Takes last blocks, which must ascend, and numbers of what is no triangle.
     fn note_others(&mut self, places: Vec<(u32, u32)>) {
         let blocks = self.blocks.as_mut_slice();
-        for (block, number) in places {
-            blocks[block as usize].then = Then::Others;
-            self.others.push(block, number);
+        for (&(block, number), place) in places.iter().zip(0..) {
+            let block = &mut blocks[block as usize];
+            if block.then != Then::Others {
+                block.then = Then::Others;
+                block.others[0] = place;
+            }
+            block.others[1] = place + 1;
+            self.others.push(number);
         }
     }
 }
@@ -252,7 +229,8 @@ mod tests {
                     let last = cells.last_block(index as u32) as usize;
                     let own = &cells.blocks.as_slice()[first..=last];
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
-                    found.extend(cells.others_of(last));
+                    let [start, end] = cells.blocks.as_slice()[last].others.map(|i| i as usize);
+                    found.extend(&cells.others[start..end]);
                 }
             }
             let expected: Vec<u32> =

@@ -20,8 +20,8 @@ pub struct Search<'a> {
     shear: Option<Shear<'a>>,
     /// At the ray's end and of nothing, until something is found.
     best: Hit,
-    /// The triangles decided last, and the place of the next one. Those that span many cells, and
-    /// which the filter leaves open, would be decided over and over.
+    /// The primitives decided last, and the place of the next one. Those that span many cells, and that
+    /// no filter rejects, would be decided over and over.
     decided: [u32; DECIDED],
     next: usize,
 }
@@ -249,19 +249,32 @@ impl<'a> Search<'a> {
             }
             number += 1;
         }
-        if blocks[number].then == Then::Others && self.test_others(cells, number, probe) {
+        if blocks[number].then == Then::Others && self.test_others(cells, &blocks[number], probe) {
             changed = true;
             filtered.cut(self.best.t);
         }
         changed
     }
 
-    /// Tests what is no triangle in the cell whose last block is `last`.
+    /// Tests what is no triangle in the cell whose last block this is.
     #[inline(never)]
-    fn test_others<P: Probe>(&mut self, cells: &Cells, last: usize, probe: &mut P) -> bool {
-        let others = cells.others_of(last);
+    fn test_others<P: Probe>(&mut self, cells: &Cells, last: &Block, probe: &mut P) -> bool {
+        let [start, end] = last.others.map(|place| place as usize);
+        let others = &cells.others[start..end];
         probe.intersections(others.len());
-        others.iter().fold(false, |changed, &number| self.test(number) | changed)
+        others.iter().fold(false, |changed, &number| (self.is_new(number) && self.test(number)) | changed)
+    }
+
+    /// Whether the primitive was not among the last to be decided; notes that it is now. What was decided
+    /// once is the best, or will never be.
+    #[inline(always)]
+    fn is_new(&mut self, number: u32) -> bool {
+        let is_new = !self.decided.contains(&number);
+        if is_new {
+            self.decided[self.next % DECIDED] = number;
+            self.next += 1;
+        }
+        is_new
     }
 
     /// Decides the lanes of a block that the filter left open; says whether the best hit changed.
@@ -271,10 +284,7 @@ impl<'a> Search<'a> {
         while lanes != 0 {
             let number = numbers[lanes.trailing_zeros() as usize];
             lanes &= lanes - 1;
-            // What was decided once is the best, or will never be.
-            if !self.decided.contains(&number) {
-                self.decided[self.next % DECIDED] = number;
-                self.next += 1;
+            if self.is_new(number) {
                 changed |= self.test_triangle(number);
                 if ANY && changed {
                     return true;
