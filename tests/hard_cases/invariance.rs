@@ -157,8 +157,9 @@ fn case_51_moved_by_a_million_extents() {
 ///
 /// It cannot be none for every scene, since the move rounds what it moves. Where the camera stands in
 /// the plane of a checkerboard's boundary, a row of pixels shows whichever side the points of a curved
-/// surface are rounded to, at home as well; and a gem's facets multiply an angle at every bounce. The
-/// course has one scene of each kind.
+/// surface are rounded to, at home as well; a gem's facets multiply an angle at every bounce; and two
+/// mirrored pixels' shadow rays may just touch an edge, where a move by a tenth already decides otherwise.
+/// The course has scenes of each kind.
 fn pixels_that_move() -> (usize, usize) {
     let (mut pixels, mut off) = (0, 0);
     for scene in own_scenes() {
