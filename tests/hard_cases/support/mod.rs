@@ -18,10 +18,14 @@ pub mod textbook_grid;
 pub mod textbook_noise;
 pub mod textbook_offsets;
 
-/// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second
-/// in the long one.
+/// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second in
+/// the long one. A number instead of the word cuts the long tier to so many.
 pub fn rays(ordinary: u64, long: u64) -> u64 {
-    if std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long") { long } else { ordinary }
+    match std::env::var("HARD_CASES") {
+        Ok(tier) if tier == "long" => long,
+        Ok(most) => most.parse().map_or(ordinary, |most| long.min(most)),
+        Err(_) => ordinary,
+    }
 }
 
 /// A float's bits in hexadecimal, ready to become a recorded case.
