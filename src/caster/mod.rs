@@ -5,18 +5,18 @@ mod blocks;
 pub mod cells;
 pub mod filter;
 mod items;
-mod nested;
 mod search;
 mod structure;
+mod traversal;
 
 use crate::grid::build::GridTooLarge;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 use crate::world::World;
 use glam::DVec2;
-use nested::Nest;
 use search::Search;
 use structure::Structure;
+use traversal::Nest;
 
 /// Which cells a primitive is entered in. More cells change no hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,13 +118,13 @@ impl<'w> Caster<'w> {
         let stored = ray;
         let mut search = Search::new(self.world, &stored);
         search.test_planes(&ray, probe);
-        if ANY && search.best().is_some() {
-            return search.best();
+        if ANY && search.hit().is_some() {
+            return search.hit();
         }
         if let Some(structure) = &self.structure {
             structure.run::<K, P, ANY>(&ray, &mut search, probe);
         }
-        search.best()
+        search.hit()
     }
 }
 

@@ -1,11 +1,9 @@
-//! The search along one ray: cells in order, eight triangles at a time, each decided exactly.
+//! The best hit along one ray: eight triangles at a time, each decided exactly.
 
-use super::Structure;
 use super::block::{Block, Frame, LANES, NONE, Then};
-use super::cells::{BORDER, Cells, EMPTY, NESTED};
+use super::cells::Cells;
 use super::filter::{FARTHEST, FilterRay, Kernel};
-use super::nested::Nest;
-use crate::grid::march::{March, Passage, clip};
+use crate::grid::march::Passage;
 use crate::math::four::Four;
 use crate::math::ray::{Hit, Ray};
 use crate::primitive::triangle::Shear;
@@ -14,12 +12,12 @@ use crate::world::{Primitive, World};
 
 /// The best hit so far along one ray.
 pub struct Search<'a> {
-    world: &'a World,
-    ray: &'a Ray,
+    pub world: &'a World,
+    pub ray: &'a Ray,
     /// Computed when the first triangle needs it.
     shear: Option<Shear<'a>>,
     /// At the ray's end and of nothing, until something is found.
-    best: Hit,
+    pub best: Hit,
     /// The primitives decided last, and the place of the next one. Those that span many cells, and that
     /// no filter rejects, would be decided over and over.
     decided: [u32; DECIDED],
@@ -29,7 +27,7 @@ pub struct Search<'a> {
 const DECIDED: usize = 4;
 
 /// A ray on its way through the structure, in the filter's coordinates.
-struct Filtered {
+pub struct Filtered {
     ray: FilterRay,
     /// t where the filter's ray begins, and how much of the filter's t one unit of t is.
     entry: f64,
@@ -38,7 +36,7 @@ struct Filtered {
 
 impl Filtered {
     #[inline(always)]
-    fn new<F: Four>(frame: &Frame, passage: &Passage<F>, last: f64) -> Self {
+    pub fn new<F: Four>(frame: &Frame, passage: &Passage<F>, last: f64) -> Self {
         let Passage { entry, origin, direction, .. } = *passage;
         let largest = direction.abs().greatest();
         let scale = F::splat(frame.scale);
@@ -58,130 +56,11 @@ impl Filtered {
 
     /// Nothing beyond `last` counts.
     #[inline(always)]
-    fn cut(&mut self, last: f64) {
+    pub fn cut(&mut self, last: f64) {
         let farthest = (last - self.entry) * self.per_t;
         self.ray.farthest = if farthest < FARTHEST { farthest } else { FARTHEST } as f32;
     }
 }
-
-impl Structure {
-    /// Looks for a better hit than the search has, in the structure's cells.
-    #[inline(always)]
-    pub fn run<K: Nest, P: Probe, const ANY: bool>(&self, ray: &Ray, search: &mut Search, probe: &mut P) {
-        if !self.is_near::<K::Four>(ray) {
-            return self.run_all::<P, ANY>(search, probe);
-        }
-        let Some(passage) = clip::<K::Four>(&self.slab, ray, search.best.t) else {
-            // The course's program tests everything; what is outside the box misses.
-            let untested = if self.lattice.is_none() { self.items.count(search.world) } else { 0 };
-            return probe.intersections(untested);
-        };
-        // Asked for once, since it takes a look at how they are kept.
-        let blocks = self.cells.blocks.as_slice();
-        let mut filtered = Filtered::new(&self.cells.frame, &passage, search.best.t);
-        match &self.lattice {
-            Some(lattice) => {
-                let march = March::new(lattice, &passage);
-                self.march::<K, P, ANY>(march, blocks, &mut filtered, search, probe);
-            }
-            None => {
-                search.test_cell::<K, P, ANY>(&self.cells, blocks, 0, &mut filtered, probe);
-            }
-        }
-    }
-
-    /// Whether the proofs of filter and march hold for the ray; not for one with a NaN.
-    #[inline(always)]
-    fn is_near<F: Four>(&self, ray: &Ray) -> bool {
-        let o = ray.origin;
-        let from_middle = F::new([o.x, o.y, o.z, 0.0]) - F::new(self.cells.frame.center);
-        from_middle.abs().greatest() <= self.farthest
-    }
-
-    /// Tests the cells along the ray until no nearer hit can follow.
-    #[inline(always)]
-    fn march<K: Nest, P: Probe, const ANY: bool>(
-        &self,
-        mut march: March,
-        blocks: &[Block],
-        filtered: &mut Filtered,
-        search: &mut Search,
-        probe: &mut P,
-    ) {
-        let mut last_tick = march.tick(search.best.t);
-        loop {
-            let word = self.word_at(&march);
-            if word != EMPTY {
-                unlikely();
-                let changed = if word < NESTED {
-                    search.test_cell::<K, P, ANY>(&self.cells, blocks, word as usize - 1, filtered, probe)
-                } else if word != BORDER {
-                    self.test_nested::<K, P, ANY>(word, filtered, search, probe)
-                } else {
-                    return;
-                };
-                if changed {
-                    if ANY {
-                        return;
-                    }
-                    last_tick = march.tick(search.best.t);
-                }
-            }
-            if (P::COUNTS || word != EMPTY) && last_tick <= march.exit() {
-                return;
-            }
-            let stays = march.step();
-            if P::COUNTS {
-                (stays.count_ones()..3).for_each(|_| probe.cell());
-            }
-        }
-    }
-
-    /// Searches what a word names; says whether the best hit changed.
-    #[inline(always)]
-    fn test_nested<K: Nest, P: Probe, const ANY: bool>(
-        &self,
-        word: u32,
-        filtered: &mut Filtered,
-        search: &mut Search,
-        probe: &mut P,
-    ) -> bool {
-        let before = search.best;
-        let crowd = &self.nested[(word - NESTED) as usize];
-        for structure in crowd.wide.iter().chain([&crowd.fine]) {
-            K::search::<P, ANY>(structure, search, probe);
-            if ANY && search.best != before {
-                return true;
-            }
-        }
-        filtered.cut(search.best.t);
-        search.best != before
-    }
-
-    #[inline(always)]
-    fn word_at(&self, march: &March) -> u32 {
-        // SAFETY: the march goes through this structure's lattice. It begins in a cell, and goes on
-        // only from words that are not the border's, so from a cell; and a step of at most one cell
-        // along each axis leads from a cell to another or to the border, which also has its words.
-        unsafe { self.cells.word(march.index()) }
-    }
-
-    /// Without filter and march: every primitive by itself.
-    #[cold]
-    fn run_all<P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        for i in 0..self.items.count(search.world) {
-            probe.intersections(1);
-            if search.test(self.items.number(i)) && ANY {
-                return;
-            }
-        }
-    }
-}
-
-/// Marks the branch that calls it.
-#[inline(always)]
-#[cold]
-fn unlikely() {}
 
 impl<'a> Search<'a> {
     #[inline(always)]
@@ -190,13 +69,9 @@ impl<'a> Search<'a> {
         Self { world, ray, shear: None, best, decided: [NONE; DECIDED], next: 0 }
     }
 
-    pub fn ray(&self) -> &'a Ray {
-        self.ray
-    }
-
     /// The best hit, if there is one.
     #[inline(always)]
-    pub fn best(&self) -> Option<Hit> {
+    pub fn hit(&self) -> Option<Hit> {
         (self.best.primitive != NONE).then_some(self.best)
     }
 
@@ -214,7 +89,7 @@ impl<'a> Search<'a> {
     /// Tests the blocks from `first` to the end of their cell, and the cell's other primitives; says
     /// whether the best hit changed. For any hit, the first one ends the test.
     #[inline(always)]
-    fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
+    pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
         &mut self,
         cells: &Cells,
         blocks: &[Block],
@@ -310,7 +185,7 @@ impl<'a> Search<'a> {
     }
 
     /// Tests any finite primitive; says whether the best hit changed.
-    fn test(&mut self, number: u32) -> bool {
+    pub fn test(&mut self, number: u32) -> bool {
         let t = match self.world.primitive(number) {
             Primitive::Triangle(_) => return self.test_triangle(number),
             Primitive::Sphere(i) => self.world.spheres[i].intersect(self.ray),
