@@ -30,6 +30,9 @@ pub struct Pictures {
 /// How much memory rows on their way to the film may take, in bytes.
 const ROWS_IN_FLIGHT: usize = 32 << 20;
 
+/// How many rows a thread traces before it asks for more.
+const ROWS_AT_ONCE: usize = 4;
+
 /// Renders what is asked for, and hands back what was counted.
 ///
 /// Rows are traced in parallel and collected in order, so that the bytes depend on no thread.
@@ -48,6 +51,8 @@ pub fn render<P: Probe>(
     for first in (0..height).step_by(batch) {
         let rows: Vec<Row<P>> = (first..height.min(first + batch))
             .into_par_iter()
+            // Left to itself the pool cuts the rows in a few large pieces, and waits for the last.
+            .with_max_len(ROWS_AT_ONCE)
             .map(|j| Row::traced(camera, caster, request, j))
             .collect();
         for row in rows {
