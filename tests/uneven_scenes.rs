@@ -110,6 +110,35 @@ fn grids_within_cells_give_the_hits_that_testing_everything_gives() {
     }
 }
 
+/// What spans a flat cell may be much smaller than the cell is long, and far from where a ray enters it.
+#[test]
+fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
+    let tiles = (0..200).map(|i| {
+        let (x, z) = (0.01 * (i % 20) as f64, 0.01 * (i / 20) as f64);
+        format!("Triangle {{ vertex0 {x} 0 {z} vertex1 {} 0 {z} vertex2 {x} 0 {} }}", x + 0.01, z + 0.01)
+    });
+    let upright = "Triangle { vertex0 9.9 0 9.9 vertex1 9.95 0 9.9 vertex2 9.92 0.1 9.91 }".to_string();
+    let objects: Vec<String> = tiles.chain([upright]).collect();
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
+         Group {{ numObjects 201 Material {{ }} {} }}",
+        objects.join("\n")
+    );
+    let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+    for instructions in Instructions::available() {
+        let caster =
+            Caster::with(&world, Some([1; 3]), Insertion::Nested { crowd: 96 }, instructions).unwrap();
+        let mut random = random(5);
+        for _ in 0..1000 {
+            let target = DVec3::new(9.92 + 0.02 * random(), 0.03 + 0.02 * random(), 9.903);
+            let origin = DVec3::new(-3.0 * random(), 0.05 + 0.1 * random(), -2.0);
+            let ray = Ray::new(origin, target - origin);
+            assert_eq!(caster.closest(&ray, &mut Quiet).map(|hit| hit.primitive), Some(200), "{ray:?}");
+            assert!(caster.any(&ray, &mut Quiet));
+        }
+    }
+}
+
 /// What the rays cost: cells gone through, and blocks of eight tested, which take five times as long.
 fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
     let mut probe = Counts::default();

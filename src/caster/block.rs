@@ -33,19 +33,18 @@ pub struct Block {
     _rest: [u32; 3],
 }
 
-/// What follows a block.
+/// What follows a block. No enum, since any bits must make one in memory that starts as zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Then(u32);
 
-#[allow(non_upper_case_globals, reason = "they would be the variants of an enum if any bits made one")]
 impl Then {
     /// The next block, of the same cell.
-    pub const Block: Self = Self(0);
+    pub const BLOCK: Self = Self(0);
     /// Nothing: the cell ends here.
-    pub const End: Self = Self(1);
+    pub const END: Self = Self(1);
     /// What the cell holds beside triangles.
-    pub const Others: Self = Self(2);
+    pub const OTHERS: Self = Self(2);
 }
 
 impl Block {

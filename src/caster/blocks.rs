@@ -61,7 +61,7 @@ mod tests {
             let mut blocks = Blocks::zeroed(count).unwrap();
             assert_eq!(blocks.as_slice().len(), count);
             for (number, block) in blocks.as_mut_slice().iter_mut().enumerate() {
-                assert_eq!((block.then, block.numbers), (Then::Block, [0; 8]));
+                assert_eq!((block.then, block.numbers), (Then::BLOCK, [0; 8]));
                 block.numbers = [number as u32; 8];
             }
             let numbers = blocks.as_slice().iter().map(|block| block.numbers);

@@ -62,7 +62,7 @@ impl Cells {
         lanes.zip(0..triangles).for_each(|(lane, i)| *lane = items.number(i));
         let mut cells = Self::of_numbers(world, numbers, frame)?;
         let last = cells.blocks.as_slice().len() - 1;
-        cells.blocks.as_mut_slice()[last].then = Then::End;
+        cells.blocks.as_mut_slice()[last].then = Then::END;
         let others = triangles..items.count(world);
         cells.note_others(others.map(|i| (last as u32, items.number(i))).collect());
         Ok(cells)
@@ -91,12 +91,12 @@ impl Cells {
                 *word /= LANES as u32;
                 // The block before a cell's first one is another cell's last.
                 if *word > 1 {
-                    blocks[*word as usize - 2].then = Then::End;
+                    blocks[*word as usize - 2].then = Then::END;
                 }
             }
         }
         if let Some(last) = blocks.last_mut() {
-            last.then = Then::End;
+            last.then = Then::END;
         }
         self.words = words;
     }
@@ -113,7 +113,7 @@ impl Cells {
     /// The last block of a cell that is not empty.
     fn last_block(&self, cell: u32) -> u32 {
         let first = self.words[cell as usize] as usize - 1;
-        let following = self.blocks.as_slice()[first..].iter().take_while(|block| block.then == Then::Block);
+        let following = self.blocks.as_slice()[first..].iter().take_while(|block| block.then == Then::BLOCK);
         (first + following.count()) as u32
     }
 
@@ -122,8 +122,8 @@ impl Cells {
         let blocks = self.blocks.as_mut_slice();
         for (&(block, number), place) in places.iter().zip(0..) {
             let block = &mut blocks[block as usize];
-            if block.then != Then::Others {
-                block.then = Then::Others;
+            if block.then != Then::OTHERS {
+                block.then = Then::OTHERS;
                 block.others[0] = place;
             }
             block.others[1] = place + 1;

@@ -119,12 +119,12 @@ impl<'a> Search<'a> {
                     filtered.cut(self.best.t);
                 }
             }
-            if block.then != Then::Block {
+            if block.then != Then::BLOCK {
                 break;
             }
             number += 1;
         }
-        if blocks[number].then == Then::Others && self.test_others(cells, &blocks[number], probe) {
+        if blocks[number].then == Then::OTHERS && self.test_others(cells, &blocks[number], probe) {
             changed = true;
             filtered.cut(self.best.t);
         }

@@ -142,8 +142,10 @@ impl Crowd {
         if wide.is_empty() {
             return Ok(Self { wide: None, fine });
         }
-        let frame = Frame::new(&union(world, &wide));
-        let wide = Structure::listed(world, Items::These(wide), &widened(*cell), frame)?;
+        // The filter's ray enters by the cell's box, so that the frame must hold that too.
+        let bounds = widened(*cell);
+        let frame = Frame::new(&bounds.union(union(world, &wide)));
+        let wide = Structure::listed(world, Items::These(wide), &bounds, frame)?;
         Ok(Self { wide: Some(wide), fine })
     }
 }

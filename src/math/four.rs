@@ -26,6 +26,7 @@ pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The nearest whole numbers, of numbers that are below 2^31.
     fn whole(self) -> [i32; 4];
     /// To the nearest whole numbers, of numbers from 0 to 2^51.
+    #[inline(always)]
     fn round(self) -> Self {
         (self + Self::splat(TO_WHOLE)) - Self::splat(TO_WHOLE)
     }
