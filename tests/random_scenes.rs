@@ -6,7 +6,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
@@ -236,10 +236,16 @@ proptest! {
         let world = World::new(&scene, &[tetrahedron()]).expect("its transforms are not singular");
         let plain = Caster::new(&world, None).expect("no grid");
         let gridded = Caster::new(&world, Some(cells)).expect("a small grid");
+        // Nearly every cell is a crowd then.
+        let insertion = Insertion::Nested { crowd: 2 };
+        let nested = Caster::with(&world, Some(cells.map(|n| n.div_ceil(3))), insertion, Instructions::available()[0]);
+        let nested = nested.expect("small grids");
         for ray in rays.iter().chain(&aimed(&rays, &world)) {
             let hit = plain.closest(ray, &mut Quiet);
             prop_assert!(hit == gridded.closest(ray, &mut Quiet), "{ray:?}: without a grid {hit:?}");
+            prop_assert!(hit == nested.closest(ray, &mut Quiet), "{ray:?}: without grids in cells {hit:?}");
             prop_assert_eq!(hit.is_some(), plain.any(ray, &mut Quiet));
+            prop_assert_eq!(hit.is_some(), nested.any(ray, &mut Quiet));
             prop_assert_eq!(hit.is_some(), gridded.any(ray, &mut Quiet));
         }
         let (one, other) = (picture(&scene, &plain), picture(&scene, &gridded));
