@@ -100,7 +100,7 @@ impl Tracer<'_> {
     fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
         while let Some(Branch { ray, path }) = pending.0.pop() {
             probe.non_shadow_ray();
-            let hit = self.caster.closest(&ray, probe);
+            let hit = self.caster.nearest(&ray, probe);
             color += path.filter * self.follow(&ray, &path, hit, pending, probe);
         }
         color

@@ -220,7 +220,14 @@ impl World {
         by_place.then(one.cmp(&other)).is_lt()
     }
 
-    /// The surface where `ray` meets a primitive.
+    /// A hit of `ray` whose t may be rough, with the right one.
+    pub fn exact(&self, ray: &Ray, hit: Hit) -> Hit {
+        let Primitive::Triangle(i) = self.primitive(hit.primitive) else { return hit };
+        let crossing = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
+        Hit { t: crossing.map_or(hit.t, |crossing| crossing.t), ..hit }
+    }
+
+    /// The surface where `ray` meets a primitive. The t at which it meets a triangle may be rough.
     pub fn surface(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let along = ray.at(hit.t);
         let (normal, position) = match self.primitive(hit.primitive) {

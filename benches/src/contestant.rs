@@ -26,6 +26,11 @@ impl FlatRay {
 pub trait Cast {
     /// The distance to the nearest hit; infinite where there is none.
     fn closest(&self, ray: &FlatRay) -> f64;
+    /// Looks for the nearest hit, with its distance in single precision at least; says whether there is one.
+    #[inline(always)]
+    fn finds_closest(&self, ray: &FlatRay) -> bool {
+        self.closest(ray) < f64::INFINITY
+    }
     /// Whether anything is hit.
     fn any(&self, ray: &FlatRay) -> bool;
 }
@@ -44,7 +49,7 @@ pub trait Contestant {
 
 impl<C: Cast> Contestant for C {
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.iter().filter(|ray| self.closest(ray) < f64::INFINITY).count()
+        rays.iter().filter(|ray| self.finds_closest(ray)).count()
     }
 
     fn count_any(&self, rays: &[FlatRay]) -> usize {

@@ -14,6 +14,11 @@ impl Cast for Caster<'_> {
     }
 
     #[inline(always)]
+    fn finds_closest(&self, ray: &FlatRay) -> bool {
+        self.nearest(&ray.exact(), &mut Quiet).is_some()
+    }
+
+    #[inline(always)]
     fn any(&self, ray: &FlatRay) -> bool {
         Caster::any(self, &ray.exact(), &mut Quiet)
     }

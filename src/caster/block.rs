@@ -117,6 +117,8 @@ pub struct Frame {
     pub center: [f64; 4],
     /// A power of two: scaling by it is exact.
     pub scale: f64,
+    /// Its inverse.
+    pub unit: f64,
 }
 
 impl Frame {
@@ -125,7 +127,11 @@ impl Frame {
         let reach = (bounds.max - center).max(center - bounds.min).max_element();
         // 2^-e for the least 2^e above the reach.
         let exponent = libm::frexp(reach).1;
-        Self { center: [center.x, center.y, center.z, 0.0], scale: libm::ldexp(1.0, -exponent) }
+        Self {
+            center: [center.x, center.y, center.z, 0.0],
+            scale: libm::ldexp(1.0, -exponent),
+            unit: libm::ldexp(1.0, exponent),
+        }
     }
 
     /// The largest absolute coordinate of three corners.

@@ -86,6 +86,14 @@ impl<'w> Caster<'w> {
     /// The nearest hit on the ray.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        self.nearest(ray, probe).map(|hit| self.world.exact(ray, hit))
+    }
+
+    /// The nearest primitive on the ray, as exactly decided, but a triangle's t only as well as the search had
+    /// to know it: not less than the right one, and more by some roundings of single precision at most.
+    /// For who looks at the triangle anyway, such as [`World::surface`].
+    #[inline]
+    pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         self.run::<P, false>(ray, probe)
     }
 

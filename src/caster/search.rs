@@ -1,8 +1,8 @@
-//! The best hit along one ray: eight triangles at a time, each decided exactly.
+//! The best hit along one ray: eight triangles at a time, and exactly where the filter leaves a doubt.
 
-use super::block::{Block, Frame, LANES, NONE, Then};
+use super::block::{Block, Frame, NONE, Then};
 use super::cells::Cells;
-use super::filter::{FARTHEST, FilterRay, Kernel};
+use super::filter::{FARTHEST, FilterRay, Kernel, Verdict};
 use crate::grid::march::Passage;
 use crate::math::four::Four;
 use crate::math::ray::{Hit, Ray};
@@ -16,8 +16,10 @@ pub struct Search<'a> {
     pub ray: &'a Ray,
     /// Computed when the first triangle needs it.
     shear: Option<Shear<'a>>,
-    /// At the ray's end and of nothing, until something is found.
+    /// At the ray's end and of nothing, until something is found. Its t is not less than the right one.
     pub best: Hit,
+    /// Not more than the best hit's right t: the same where that is known.
+    least: f64,
     /// The primitives decided last, and the place of the next one. Those that span many cells, and that
     /// no filter rejects, would be decided over and over.
     decided: [u32; DECIDED],
@@ -29,29 +31,39 @@ const DECIDED: usize = 4;
 /// A ray on its way through the structure, in the filter's coordinates.
 pub struct Filtered {
     ray: FilterRay,
-    /// t where the filter's ray begins, and how much of the filter's t one unit of t is.
+    /// t where the filter's ray begins, how much of the filter's t one unit of t is, and the inverse.
     entry: f64,
     per_t: f64,
+    unit: f64,
 }
 
 impl Filtered {
     #[inline(always)]
     pub fn new<F: Four>(frame: &Frame, passage: &Passage<F>, last: f64) -> Self {
-        let Passage { entry, origin, direction, .. } = *passage;
+        let Passage { entry, origin, direction, inverse, .. } = *passage;
         let largest = direction.abs().greatest();
+        // One over the largest, without another division.
+        let inverse = inverse.abs().least();
         let scale = F::splat(frame.scale);
         let place = (origin - F::new(frame.center) + F::splat(entry) * direction) * scale;
         let mut filtered = Self {
             ray: FilterRay {
                 origin: place.single(),
-                direction: (direction * F::splat(1.0 / largest)).single(),
+                direction: (direction * F::splat(inverse)).single(),
                 farthest: 0.0,
             },
             entry,
             per_t: largest * frame.scale,
+            unit: inverse * frame.unit,
         };
         filtered.cut(last);
         filtered
+    }
+
+    /// The ray's own t of the filter's.
+    #[inline(always)]
+    fn t(&self, depth: f32) -> f64 {
+        self.entry + f64::from(depth) * self.unit
     }
 
     /// Nothing beyond `last` counts.
@@ -66,7 +78,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray) -> Self {
         let best = Hit { t: ray.t_max, primitive: NONE };
-        Self { world, ray, shear: None, best, decided: [NONE; DECIDED], next: 0 }
+        Self { world, ray, shear: None, best, least: best.t, decided: [NONE; DECIDED], next: 0 }
     }
 
     /// The best hit, if there is one.
@@ -111,11 +123,12 @@ impl<'a> Search<'a> {
                     self.best = Hit { t: self.ray.t_min, primitive: 0 };
                     return true;
                 }
-                if self.decide::<ANY>(&block.numbers, verdict.possible) {
-                    changed = true;
-                    if ANY {
+                if ANY {
+                    if self.decide_any(block, verdict.possible) {
                         return true;
                     }
+                } else if self.decide_nearest(block, &verdict, filtered) {
+                    changed = true;
                     filtered.cut(self.best.t);
                 }
             }
@@ -152,19 +165,39 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Decides the lanes of a block that the filter left open; says whether the best hit changed.
+    /// Whether the ray hits any of a block's lanes that the filter left open.
     #[inline(never)]
-    fn decide<const ANY: bool>(&mut self, numbers: &[u32; LANES], mut lanes: u32) -> bool {
+    fn decide_any(&mut self, block: &Block, possible: u32) -> bool {
+        lanes(possible).any(|lane| self.decide(block.numbers[lane]))
+    }
+
+    /// Decides what the filter cannot, unless that was just done; says whether the best hit changed.
+    #[inline(never)]
+    fn decide(&mut self, triangle: u32) -> bool {
+        self.is_new(triangle) && self.test_triangle(triangle)
+    }
+
+    /// Looks for a better hit among the lanes of a block that the filter did not reject; says whether
+    /// there is one. Only what the filter cannot tell apart is decided in double precision, since that
+    /// has to fetch the triangle.
+    #[inline(always)]
+    fn decide_nearest(&mut self, block: &Block, verdict: &Verdict, filtered: &Filtered) -> bool {
         let mut changed = false;
-        while lanes != 0 {
-            let number = numbers[lanes.trailing_zeros() as usize];
-            lanes &= lanes - 1;
-            if self.is_new(number) {
-                changed |= self.test_triangle(number);
-                if ANY && changed {
-                    return true;
+        for lane in lanes(verdict.possible) {
+            let number = block.numbers[lane];
+            if number == self.best.primitive {
+                continue;
+            }
+            if verdict.certain >> lane & 1 != 0 {
+                let [least, most] = verdict.depths(lane, block).map(|depth| filtered.t(depth));
+                if most < self.least {
+                    self.best = Hit { t: most, primitive: number };
+                    self.least = least;
+                    changed = true;
+                    continue;
                 }
             }
+            changed |= self.decide(number);
         }
         changed
     }
@@ -195,13 +228,36 @@ impl<'a> Search<'a> {
         t.is_some_and(|t| self.offer(Hit { t, primitive: number }))
     }
 
-    /// Keeps the hit if it precedes the best one.
+    /// Keeps the hit, whose t is exact, if it precedes the best one.
     #[inline(always)]
     fn offer(&mut self, hit: Hit) -> bool {
-        let better = self.world.precedes(hit, self.best);
+        let better = hit.t < self.least || (hit.t <= self.best.t && self.precedes_best(hit));
         if better {
             self.best = hit;
+            self.least = hit.t;
         }
         better
     }
+
+    /// Whether a hit that is close to the best one precedes it.
+    #[cold]
+    fn precedes_best(&mut self, hit: Hit) -> bool {
+        if self.least < self.best.t {
+            self.best = self.world.exact(self.ray, self.best);
+            self.least = self.best.t;
+        }
+        self.world.precedes(hit, self.best)
+    }
+}
+
+/// The members of a set of lanes, in order.
+#[inline(always)]
+fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = set.trailing_zeros() as usize;
+        (set != 0).then(|| {
+            set &= set - 1;
+            lane
+        })
+    })
 }

@@ -69,7 +69,7 @@ pub struct Passage<F> {
     pub origin: F,
     pub direction: F,
     /// One over the direction.
-    inverse: F,
+    pub inverse: F,
 }
 
 /// Where the ray enters and leaves the box, if it does so before `t_max`.

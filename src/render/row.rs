@@ -154,7 +154,7 @@ impl<P: Probe> Painter<'_, P> {
         let (caster, probe) = (self.caster, &mut self.row.probe);
         match self.request.view {
             View::Scene(effects) => {
-                let hit = hit.unwrap_or_else(|| caster.closest(ray, probe));
+                let hit = hit.unwrap_or_else(|| caster.nearest(ray, probe));
                 Tracer { caster, effects }.color(ray, hit, &mut self.pending, probe)
             }
             View::Cells(occupancy) => {
