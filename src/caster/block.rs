@@ -1,6 +1,7 @@
 //! Triangles as the filter wants them: eight side by side, in single precision around one centre.
 
 use crate::math::aabb::Aabb;
+use crate::math::extremes::{box_corners, greater, greatest};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -66,7 +67,11 @@ impl Block {
             }
         }
         // Straight through all lanes, since an empty one's edges are 0.
-        let longest = self.edges.as_flattened().as_flattened().iter().fold(0.0f32, |l, e| l.max(e.abs()));
+        let mut longest = [0.0f32; LANES];
+        for row in self.edges.as_flattened() {
+            longest = std::array::from_fn(|lane| greater(longest[lane], row[lane].abs()));
+        }
+        let longest = longest.into_iter().fold(0.0, greater);
         self.slack = Slack::of(longest, farthest as f32);
     }
 
@@ -136,8 +141,8 @@ impl Frame {
 
     /// The largest absolute coordinate of three corners.
     fn reach(&self, [a, b, c]: [DVec3; 3]) -> f64 {
-        let [a, b, c] = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
-        a.max(b).max(c).max_element()
+        let points = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
+        greatest(box_corners(points)[1].to_array())
     }
 
     pub fn point(&self, point: DVec3) -> DVec3 {

@@ -2,6 +2,7 @@
 
 use super::Lattice;
 use crate::math::aabb::Aabb;
+use crate::math::extremes::{box_corners, greatest, least};
 use glam::DVec3;
 
 /// Appends the index of every cell that the box, widened by `slack` cells, touches.
@@ -50,7 +51,8 @@ pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out:
 #[inline]
 pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], slack: f64, out: &mut Vec<u32>) {
     let v = corners.map(|p| lattice.to_cells(p));
-    let range = Range::new(lattice, v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]), slack);
+    let [low, high] = box_corners(v);
+    let range = Range::new(lattice, low, high, slack);
     let half = 0.5 + slack;
     match range.spanned() {
         [true, true, true] => range.enter_met(lattice, &Solid::new(v, half), out),
@@ -156,8 +158,7 @@ impl<const U: usize, const V: usize> Flat<U, V> {
 impl<const U: usize, const V: usize> Meets for Flat<U, V> {
     #[inline(always)]
     fn meets(&self, center: DVec3) -> bool {
-        let [s, t, u] = self.edges.map(|[a, b, c]| a * center[U] + b * center[V] + c);
-        s.min(t).min(u) >= 0.0
+        least(self.edges.map(|[a, b, c]| a * center[U] + b * center[V] + c)) >= 0.0
     }
 }
 
@@ -180,7 +181,7 @@ impl Solid {
         let normal = sides[0].cross(v[2] - v[0]);
         // A needle's normal is little but rounding, some 2^-50 of its squared length, and may point
         // anywhere; over that length its plane is off by as much again times the length.
-        let length = sides[0].abs().max(sides[1].abs()).max(sides[2].abs()).max_element();
+        let length = greatest(box_corners(sides.map(DVec3::abs))[1].to_array());
         let rounding = 0.5f64.powi(46) * length * length * (length + 1.0);
         Self {
             normal,

@@ -16,6 +16,7 @@
 use super::ticks::Ticks;
 use super::{Ahead, Lattice};
 use crate::math::aabb::Aabb;
+use crate::math::extremes::greater;
 use crate::math::four::{Four, TO_WHOLE};
 use crate::math::ray::Ray;
 use glam::DVec3;
@@ -153,11 +154,6 @@ impl<'l> March<'l> {
     pub fn stride(&self, axis: usize) -> isize {
         self.moves[7 & !(1 << axis)]
     }
-}
-
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// The index of a cell, by its numbers along the axes. Less than 2^32, so that nothing is lost.

@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod double_double;
+pub mod extremes;
 pub mod four;
 pub mod predicate;
 pub mod ray;

@@ -3,6 +3,7 @@
 //! mesh's shared edge or vertex hits exactly one triangle there.
 
 use crate::math::double_double::{Dd, cross as exact_cross, difference, dot};
+use crate::math::extremes::{greatest, least};
 use crate::math::predicate::{difference_of_products, triple_product};
 use crate::math::ray::Ray;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
@@ -74,8 +75,7 @@ impl<'r> Shear<'r> {
         // Written out: a mapped array goes through memory, and waits for it.
         let (a, b, c) = (self.apply(p), self.apply(q), self.apply(r));
         let mut weights = [cross(b, c), cross(c, a), cross(a, b)];
-        let [u, v, w] = weights;
-        let (lowest, highest) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
+        let (lowest, highest) = (least(weights), greatest(weights));
         let doubt = doubt([a, b, c]);
         if lowest < -doubt && highest > doubt {
             return None;
@@ -143,7 +143,7 @@ impl<'r> Shear<'r> {
 #[inline(always)]
 fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
     // By axis: the vectors' own selections share registers, and become four times as many steps.
-    let extent = |p: f64, q: f64, r: f64| greater(greater(p, q), r) - lesser(lesser(p, q), r);
+    let extent = |p: f64, q: f64, r: f64| greatest([p, q, r]) - least([p, q, r]);
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
 }
 
@@ -162,22 +162,10 @@ fn cross(p: DVec3, q: DVec3) -> f64 {
 /// its own three roundings add no more than e M^2.
 #[inline(always)]
 fn doubt([a, b, c]: [DVec3; 3]) -> f64 {
-    let largest = |p: f64, q: f64, r: f64| greater(greater(p.abs(), q.abs()), r.abs());
+    let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let reach = across + largest(a.z, b.z, c.z);
     16.0 * UNIT_ROUNDOFF * reach * (across + 4.0 * UNIT_ROUNDOFF * reach)
-}
-
-// Unlike the library's these say nothing about NaN, and are one instruction each.
-
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 fn sign(x: f64) -> i32 {
