@@ -18,7 +18,31 @@ pub struct Camera {
     size: DVec2,
 }
 
+/// The one point that all camera rays start at, and what they run along.
+///
+/// Through the centre of the pixel in column i of row j it is `direction + (i - middle.x) right +
+/// (j - middle.y) up`, before it becomes a unit vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Eye {
+    pub center: DVec3,
+    pub direction: DVec3,
+    /// From one pixel's centre to the next.
+    pub right: DVec3,
+    pub up: DVec3,
+    /// The picture's middle, counted from the centre of its lower left pixel.
+    pub middle: DVec2,
+}
+
 impl Camera {
+    /// The eye, where there is one: an orthographic camera has none.
+    pub fn eye(&self) -> Option<Eye> {
+        let Self { center, direction, .. } = *self;
+        let longer = self.size.max_element();
+        let (right, up) = (self.horizontal / longer, self.vertical / longer);
+        let middle = 0.5 * self.size - 0.5;
+        self.perspective.then_some(Eye { center, direction, right, up, middle })
+    }
+
     /// `size` is the picture's width and height in pixels. The longer side spans the screen and the
     /// shorter is cropped around the middle.
     pub fn new(camera: &scene::Camera, size: [usize; 2]) -> Self {

@@ -12,6 +12,7 @@ pub mod grid;
 pub mod caster;
 pub mod shading;
 pub mod camera;
+pub mod projection;
 pub mod trace;
 pub mod sampling;
 pub mod picture;

@@ -62,6 +62,8 @@ impl Path {
 #[derive(Clone, Copy, Debug)]
 struct Branch {
     ray: Ray,
+    /// The triangle that it starts at.
+    leaving: Option<u32>,
     path: Path,
 }
 
@@ -98,9 +100,9 @@ impl Tracer<'_> {
     /// Adds the colours of the secondary rays that wait, and of those that they leave in turn.
     #[cold]
     fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
-        while let Some(Branch { ray, path }) = pending.0.pop() {
+        while let Some(Branch { ray, leaving, path }) = pending.0.pop() {
             probe.non_shadow_ray();
-            let hit = self.caster.nearest(&ray, probe);
+            let hit = self.caster.nearest(&ray, leaving, probe);
             color += path.filter * self.follow(&ray, &path, hit, pending, probe);
         }
         color
@@ -165,7 +167,7 @@ impl Tracer<'_> {
         ray.t_max = light.distance;
         match self.effects.shadows {
             Shadows::Transparent => self.filtered(ray, probe),
-            _ if self.caster.any(&ray, probe) => Color::ZERO,
+            _ if self.caster.any_from(&ray, lit.surface.triangle, probe) => Color::ZERO,
             _ => Color::ONE,
         }
     }
@@ -197,7 +199,7 @@ impl Tracer<'_> {
         let Some((filter, weight)) = self.passes(path, lit.material.phong.reflective) else { return };
         let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        pending.0.push(Branch { ray, path });
+        pending.0.push(Branch { ray, leaving: lit.surface.triangle, path });
     }
 
     fn refract(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
@@ -209,7 +211,7 @@ impl Tracer<'_> {
         let Some(direction) = refracted(d, normal, path.index / index) else { return };
         let ray = self.secondary(lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        pending.0.push(Branch { ray, path });
+        pending.0.push(Branch { ray, leaving: lit.surface.triangle, path });
     }
 
     /// The filter and weight of a secondary ray, if it weighs enough to be followed.

@@ -57,6 +57,8 @@ pub struct SurfacePoint {
     /// Outward unit normal, not turned towards the ray.
     pub normal: DVec3,
     pub material: MaterialId,
+    /// The triangle's number, if it is on one: what leaves a triangle never meets it again.
+    pub triangle: Option<u32>,
 }
 
 /// A leaf of the object tree with the matrix that takes it to the world.
@@ -236,7 +238,8 @@ impl World {
             Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, hit.t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
-        SurfacePoint { position, normal, material: self.material_of(hit.primitive) }
+        let triangle = (hit.primitive < self.triangles.len() as u32).then_some(hit.primitive);
+        SurfacePoint { position, normal, material: self.material_of(hit.primitive), triangle }
     }
 
     fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {

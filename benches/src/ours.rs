@@ -15,7 +15,7 @@ impl Cast for Caster<'_> {
 
     #[inline(always)]
     fn finds_closest(&self, ray: &FlatRay) -> bool {
-        self.nearest(&ray.exact(), &mut Quiet).is_some()
+        self.nearest(&ray.exact(), None, &mut Quiet).is_some()
     }
 
     #[inline(always)]

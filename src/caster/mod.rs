@@ -83,48 +83,67 @@ impl<'w> Caster<'w> {
         Ok(Self { world, instructions, structure })
     }
 
+    /// Whether a ray meets but a few of the primitives.
+    pub fn has_grid(&self) -> bool {
+        self.structure.as_ref().is_some_and(|structure| structure.lattice.is_some())
+    }
+
     /// The nearest hit on the ray.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.nearest(ray, probe).map(|hit| self.world.exact(ray, hit))
+        self.nearest(ray, None, probe).map(|hit| self.world.exact(ray, hit))
     }
 
     /// The nearest primitive on the ray, as exactly decided, but a triangle's t only as well as the search had
     /// to know it: not less than the right one, and more by some roundings of single precision at most.
     /// For who looks at the triangle anyway, such as [`World::surface`].
+    ///
+    /// `leaving` is the triangle that the ray starts at and does not meet again, so that need not be found out.
     #[inline]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.run::<P, false>(ray, probe)
+    pub fn nearest<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
+        self.run::<P, false>(ray, leaving, probe)
     }
 
     /// Whether anything stands on the ray.
     #[inline]
     pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.any_from(ray, None, probe)
+    }
+
+    /// The same for a ray that leaves a triangle, as for [`nearest`](Self::nearest).
+    #[inline]
+    pub fn any_from<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> bool {
         if P::COUNTS {
             // The course's program looks for the nearest hit also where any would do.
-            return self.closest(ray, probe).is_some();
+            return self.nearest(ray, leaving, probe).is_some();
         }
-        self.run::<P, true>(ray, probe).is_some()
+        self.run::<P, true>(ray, leaving, probe).is_some()
     }
 
     #[inline(always)]
-    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
+        let leaving = leaving.unwrap_or(block::NONE);
         match self.instructions {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2 => {
                 let [a, b, c, d] = ray.pairs();
                 // SAFETY: only instructions that were found available are kept in `self`.
-                unsafe { run_avx2::<P, ANY>(self, a, b, c, d, probe) }
+                unsafe { run_avx2::<P, ANY>(self, a, b, c, d, leaving, probe) }
             }
-            _ => self.run_with::<filter::Portable, P, ANY>(*ray, probe),
+            _ => self.run_with::<filter::Portable, P, ANY>(*ray, leaving, probe),
         }
     }
 
     #[inline(always)]
-    fn run_with<K: Nest, P: Probe, const ANY: bool>(&self, ray: Ray, probe: &mut P) -> Option<Hit> {
+    fn run_with<K: Nest, P: Probe, const ANY: bool>(
+        &self,
+        ray: Ray,
+        leaving: u32,
+        probe: &mut P,
+    ) -> Option<Hit> {
         // For what is called out of line. All else takes `ray` itself, which stays in registers.
         let stored = ray;
-        let mut search = Search::new(self.world, &stored);
+        let mut search = Search::new(self.world, &stored, leaving);
         search.test_planes(&ray, probe);
         if ANY && search.hit().is_some() {
             return search.hit();
@@ -146,7 +165,8 @@ fn run_avx2<P: Probe, const ANY: bool>(
     b: DVec2,
     c: DVec2,
     d: DVec2,
+    leaving: u32,
     probe: &mut P,
 ) -> Option<Hit> {
-    caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), probe)
+    caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), leaving, probe)
 }

@@ -20,8 +20,8 @@ pub struct Search<'a> {
     pub best: Hit,
     /// Not more than the best hit's right t: the same where that is known.
     least: f64,
-    /// The primitives decided last, and the place of the next one. Those that span many cells, and that
-    /// no filter rejects, would be decided over and over.
+    /// The primitives decided last, and the place of the next one: at first the one that the ray leaves.
+    /// Those that span many cells, and that no filter rejects, would be decided over and over.
     decided: [u32; DECIDED],
     next: usize,
 }
@@ -75,10 +75,12 @@ impl Filtered {
 }
 
 impl<'a> Search<'a> {
+    /// `leaving` is a primitive that the ray is known to miss, or [`NONE`].
     #[inline(always)]
-    pub fn new(world: &'a World, ray: &'a Ray) -> Self {
+    pub fn new(world: &'a World, ray: &'a Ray, leaving: u32) -> Self {
         let best = Hit { t: ray.t_max, primitive: NONE };
-        Self { world, ray, shear: None, best, least: best.t, decided: [NONE; DECIDED], next: 0 }
+        let decided = [leaving, NONE, NONE, NONE];
+        Self { world, ray, shear: None, best, least: best.t, decided, next: 1 }
     }
 
     /// The best hit, if there is one.

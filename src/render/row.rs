@@ -6,6 +6,7 @@ use crate::caster::Caster;
 use crate::grid::visualize::Face;
 use crate::math::ray::{Hit, Ray};
 use crate::picture::quantize;
+use crate::projection::Projection;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
 use crate::shading::light::incident;
@@ -58,7 +59,14 @@ impl<P: Probe> Row<P> {
         spread + request.size[0] * 32
     }
 
-    pub fn traced(camera: &Camera, caster: &Caster, request: &Request, j: usize) -> Self {
+    /// Traces row `j`. `projection` says what its centres see, as far as it is known.
+    pub fn traced(
+        camera: &Camera,
+        caster: &Caster,
+        request: &Request,
+        projection: Option<&Projection>,
+        j: usize,
+    ) -> Self {
         let [width, height] = request.size;
         let zoom = request.samples.unwrap_or(0);
         let row = Self {
@@ -70,7 +78,7 @@ impl<P: Probe> Row<P> {
             samples: vec![Vec::with_capacity(width * zoom); zoom],
             nans: 0,
         };
-        let mut painter = Painter { camera, caster, request, pending: Pending::default(), row };
+        let mut painter = Painter { camera, caster, request, projection, pending: Pending::default(), row };
         for i in 0..width {
             painter.paint(i, (i * height + j) as u64);
         }
@@ -83,6 +91,7 @@ struct Painter<'a, P> {
     camera: &'a Camera,
     caster: &'a Caster<'a>,
     request: &'a Request<'a>,
+    projection: Option<&'a Projection>,
     pending: Pending,
     row: Row<P>,
 }
@@ -98,8 +107,9 @@ impl<P: Probe> Painter<'_, P> {
         let mut center = None;
         if wants_hit {
             let ray = self.camera.ray(pixel, DVec2::ZERO);
-            center = Some(self.caster.closest(&ray, &mut self.row.probe));
-            self.measure(&ray, center.flatten());
+            let hit = self.projected(&ray, i).unwrap_or_else(|| self.nearest(&ray));
+            self.measure(&ray, hit);
+            center = Some(hit);
         }
         if let Some(zoom) = samples {
             self.plot_background(i, zoom);
@@ -109,22 +119,34 @@ impl<P: Probe> Painter<'_, P> {
         }
         let mut sum = Sum::default();
         if sampler.is_center() {
-            // The centre's hit may be known already.
-            self.sample(pixel, DVec2::ZERO, center, &mut sum);
+            let ray = self.camera.ray(pixel, DVec2::ZERO);
+            let hit = center.or_else(|| self.projected(&ray, i));
+            self.sample(pixel, DVec2::ZERO, &ray, hit, &mut sum);
         } else {
-            sampler.offsets(number).for_each(|offset| self.sample(pixel, offset, None, &mut sum));
+            for offset in sampler.offsets(number) {
+                self.sample(pixel, offset, &self.camera.ray(pixel, offset), None, &mut sum);
+            }
         }
         if let Colors::Finished(bytes) = &mut self.row.colors {
             bytes.extend_from_slice(&quantize(sum.color(), &mut self.row.nans));
         }
     }
 
-    /// Traces one sample of a pixel; `hit` is what it hits, if that is known. `sum` is the pixel's own.
+    /// What the ray through the centre of the pixel in column `i` hits, if that is known without casting it.
+    fn projected(&self, ray: &Ray, i: usize) -> Option<Option<Hit>> {
+        self.projection?.hit(self.caster.world, ray, i, self.row.j)
+    }
+
+    fn nearest(&mut self, ray: &Ray) -> Option<Hit> {
+        self.caster.nearest(ray, None, &mut self.row.probe)
+    }
+
+    /// Traces one sample of a pixel along a ray; `hit` is what that hits, if it is known. `sum` is the pixel's
+    /// own.
     #[inline(always)]
-    fn sample(&mut self, pixel: DVec2, offset: DVec2, hit: Option<Option<Hit>>, sum: &mut Sum) {
-        let ray = self.camera.ray(pixel, offset);
+    fn sample(&mut self, pixel: DVec2, offset: DVec2, ray: &Ray, hit: Option<Option<Hit>>, sum: &mut Sum) {
         self.row.probe.non_shadow_ray();
-        let color = self.color(&ray, hit);
+        let color = self.color(ray, hit);
         match &mut self.row.colors {
             Colors::Unwanted => {}
             Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
@@ -138,7 +160,8 @@ impl<P: Probe> Painter<'_, P> {
     /// Enters the depth and the normal of a pixel's centre.
     fn measure(&mut self, ray: &Ray, hit: Option<Hit>) {
         if let Some([near, far]) = self.request.depth {
-            let grey = hit.map_or(0.0, |h| (far - h.t.clamp(near, far)) / (far - near));
+            let t = hit.map(|h| self.caster.world.exact(ray, h).t);
+            let grey = t.map_or(0.0, |t| (far - t.clamp(near, far)) / (far - near));
             let bytes = quantize(Color::splat(grey), &mut self.row.nans);
             self.row.depths.extend_from_slice(&bytes);
         }
@@ -151,11 +174,11 @@ impl<P: Probe> Painter<'_, P> {
 
     /// The colour along a ray; `hit` is what it hits, if that is known.
     fn color(&mut self, ray: &Ray, hit: Option<Option<Hit>>) -> Color {
-        let (caster, probe) = (self.caster, &mut self.row.probe);
+        let caster = self.caster;
         match self.request.view {
             View::Scene(effects) => {
-                let hit = hit.unwrap_or_else(|| caster.nearest(ray, probe));
-                Tracer { caster, effects }.color(ray, hit, &mut self.pending, probe)
+                let hit = hit.unwrap_or_else(|| self.nearest(ray));
+                Tracer { caster, effects }.color(ray, hit, &mut self.pending, &mut self.row.probe)
             }
             View::Cells(occupancy) => {
                 let face = occupancy.first_face(ray);

@@ -1,8 +1,11 @@
 //! What must not change a picture, over all scenes: the scale, as long as it is a power of two; the
-//! place; the grid; the number of threads; the order of a mesh's faces, and faces that add nothing.
+//! place; the grid; whether rays are counted; the number of threads; the order of a mesh's faces, and
+//! faces that add nothing.
 //! Cases 50 and 51 of section E are among them.
 
-use crate::support::all_scenes::{Named, moved_world, own_scenes, render, scaled, scenes, translated};
+use crate::support::all_scenes::{
+    Named, moved_world, own_scenes, render, render_with, scaled, scenes, translated,
+};
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{shuffle, world_of};
@@ -15,7 +18,7 @@ use raytracer::camera::Camera;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
 use std::collections::BTreeSet;
 
@@ -207,6 +210,13 @@ fn any_grid_makes_the_same_picture() {
         ]);
     }
     same_pictures(&cells, |scene, &cells| render(scene, &scene.world(), cells, 0));
+}
+
+#[test]
+fn rays_that_are_counted_make_the_same_picture() {
+    same_pictures(&[None, Some([9, 8, 7])], |scene, &cells| {
+        render_with::<Counts>(scene, &scene.world(), cells, 0)
+    });
 }
 
 #[test]

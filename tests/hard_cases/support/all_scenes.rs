@@ -12,7 +12,7 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
 use raytracer::scene::{Camera, Light, Object, Position, Scene};
 use raytracer::scene_io::load;
-use raytracer::stats::Quiet;
+use raytracer::stats::{Probe, Quiet};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::{Path, PathBuf};
@@ -98,6 +98,12 @@ fn in_folder(folder: &Path) -> Vec<Named> {
 /// Shadows are opaque: what transparent ones filter depends on how far light goes through glass in
 /// units of length, so that a larger scene is darker, as it should be.
 pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
+    render_with::<Quiet>(named, world, cells, power)
+}
+
+/// The same with a probe. One that counts has every camera ray cast, where otherwise triangles may be
+/// projected instead.
+pub fn render_with<P: Probe>(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
     let size = named.size;
     let camera = Viewer::new(&named.scene.camera, size);
     let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
@@ -112,8 +118,7 @@ pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i3
         normals: true,
         samples: None,
     };
-    let (pictures, _) =
-        raytracer::render::render::<Quiet>(&camera, &caster, &request).expect("a small picture");
+    let (pictures, _) = raytracer::render::render::<P>(&camera, &caster, &request).expect("a small picture");
     assert_eq!(pictures.nans, 0, "{}", named.name);
     let all = [pictures.color, pictures.depth, pictures.normals];
     all.into_iter().flatten().flat_map(|picture| picture.pixels().to_vec()).collect()
