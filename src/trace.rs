@@ -1,7 +1,7 @@
 //! One ray to one colour: local shading, shadows, reflection, refraction.
 
 use crate::caster::Caster;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
 use crate::shading::light::{Incident, incident};
@@ -83,17 +83,18 @@ impl Tracer<'_> {
         self.caster.world
     }
 
-    /// The colour seen along a camera ray, given what it hits.
+    /// The colour seen along a camera ray, given the surface that it hits.
     ///
     /// A stack instead of recursion: any number of bounces fits, and a mirror hall costs no stack.
+    #[inline(always)]
     pub fn color<P: Probe>(
         &self,
         ray: &Ray,
-        hit: Option<Hit>,
+        surface: Option<&SurfacePoint>,
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
-        let color = self.follow(ray, &Path::CAMERA, hit, pending, probe);
+        let color = self.follow(ray, &Path::CAMERA, surface, pending, probe);
         if pending.0.is_empty() { color } else { self.with_pending(color, pending, probe) }
     }
 
@@ -103,7 +104,8 @@ impl Tracer<'_> {
         while let Some(Branch { ray, leaving, path }) = pending.0.pop() {
             probe.non_shadow_ray();
             let hit = self.caster.nearest(&ray, leaving, probe);
-            color += path.filter * self.follow(&ray, &path, hit, pending, probe);
+            let surface = hit.map(|hit| self.world().surface(&ray, hit));
+            color += path.filter * self.follow(&ray, &path, surface.as_ref(), pending, probe);
         }
         color
     }
@@ -117,14 +119,13 @@ impl Tracer<'_> {
         &self,
         ray: &Ray,
         path: &Path,
-        hit: Option<Hit>,
+        surface: Option<&SurfacePoint>,
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
-        let Some(hit) = hit else { return self.world().background };
-        let surface = self.world().surface(ray, hit);
+        let Some(surface) = surface else { return self.world().background };
         let material = material_at(&self.world().materials, surface.material, surface.position);
-        let lit = Lit { ray, surface: &surface, material: &material };
+        let lit = Lit { ray, surface, material: &material };
         if path.bounces < self.effects.bounces {
             self.reflect(path, &lit, pending);
             self.refract(path, &lit, pending);

@@ -1,5 +1,6 @@
 //! Rows of pixels in parallel: samples -> film -> pictures.
 
+mod batch;
 mod request;
 mod row;
 

@@ -23,9 +23,9 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let world = World::new(&scene_of(vec![object.clone()], vec![light]), &[]).expect("a sound scene");
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
-    let hit = caster.closest(ray, &mut Quiet);
-    assert!(hit.is_some(), "the ray is aimed at the object");
-    Tracer { caster: &caster, effects }.color(ray, hit, &mut Pending::default(), &mut Quiet)
+    let hit = caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
+    let surface = world.surface(ray, hit);
+    Tracer { caster: &caster, effects }.color(ray, Some(&surface), &mut Pending::default(), &mut Quiet)
 }
 
 /// A plane of any orientation, two unit vectors along it, and one of its points.
@@ -151,7 +151,7 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
     let blocked = |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), &mut Quiet);
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
-    let color = Tracer { caster, effects }.color(ray, Some(hit), &mut Pending::default(), &mut Quiet);
+    let color = Tracer { caster, effects }.color(ray, Some(&surface), &mut Pending::default(), &mut Quiet);
     Some(Terminator {
         flat_dark: flat_lit && color == DVec3::ZERO,
         smooth_lit: lit(mixed(normals)),
