@@ -148,8 +148,8 @@ fn counts(
 ) -> Result<Vec<u32>, GridTooLarge> {
     let mut counts = filled_with(BORDER, lattice.index_count())?;
     rows_of(lattice).for_each(|row| counts[row].fill(0));
-    for number in 0..triangles {
-        rows.cells_of(number).iter().for_each(|&cell| counts[cell as usize] += 1);
+    for &cell in rows.cells_below(triangles).flatten() {
+        counts[cell as usize] += 1;
     }
     // A cell without triangles also has a block, to name its other primitives.
     for &cell in others.flat_map(|number| rows.cells_of(number)) {

@@ -73,6 +73,14 @@ impl Rows {
         Ok(crowded)
     }
 
+    /// The cells of all primitives numbered below `number`, in some pieces.
+    pub fn cells_below(&self, number: usize) -> impl Iterator<Item = &[u32]> {
+        self.runs.iter().enumerate().map_while(move |(k, run)| {
+            let last = number.checked_sub(k * PER_RUN + 1)?.min(run.ends.len() - 1);
+            Some(&run.cells[..run.ends[last] as usize])
+        })
+    }
+
     /// The indices of a primitive's cells.
     #[inline]
     pub fn cells_of(&self, number: usize) -> &[u32] {
@@ -150,10 +158,15 @@ mod tests {
         let rows =
             Rows::new(&lattice, boxes.len(), |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out))
                 .unwrap();
+        let below = |number| rows.cells_below(number).flatten().count();
+        assert_eq!(below(0), 0);
+        let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
             let mut expected = vec![];
             footprint::of_box(&lattice, b, 1e-6, &mut expected);
             assert_eq!(rows.cells_of(i), expected);
+            cells += expected.len();
+            assert_eq!(below(i + 1), cells);
         }
     }
 

@@ -3,19 +3,22 @@
 use super::Canvas;
 use crate::math::extremes::{greatest, least};
 use crate::math::robust::UNIT_ROUNDOFF;
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 
 /// The place of a point in the picture.
 #[derive(Clone, Copy)]
 pub struct Place {
-    /// In pixels.
-    at: Vec2,
+    /// In [`PARTS`] of a pixel, cut.
+    at: [i32; 2],
     /// One over its depth in front of the eye, or one of the two below.
     nearness: f32,
 }
 
-/// Of a point so far aside of where the eye looks that its place is not known to a small part of a pixel.
+/// So many to a pixel. Whole numbers are compared faster than others.
+const PARTS: i32 = 64;
+
+/// Of a point so far aside of where the eye looks that its place is not known to a part of a pixel.
 const ASIDE: f32 = 0.0;
 /// Of a point that surely is behind the eye.
 const BEHIND: f32 = -1.0;
@@ -28,10 +31,12 @@ impl Place {
         if STEEP * depth > distance {
             let ([right, up], nearness) = (canvas.axes, 1.0 / depth);
             let at = DVec2::new(point.dot(right), point.dot(up)) * nearness + canvas.eye.middle;
-            Self { at: at.as_vec2(), nearness: nearness as f32 }
+            // Far outside any place will do.
+            let at = (at * f64::from(PARTS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
+            Self { at, nearness: nearness as f32 }
         } else {
             let is_behind = depth < -8.0 * UNIT_ROUNDOFF * distance;
-            Self { at: Vec2::ZERO, nearness: if is_behind { BEHIND } else { ASIDE } }
+            Self { at: [0; 2], nearness: if is_behind { BEHIND } else { ASIDE } }
         }
     }
 }
@@ -50,21 +55,18 @@ impl Sprite {
     /// None where it stands in no pixel's way. Says also whether the triangle seems to show its front.
     #[inline]
     pub fn new(canvas: &Canvas, [a, b, c]: [Place; 3], number: u32) -> Option<(Self, bool)> {
-        let (columns, rows) = (0..canvas.width, &canvas.rows);
+        let (width, rows) = (0..canvas.width, &canvas.rows);
         let nearness = [a.nearness, b.nearness, c.nearness];
         if least(nearness) > 0.0 {
             // Above what single precision may be off.
             let nearest = 1.000_001 * greatest(nearness);
-            let (a, b, c) = (a.at, b.at, c.at);
-            let columns = Span::around([a.x, b.x, c.x]).within(&columns);
-            let rows = Span::around([a.y, b.y, c.y]).within(rows);
+            let (columns, rows) = (Span::around([a, b, c], 0, &width), Span::around([a, b, c], 1, rows));
             let is_seen = !columns.is_empty() && !rows.is_empty();
-            is_seen.then(|| (Self { number, columns, rows, nearest }, (b - a).perp_dot(c - a) > 0.0))
+            is_seen.then(|| (Self { number, columns, rows, nearest }, is_front([a, b, c])))
         } else if greatest(nearness) < 0.0 {
             None
         } else {
-            let all = Span { first: 0, end: u16::MAX };
-            let (columns, rows) = (all.within(&columns), all.within(rows));
+            let (columns, rows) = (Span::new(&width), Span::new(rows));
             Some((Self { number, columns, rows, nearest: f32::INFINITY }, true))
         }
     }
@@ -86,16 +88,20 @@ pub struct Span {
 pub const MOST: usize = u16::MAX as usize;
 
 impl Span {
-    /// The pixels whose centres lie between the places, or hardly beside them.
-    #[inline(always)]
-    fn around(places: [f32; 3]) -> Self {
-        // What single precision may be off at the far end of the longest row.
-        const BESIDE: f32 = 1.0 / 64.0;
-        Self { first: first_from(least(places) - BESIDE), end: first_from(greatest(places) + BESIDE) }
+    fn new(pixels: &Range<usize>) -> Self {
+        Self { first: pixels.start as u16, end: pixels.end as u16 }
     }
 
-    fn within(self, all: &Range<usize>) -> Self {
-        Self { first: self.first.max(all.start as u16), end: self.end.min(all.end as u16) }
+    /// The pixels among these whose centres lie between the places along an axis, or hardly beside them.
+    #[inline(always)]
+    fn around(places: [Place; 3], axis: usize, pixels: &Range<usize>) -> Self {
+        /// What the places may be off, and rounding.
+        const BESIDE: i32 = 2;
+        let places = places.map(|place| place.at[axis]);
+        let first = (least(places) - BESIDE + (PARTS - 1)) / PARTS;
+        let last = (greatest(places) + BESIDE).div_euclid(PARTS);
+        let [low, high] = [pixels.start as i32, pixels.end as i32];
+        Self { first: first.clamp(low, high) as u16, end: (last + 1).clamp(low, high) as u16 }
     }
 
     fn is_empty(self) -> bool {
@@ -107,9 +113,8 @@ impl Span {
     }
 }
 
-/// The first pixel whose centre is not before a place; the last of all where none is.
-#[inline(always)]
-fn first_from(place: f32) -> u16 {
-    let pixel = place as u16;
-    pixel.saturating_add(u16::from(f32::from(pixel) < place))
+/// Whether a triangle seems to run counter-clockwise.
+fn is_front(corners: [Place; 3]) -> bool {
+    let [a, b, c] = corners.map(|corner| corner.at.map(i64::from));
+    (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
 }
