@@ -225,8 +225,8 @@ impl World {
     /// A hit of `ray` whose t may be rough, with the right one.
     pub fn exact(&self, ray: &Ray, hit: Hit) -> Hit {
         let Primitive::Triangle(i) = self.primitive(hit.primitive) else { return hit };
-        let crossing = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
-        Hit { t: crossing.map_or(hit.t, |crossing| crossing.t), ..hit }
+        let t = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
+        Hit { t: t.unwrap_or(hit.t), ..hit }
     }
 
     /// The surface where `ray` meets a primitive. The t at which it meets a triangle may be rough.
@@ -244,8 +244,8 @@ impl World {
 
     fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
-        let crossing = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
-        (triangle::normal(corners), crossing.map_or(along, |c| c.point(corners)))
+        let weights = triangle::Shear::new(ray).weights(self.corners_in_place(i));
+        (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
     fn material_of(&self, primitive: u32) -> MaterialId {

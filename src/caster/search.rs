@@ -212,9 +212,7 @@ impl<'a> Search<'a> {
             None => *self.shear.insert(Shear::new(self.ray)),
         };
         match shear.intersect(self.world.corners_in_place(number as usize)) {
-            Some(crossing) if self.ray.covers(crossing.t) => {
-                self.offer(Hit { t: crossing.t, primitive: number })
-            }
+            Some(t) if self.ray.covers(t) => self.offer(Hit { t, primitive: number }),
             _ => false,
         }
     }

@@ -21,20 +21,10 @@ pub struct Shear<'r> {
     scale: DVec3,
 }
 
-/// A crossing, with the weights of the three vertices at it (not normalised).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    pub t: f64,
-    pub weights: [f64; 3],
-}
-
-impl Crossing {
-    /// The point of the triangle that is crossed: within rounding of its vertices, and never
-    /// beyond an edge by more, however far away the ray began.
-    pub fn point(&self, [a, b, c]: [DVec3; 3]) -> DVec3 {
-        let [u, v, w] = self.weights;
-        (u * a + v * b + w * c) / (u + v + w)
-    }
+/// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices, and never beyond an edge
+/// by more, however far away the ray began that crosses it there.
+pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
+    (u * a + v * b + w * c) / (u + v + w)
 }
 
 impl<'r> Shear<'r> {
@@ -71,18 +61,10 @@ impl<'r> Shear<'r> {
     /// moved by an infinitesimal amount. So neighbours never disagree about an edge, and a triangle
     /// without area, or one that lies along the ray, is missed without opening a gap.
     #[inline(always)]
-    pub fn intersect(&self, [p, q, r]: [&DVec3; 3]) -> Option<Crossing> {
-        // Written out: a mapped array goes through memory, and waits for it.
-        let (a, b, c) = (self.apply(p), self.apply(q), self.apply(r));
-        let mut weights = [cross(b, c), cross(c, a), cross(a, b)];
-        let (lowest, highest) = (least(weights), greatest(weights));
-        let doubt = doubt([a, b, c]);
-        if lowest < -doubt && highest > doubt {
-            return None;
-        }
-        if !(lowest > doubt || highest < -doubt) {
-            weights = self.decide([*p, *q, *r])?;
-        }
+    pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
+        let [p, q, r] = corners;
+        let (a, b, c) = self.sheared(corners);
+        let weights = self.weights_of(corners, [a, b, c])?;
         let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form vertices in another order move t by hardly more than its rounding.
@@ -91,7 +73,32 @@ impl<'r> Shear<'r> {
             t = self.refined([*p, *q, *r], [a.z, b.z, c.z], t);
         }
         // The sum is zero only for a triangle seen edge on; a NaN comes from a broken ray.
-        t.is_finite().then_some(Crossing { t, weights })
+        t.is_finite().then_some(t)
+    }
+
+    /// The weights of the vertices where the ray's line crosses the triangle, as [`intersect`](Self::intersect)
+    /// finds them.
+    #[inline]
+    pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
+        let (a, b, c) = self.sheared(corners);
+        self.weights_of(corners, [a, b, c])
+    }
+
+    #[inline(always)]
+    fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (DVec3, DVec3, DVec3) {
+        // Written out: a mapped array goes through memory, and waits for it.
+        (self.apply(p), self.apply(q), self.apply(r))
+    }
+
+    #[inline(always)]
+    fn weights_of(&self, corners: [&DVec3; 3], [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
+        let weights = [cross(b, c), cross(c, a), cross(a, b)];
+        let (lowest, highest) = (least(weights), greatest(weights));
+        let doubt = doubt([a, b, c]);
+        if lowest < -doubt && highest > doubt {
+            return None;
+        }
+        if lowest > doubt || highest < -doubt { Some(weights) } else { self.decide(corners.map(|&v| v)) }
     }
 
     /// The t of a crossing that the weights give only roughly: where the ray meets the triangle's
@@ -183,7 +190,7 @@ mod tests {
     use super::*;
 
     fn test(origin: DVec3, direction: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
-        Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref()).map(|c| c.t)
+        Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref())
     }
 
     /// A fan of triangles around the origin in the plane z = 0.
@@ -259,7 +266,7 @@ mod tests {
     fn the_crossed_point_lies_in_the_triangle() {
         let t = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let ray = Ray::new(DVec3::new(0.25, 0.5, -1e9), DVec3::Z);
-        let crossing = Shear::new(&ray).intersect(t.each_ref());
-        assert_eq!(crossing.map(|c| c.point(t)), Some(DVec3::new(0.25, 0.5, 0.0)));
+        let weights = Shear::new(&ray).weights(t.each_ref());
+        assert_eq!(weights.map(|w| point(t, w)), Some(DVec3::new(0.25, 0.5, 0.0)));
     }
 }

@@ -79,8 +79,7 @@ fn hits(world: &World, frame: &Frame, ray: &Ray, farthest: f32) -> [Option<f64>;
     let shear = Shear::new(ray);
     let per_t = ray.direction.abs().max_element() * frame.scale;
     std::array::from_fn(|lane| {
-        let crossing = shear.intersect(world.corners(lane).each_ref())?;
-        let depth = crossing.t * per_t;
+        let depth = shear.intersect(world.corners(lane).each_ref())? * per_t;
         (depth >= 0.0 && depth <= f64::from(farthest)).then_some(depth)
     })
 }

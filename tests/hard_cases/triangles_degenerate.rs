@@ -44,7 +44,7 @@ fn coplanar(rng: &mut Rng, direction: DVec3) -> (Ray, [DVec3; 3]) {
 /// broken, whether it is hit; and whether the textbook's answers disagree.
 fn coplanar_answers(ray: &Ray, triangle: [DVec3; 3]) -> [u64; 4] {
     let orders = ORDERS.map(|o| o.map(|k| triangle[k]));
-    let ours = orders.map(|t| Shear::new(ray).intersect(t.each_ref()).map(|c| c.t));
+    let ours = orders.map(|t| Shear::new(ray).intersect(t.each_ref()));
     let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
     let textbook = orders.map(|t| moller_trumbore(o, d, lower_triangle(t), 0.0).is_some());
     [
@@ -236,7 +236,7 @@ fn last_of_the_nearest(brute: &Brute, world: &raytracer::world::World, ray: &Ray
     let shear = Shear::new(ray);
     let (mut nearest, mut found) = (f64::INFINITY, None);
     for i in brute.near(ray) {
-        let t = shear.intersect(world.corners_in_place(i as usize)).map(|c| c.t);
+        let t = shear.intersect(world.corners_in_place(i as usize));
         if let Some(t) = t.filter(|&t| ray.covers(t) && t <= nearest) {
             (nearest, found) = (t, Some(i));
         }
@@ -266,10 +266,10 @@ fn case_18_the_order_of_the_vertices() {
         for i in brute.near(&ray) {
             let corners = mesh.corners(i);
             let in_order = |[i, j, k]: [usize; 3]| [corners[i], corners[j], corners[k]];
-            let first = shear.intersect(corners.each_ref()).map(|c| c.t);
+            let first = shear.intersect(corners.each_ref());
             let their_first = moller_trumbore(o, d, lower_triangle(corners), 0.0).is_some();
             for order in ORDERS {
-                let t = shear.intersect(in_order(order).each_ref()).map(|c| c.t);
+                let t = shear.intersect(in_order(order).each_ref());
                 changed += (t.is_some() != first.is_some()) as u64;
                 if let (Some(t), Some(first)) = (t, first) {
                     apart = apart.max(floats_between(t, first));

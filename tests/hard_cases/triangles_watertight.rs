@@ -51,7 +51,7 @@ fn hits(ray: &Ray, triangles: impl Iterator<Item = [DVec3; 3]>) -> Hits {
     let in_front_f32 = |t: Option<f32>| t.is_some_and(|t| t > 0.0) as u64;
     for t in triangles {
         let (t64, t32) = (lower_triangle::<f64>(t), lower_triangle::<f32>(t));
-        hits.ours += in_front(shear.intersect(t.each_ref()).map(|c| c.t));
+        hits.ours += in_front(shear.intersect(t.each_ref()));
         hits.moller_trumbore_f32 += in_front_f32(moller_trumbore(o32, d32, t32, 0.0));
         hits.moller_trumbore_f64 += in_front(moller_trumbore(o, d, t64, 0.0));
         hits.baldwin_weber_f32 += in_front_f32(baldwin_weber(o32, d32, t32));
@@ -223,7 +223,7 @@ fn crossings(ray: &Ray, triangles: impl Iterator<Item = [DVec3; 3]>) -> [u64; 3]
     let (o32, d32) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
     let mut count = [0; 3];
     for t in triangles {
-        count[0] += shear.intersect(t.each_ref()).is_some_and(|c| ray.covers(c.t)) as u64;
+        count[0] += shear.intersect(t.each_ref()).is_some_and(|t| ray.covers(t)) as u64;
         count[1] += moller_trumbore(o32, d32, lower_triangle(t), 0.0).is_some_and(|t| t > 0.0) as u64;
         count[2] += woop(o, d, lower_triangle(t), Edges::Inclusive).is_some_and(|t| t > 0.0) as u64;
     }

@@ -63,8 +63,8 @@ impl<'w> Brute<'w> {
     fn each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let shear = Shear::new(ray);
         for primitive in self.near(ray) {
-            let crossing = shear.intersect(self.world.corners_in_place(primitive as usize));
-            if let Some(t) = crossing.map(|c| c.t).filter(|&t| ray.covers(t)) {
+            let t = shear.intersect(self.world.corners_in_place(primitive as usize));
+            if let Some(t) = t.filter(|&t| ray.covers(t)) {
                 visit(Hit { t, primitive });
             }
         }

@@ -97,7 +97,7 @@ impl<'w> TextbookGrid<'w> {
         march::<T>(&self.lattice, ray, |cell, _| {
             let mut nearest = f64::INFINITY;
             for &i in self.cells.get(&cell).map_or(&[][..], |list| list) {
-                let t = shear.intersect(self.world.corners_in_place(i as usize)).map(|c| c.t);
+                let t = shear.intersect(self.world.corners_in_place(i as usize));
                 if let Some(t) = t.filter(|&t| ray.covers(t) && t < nearest) {
                     (nearest, found) = (t, Some(i));
                 }
