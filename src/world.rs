@@ -222,14 +222,14 @@ impl World {
         by_place.then(one.cmp(&other)).is_lt()
     }
 
-    /// A hit of `ray` whose t may be rough, with the right one.
+    /// A hit of `ray` whose t may be rough or a NaN, with the right one.
     pub fn exact(&self, ray: &Ray, hit: Hit) -> Hit {
         let Primitive::Triangle(i) = self.primitive(hit.primitive) else { return hit };
         let t = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
         Hit { t: t.unwrap_or(hit.t), ..hit }
     }
 
-    /// The surface where `ray` meets a primitive. The t at which it meets a triangle may be rough.
+    /// The surface where `ray` meets a primitive. Of a triangle's hit only the number counts.
     pub fn surface(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
         let along = ray.at(hit.t);
         let (normal, position) = match self.primitive(hit.primitive) {

@@ -170,6 +170,39 @@ fn a_grid_saves_tests_and_changes_no_ray() {
     assert!(grid.intersections < brute.intersections / 4, "{grid:?}");
 }
 
+/// The rows of the README's table of rays and tests: a scene's number, flags, rays, tests.
+fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
+    let lines = include_str!("../README.md").lines();
+    let table = lines.skip_while(|line| !line.starts_with("| Scene | Flags | Rays")).skip(2);
+    let mut scene = "";
+    let row = |line: &'static str| {
+        let columns: Vec<&str> = line.split('|').map(str::trim).collect();
+        let number = |column: usize| columns[column].replace(',', "").parse().expect("a number");
+        scene = columns[1].split('`').nth(1).unwrap_or(scene);
+        (scene, columns[2].trim_matches('`'), number(3), number(4))
+    };
+    table.take_while(|line| line.starts_with('|')).map(row).collect()
+}
+
+/// Every ray is decided and every step counted, whatever shortcuts there are where nobody counts.
+#[test]
+fn the_readme_s_rays_and_tests() {
+    let folder = Folder::new();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let rows = readme_rows();
+    assert!(rows.len() >= 4);
+    for (scene, flags, rays, tests) in rows {
+        let files = std::fs::read_dir(&scenes).expect("the scenes").flatten().map(|entry| entry.path());
+        let name = |path: &Path| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with(scene));
+        let file = files.into_iter().find(|path| name(path)).expect(scene);
+        let counted = Counted::of(
+            folder.run(&format!("-input {} -output o.tga -size 200 200 -stats {flags}", file.display())),
+        );
+        let found = (counted.rays + counted.shadow_rays, counted.intersections);
+        assert_eq!(found, (rays, tests), "{scene} {flags}");
+    }
+}
+
 #[test]
 fn threads_change_no_counter() {
     let folder = scene(2, "reflectiveColor .4 .4 .4", 2, &format!("{RIGHT_HALF} {WALL}"));

@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
                     if self.decide_any(block, verdict.possible) {
                         return true;
                     }
-                } else if self.decide_nearest(block, &verdict, filtered) {
+                } else if self.decide_nearest::<P>(block, &verdict, filtered) {
                     changed = true;
                     filtered.cut(self.best.t);
                 }
@@ -181,16 +181,17 @@ impl<'a> Search<'a> {
 
     /// Looks for a better hit among the lanes of a block that the filter did not reject; says whether
     /// there is one. Only what the filter cannot tell apart is decided in double precision, since that
-    /// has to fetch the triangle.
+    /// has to fetch the triangle; and everything where steps are counted, which depend on t.
     #[inline(always)]
-    fn decide_nearest(&mut self, block: &Block, verdict: &Verdict, filtered: &Filtered) -> bool {
+    fn decide_nearest<P: Probe>(&mut self, block: &Block, verdict: &Verdict, filtered: &Filtered) -> bool {
+        let certain = if P::COUNTS { 0 } else { verdict.certain };
         let mut changed = false;
         for lane in lanes(verdict.possible) {
             let number = block.numbers[lane];
             if number == self.best.primitive {
                 continue;
             }
-            if verdict.certain >> lane & 1 != 0 {
+            if certain >> lane & 1 != 0 {
                 let [least, most] = verdict.depths(lane, block).map(|depth| filtered.t(depth));
                 if most < self.least {
                     self.best = Hit { t: most, primitive: number };

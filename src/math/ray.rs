@@ -49,6 +49,7 @@ impl Ray {
 /// Where a ray meets a primitive of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
+    /// Where it says so, only nearly right for a triangle, or a NaN.
     pub t: f64,
     /// The primitive's number in its world.
     pub primitive: u32,

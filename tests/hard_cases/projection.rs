@@ -64,7 +64,7 @@ impl View {
     /// Large and small triangles, needles, some twice, some without area.
     fn world(&self, rng: &mut Rng) -> World {
         let mut mesh = Mesh::default();
-        for _ in 0..1 + rng.below(12) {
+        for _ in 0..rng.below(13) {
             let a = self.point(rng);
             let [b, c] = if rng.below(3) == 0 {
                 [self.point(rng), self.point(rng)]
