@@ -120,12 +120,12 @@ impl<'a> Search<'a> {
             }
             let verdict = K::test(block, &filtered.ray);
             if verdict.possible != 0 {
-                if ANY && verdict.certain != 0 {
-                    // Which one it is nobody asks.
-                    self.best = Hit { t: self.ray.t_min, primitive: 0 };
-                    return true;
-                }
                 if ANY {
+                    if verdict.certain != 0 {
+                        // Which one it is nobody asks.
+                        self.best = Hit { t: self.ray.t_min, primitive: 0 };
+                        return true;
+                    }
                     if self.decide_any(block, verdict.possible) {
                         return true;
                     }

@@ -107,7 +107,7 @@ impl<P: Probe> Painter<'_, P> {
         // Counters alone also want the colours traced.
         let colors = color || samples.is_some() || P::COUNTS;
         if measures || sampler.is_center() {
-            let wants_hits = colors && matches!(self.request.view, View::Scene(_));
+            let wants_hits = colors && sampler.is_center() && matches!(self.request.view, View::Scene(_));
             batch.take(self.camera, columns.clone(), self.row.j);
             self.find(batch, measures || wants_hits, normals || wants_hits);
         }
