@@ -105,12 +105,12 @@ const BACKS: usize = 1;
 fn piles(canvas: &Canvas, world: &World) -> Vec<Vec<Pile>> {
     const PART: usize = 1 << 14;
     let places: Vec<Place> = world.vertices.par_iter().map(|&v| Place::of(v, canvas)).collect();
-    let parts = world.triangles.par_chunks(PART).zip((0..u32::MAX).into_par_iter().step_by(PART));
-    let piles = parts.map(|(triangles, first)| {
+    let count = world.triangles.len();
+    let parts = (0..count.div_ceil(PART)).into_par_iter();
+    let piles = parts.map(|part| {
         let mut piles = vec![Pile::default(); canvas.rows.len().div_ceil(BAND)];
-        for (corners, number) in triangles.iter().zip(first..) {
-            let corners = corners.map(|v| places[v as usize]);
-            if let Some((sprite, is_front)) = Sprite::new(canvas, corners, number) {
+        for number in part * PART..count.min((part + 1) * PART) {
+            if let Some((sprite, is_front)) = Sprite::new(canvas, world, &places, number as u32) {
                 let (side, rows) = (if is_front { FRONTS } else { BACKS }, sprite.rows.range());
                 let [first, last] = [rows.start, rows.end - 1].map(|j| (j - canvas.rows.start) / BAND);
                 for pile in &mut piles[first..=last] {

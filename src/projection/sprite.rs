@@ -3,6 +3,7 @@
 use super::Canvas;
 use crate::math::extremes::{greatest, least};
 use crate::math::robust::UNIT_ROUNDOFF;
+use crate::world::World;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -54,7 +55,8 @@ pub struct Sprite {
 impl Sprite {
     /// None where it stands in no pixel's way. Says also whether the triangle seems to show its front.
     #[inline]
-    pub fn new(canvas: &Canvas, [a, b, c]: [Place; 3], number: u32) -> Option<(Self, bool)> {
+    pub fn new(canvas: &Canvas, world: &World, places: &[Place], number: u32) -> Option<(Self, bool)> {
+        let [a, b, c] = world.triangles[number as usize].map(|vertex| places[vertex as usize]);
         let (width, rows) = (0..canvas.width, &canvas.rows);
         let nearness = [a.nearness, b.nearness, c.nearness];
         if least(nearness) > 0.0 {
@@ -63,7 +65,7 @@ impl Sprite {
             let (columns, rows) = (Span::around([a, b, c], 0, &width), Span::around([a, b, c], 1, rows));
             let is_seen = !columns.is_empty() && !rows.is_empty();
             is_seen.then(|| (Self { number, columns, rows, nearest }, is_front([a, b, c])))
-        } else if greatest(nearness) < 0.0 {
+        } else if greatest(nearness) < 0.0 || is_beyond_a_side(canvas, world.corners(number as usize)) {
             None
         } else {
             let (columns, rows) = (Span::new(&width), Span::new(rows));
@@ -75,6 +77,20 @@ impl Sprite {
     pub fn pixels(&self) -> usize {
         self.columns.range().len() * self.rows.range().len()
     }
+}
+
+/// Whether a triangle surely lies beyond one of the planes through the eye and the picture's sides.
+fn is_beyond_a_side(canvas: &Canvas, corners: [DVec3; 3]) -> bool {
+    let points = corners.map(|corner| canvas.seen(corner));
+    (0..2).any(|k| {
+        let axis = canvas.axes[k];
+        let beyond = |point: DVec3, sign: f64| {
+            // A pixel more than there are, and far more than any rounding.
+            let within = (canvas.eye.middle[k] + 1.5) * point.dot(canvas.eye.direction);
+            sign * point.dot(axis) > within + 1e-9 * point.length() * axis.length()
+        };
+        [1.0, -1.0].into_iter().any(|sign| points.into_iter().all(|point| beyond(point, sign)))
+    })
 }
 
 /// The pixels of a row or a column from the first to the one before the end.
