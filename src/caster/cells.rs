@@ -5,7 +5,7 @@ use super::block::{Frame, LANES, NONE, Then};
 use super::blocks::Blocks;
 use super::items::Items;
 use crate::grid::Lattice;
-use crate::grid::build::{GridTooLarge, Rows};
+use crate::grid::build::{GridTooLarge, Rows, filled_with};
 use crate::world::World;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -183,14 +183,6 @@ fn scatter(rows: &Rows, items: &Items, triangles: usize, ends: &mut [u32], lanes
             lanes[*place as usize - LANES] = number;
         }
     }
-}
-
-/// A list of exactly this length, or an error where the memory is not to be had.
-fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    list.resize(count, value);
-    Ok(list)
 }
 
 #[cfg(test)]

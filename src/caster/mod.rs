@@ -33,7 +33,8 @@ pub enum Insertion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
     Portable,
-    /// AVX2, FMA and the bit manipulation that comes with them; only after [`Instructions::available`] has named it.
+    /// AVX2, FMA and the bit manipulation that comes with them; only after [`Instructions::available`] has
+    /// named it.
     Avx2,
 }
 

@@ -58,7 +58,7 @@ impl Rows {
         lattice: &Lattice,
         crowd: usize,
     ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
-        let mut counts = zeros(lattice.index_count())?;
+        let mut counts = filled_with(0u32, lattice.index_count())?;
         for &cell in self.runs.iter().flat_map(|run| &run.cells) {
             counts[cell as usize] += 1;
         }
@@ -120,11 +120,12 @@ impl Run {
     }
 }
 
-/// A zeroed list, or an error where the memory is not to be had.
-fn zeros(count: usize) -> Result<Vec<u32>, GridTooLarge> {
-    // Asked for first, since a zeroed allocation aborts where it fails.
-    Vec::<u32>::new().try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    Ok(vec![0; count])
+/// A list of exactly this length, or an error where the memory is not to be had.
+pub fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
+    list.resize(count, value);
+    Ok(list)
 }
 
 /// The box a little larger, so that no hit lies outside by rounding, and never flat.

@@ -21,8 +21,8 @@ pub struct Shear<'r> {
     scale: DVec3,
 }
 
-/// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices, and never beyond an edge
-/// by more, however far away the ray began that crosses it there.
+/// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices,
+/// and never beyond an edge by more, however far away the ray began that crosses it there.
 pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     (u * a + v * b + w * c) / (u + v + w)
 }

@@ -140,7 +140,8 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// None where numbers are too large or too small to compute with.
+    /// None where numbers are too large or too small to compute with, or the view so narrow that rounding
+    /// moves a place by more than a small part of a pixel.
     fn new(eye: Eye, world: &World, width: usize, rows: Range<usize>) -> Option<Self> {
         let distance = |corner: DVec3| (corner - eye.center).length();
         let farthest = world.bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
@@ -149,7 +150,9 @@ impl Canvas {
         let [across, along] = [(eye.middle.x, eye.right), (eye.middle.y, eye.up)]
             .map(|(middle, axis)| (middle + 0.5) * axis.length());
         let reach = eye.direction.length() + across + along;
-        let is_usual = (1e-60..1e60).contains(&scale) && reach < 1e12;
+        // A place is off by a dozen roundings of its distance from the eye, in pixels.
+        let is_wide = axes.iter().all(|axis| axis.length() < 1e11);
+        let is_usual = (1e-60..1e60).contains(&scale) && reach < 1e12 && is_wide;
         is_usual.then_some(Self { eye, scale, axes, reach, width, rows })
     }
 

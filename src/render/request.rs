@@ -36,6 +36,21 @@ pub struct Request<'a> {
 }
 
 impl Request<'_> {
+    /// Whether colours are to be traced. Counters alone also want that.
+    pub fn traces_colors<P: Probe>(&self) -> bool {
+        self.color || self.samples.is_some() || P::COUNTS
+    }
+
+    /// Whether the pixels' centres are measured, whatever is sampled.
+    pub fn measures(&self) -> bool {
+        self.depth.is_some() || self.normals
+    }
+
+    /// Whether the rays that colours are traced along are those through the centres, and cast.
+    pub fn casts_centers<P: Probe>(&self) -> bool {
+        self.traces_colors::<P>() && self.sampler.is_center() && matches!(self.view, View::Scene(_))
+    }
+
     /// What the rays through the pixels' centres in these rows hit first, if they are cast, none of them is
     /// counted, and there is a cheaper way than casting them.
     pub fn projection<P: Probe>(
@@ -44,8 +59,7 @@ impl Request<'_> {
         caster: &Caster,
         rows: Range<usize>,
     ) -> Option<Projection> {
-        let samples_centers = self.sampler.is_center() && matches!(self.view, View::Scene(_));
-        let asks = samples_centers || self.depth.is_some() || self.normals;
-        if P::COUNTS || !asks { None } else { Projection::new(camera, caster, self.size, rows) }
+        let asks = self.measures() || self.casts_centers::<P>();
+        (asks && !P::COUNTS).then(|| Projection::new(camera, caster, self.size, rows))?
     }
 }

@@ -102,14 +102,12 @@ struct Painter<'a, P> {
 impl<P: Probe> Painter<'_, P> {
     /// Paints the pixels in these columns.
     fn paint(&mut self, columns: Range<usize>, batch: &mut Batch) {
-        let Request { sampler, color, depth, normals, samples, .. } = *self.request;
-        let measures = depth.is_some() || normals;
-        // Counters alone also want the colours traced.
-        let colors = color || samples.is_some() || P::COUNTS;
-        if measures || sampler.is_center() {
-            let wants_hits = colors && sampler.is_center() && matches!(self.request.view, View::Scene(_));
+        let Request { sampler, normals, samples, .. } = *self.request;
+        let (measures, colors) = (self.request.measures(), self.request.traces_colors::<P>());
+        if measures || colors && sampler.is_center() {
+            let casts = self.request.casts_centers::<P>();
             batch.take(self.camera, columns.clone(), self.row.j);
-            self.find(batch, measures || wants_hits, normals || wants_hits);
+            self.find(batch, measures || casts, normals || casts);
         }
         if measures {
             batch.centers().iter().for_each(|center| self.measure(center));

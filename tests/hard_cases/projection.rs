@@ -35,7 +35,11 @@ impl View {
         // At times along an axis, so that the edges of boxes meet the pixels' centres.
         let direction = if rng.below(3) == 0 { DVec3::NEG_Z } else { rng.direction() };
         let up = if rng.below(3) == 0 { DVec3::Y } else { rng.direction() };
-        let angle = rng.range(1.0, 170.0);
+        let angle = match rng.below(8) {
+            0 => f64::powf(10.0, rng.range(-18.0, 0.0)),
+            1 => 180.0 - f64::powf(10.0, rng.range(-14.0, 0.0)),
+            _ => rng.range(1.0, 170.0),
+        };
         let camera = scene::Camera::Perspective { center: eye, direction, up, angle };
         Self { size, eye, direction, camera: Camera::new(&camera, size), scale }
     }
