@@ -25,27 +25,14 @@ pub struct Block {
     pub normal: [[f32; LANES]; 3],
     /// How far the filter may be off for these triangles.
     pub slack: Slack,
-    pub then: Then,
     /// The triangles' numbers in their world; [`NONE`] in an empty lane.
     pub numbers: [u32; LANES],
-    /// Where in the list of what is no triangle the cell's own begin and end.
+    /// In a cell's last block: where in the list of what is no triangle the cell's own begin and end.
     pub others: [u32; 2],
+    /// In a cell's first block: how many there are.
+    pub count: u32,
     /// The rest of the last cache line.
     _rest: [u32; 3],
-}
-
-/// What follows a block. No enum, since any bits must make one in memory that starts as zeros.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(transparent)]
-pub struct Then(u32);
-
-impl Then {
-    /// The next block, of the same cell.
-    pub const BLOCK: Self = Self(0);
-    /// Nothing: the cell ends here.
-    pub const END: Self = Self(1);
-    /// What the cell holds beside triangles.
-    pub const OTHERS: Self = Self(2);
 }
 
 impl Block {

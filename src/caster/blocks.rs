@@ -52,7 +52,6 @@ impl Blocks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::block::Then;
 
     #[test]
     fn each_block_is_its_own() {
@@ -61,7 +60,7 @@ mod tests {
             let mut blocks = Blocks::zeroed(count).unwrap();
             assert_eq!(blocks.as_slice().len(), count);
             for (number, block) in blocks.as_mut_slice().iter_mut().enumerate() {
-                assert_eq!((block.then, block.numbers), (Then::BLOCK, [0; 8]));
+                assert_eq!((block.count, block.numbers), (0, [0; 8]));
                 block.numbers = [number as u32; 8];
             }
             let numbers = blocks.as_slice().iter().map(|block| block.numbers);

@@ -1,7 +1,7 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Frame, LANES, NONE, Then};
+use super::block::{Block, Frame, LANES, NONE};
 use super::blocks::Blocks;
 use super::items::Items;
 use crate::grid::Lattice;
@@ -12,13 +12,17 @@ use std::ops::Range;
 
 /// The word of an empty cell.
 pub const EMPTY: u32 = 0;
+/// A word's lowest bits say how many blocks its cell has, so that nobody waits for the blocks to know
+/// it; this many where there are as many or more.
+const MANY: u32 = (1 << COUNT_BITS) - 1;
+const COUNT_BITS: u32 = 4;
 /// From this word on up to the next one a word names a grid of the cell's own, the first one by this.
 pub const NESTED: u32 = 1 << 31;
 /// The word of a border cell.
 pub const BORDER: u32 = u32::MAX;
 
-/// The cells' contents. A word is the number of the cell's first block plus one, or one of those
-/// above; the cell's blocks follow one another up to the one marked as last.
+/// The cells' contents. A word names the cell's first block and says how many follow one another from
+/// there, or is one of those above.
 #[derive(Debug)]
 pub struct Cells {
     words: Vec<u32>,
@@ -54,7 +58,16 @@ impl Cells {
         unsafe { *self.words.get_unchecked(index) }
     }
 
-    /// Everything in one cell, whose first block is 0.
+    /// The blocks of the cell with this word, which is none of those that stand for something else.
+    #[inline(always)]
+    pub fn blocks_of(blocks: &[Block], word: u32) -> &[Block] {
+        let first = (word >> COUNT_BITS) as usize;
+        let count = word & MANY;
+        let count = if count < MANY { count } else { blocks[first].count };
+        &blocks[first..first + count as usize]
+    }
+
+    /// Everything in one cell.
     pub fn all(world: &World, items: &Items, frame: Frame) -> Result<Self, GridTooLarge> {
         let triangles = items.triangles(world);
         let mut numbers = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
@@ -62,7 +75,6 @@ impl Cells {
         lanes.zip(0..triangles).for_each(|(lane, i)| *lane = items.number(i));
         let mut cells = Self::of_numbers(world, numbers, frame)?;
         let last = cells.blocks.as_slice().len() - 1;
-        cells.blocks.as_mut_slice()[last].then = Then::END;
         let others = triangles..items.count(world);
         cells.note_others(others.map(|i| (last as u32, items.number(i))).collect());
         Ok(cells)
@@ -83,20 +95,18 @@ impl Cells {
         Ok(Self { words: vec![], blocks, others: vec![], frame })
     }
 
-    /// Turns the place of each cell's first lane into its word, and marks each cell's last block.
+    /// Turns the place of each cell's first lane into its word.
     fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
         let blocks = self.blocks.as_mut_slice();
-        for row in rows_of(lattice) {
-            for word in &mut words[row] {
-                *word /= LANES as u32;
-                // The block before a cell's first one is another cell's last.
-                if *word > 1 {
-                    blocks[*word as usize - 2].then = Then::END;
-                }
+        let mut end = blocks.len() as u32;
+        for row in rows_of(lattice).rev() {
+            for word in words[row].iter_mut().rev().filter(|word| **word != EMPTY) {
+                let first = *word / LANES as u32 - 1;
+                let count = end - first;
+                blocks[first as usize].count = count;
+                *word = first << COUNT_BITS | count.min(MANY);
+                end = first;
             }
-        }
-        if let Some(last) = blocks.last_mut() {
-            last.then = Then::END;
         }
         self.words = words;
     }
@@ -112,9 +122,8 @@ impl Cells {
 
     /// The last block of a cell that is not empty.
     fn last_block(&self, cell: u32) -> u32 {
-        let first = self.words[cell as usize] as usize - 1;
-        let following = self.blocks.as_slice()[first..].iter().take_while(|block| block.then == Then::BLOCK);
-        (first + following.count()) as u32
+        let first = self.words[cell as usize] >> COUNT_BITS;
+        first + self.blocks.as_slice()[first as usize].count - 1
     }
 
     /// Takes last blocks, which must ascend, and numbers of what is no triangle.
@@ -122,8 +131,7 @@ impl Cells {
         let blocks = self.blocks.as_mut_slice();
         for (&(block, number), place) in places.iter().zip(0..) {
             let block = &mut blocks[block as usize];
-            if block.then != Then::OTHERS {
-                block.then = Then::OTHERS;
+            if block.others == [0, 0] {
                 block.others[0] = place;
             }
             block.others[1] = place + 1;
@@ -133,7 +141,7 @@ impl Cells {
 }
 
 /// The indices of each row of cells.
-fn rows_of(lattice: &Lattice) -> impl Iterator<Item = Range<usize>> {
+fn rows_of(lattice: &Lattice) -> impl DoubleEndedIterator<Item = Range<usize>> {
     let [nx, ny, nz] = lattice.cells;
     let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| lattice.index([0, y, z])));
     starts.map(move |start| start..start + nx)
@@ -158,6 +166,9 @@ fn counts(
     Ok(counts)
 }
 
+/// Lanes end here at the latest, so that a word below [`NESTED`] can name every block.
+const LANES_END: u32 = (NESTED >> COUNT_BITS) * LANES as u32;
+
 /// Turns each cell's count into the place where its lanes end, and gives the number of all lanes.
 /// Each cell begins a block. Places count from one block, so that none is [`EMPTY`].
 fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge> {
@@ -166,7 +177,7 @@ fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge>
         for count in counts[row].iter_mut().filter(|count| **count > 0) {
             let end = next + *count as u64;
             next = end.next_multiple_of(LANES as u64);
-            *count = u32::try_from(end).ok().filter(|&end| end != BORDER).ok_or(GridTooLarge)?;
+            *count = u32::try_from(end).ok().filter(|&end| end <= LANES_END).ok_or(GridTooLarge)?;
         }
     }
     Ok(next as usize - LANES)
@@ -217,11 +228,9 @@ mod tests {
             match cells.words[index] {
                 EMPTY | BORDER => {}
                 word => {
-                    let first = word as usize - 1;
-                    let last = cells.last_block(index as u32) as usize;
-                    let own = &cells.blocks.as_slice()[first..=last];
+                    let own = Cells::blocks_of(cells.blocks.as_slice(), word);
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
-                    let [start, end] = cells.blocks.as_slice()[last].others.map(|i| i as usize);
+                    let [start, end] = own[own.len() - 1].others.map(|i| i as usize);
                     found.extend(&cells.others[start..end]);
                 }
             }

@@ -16,7 +16,7 @@ use crate::world::World;
 use glam::DVec2;
 use search::Search;
 use structure::Structure;
-use traversal::Nest;
+use traversal::{Approach, Nest};
 
 /// Which cells a primitive is entered in. More cells change no hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,7 +124,7 @@ impl<'w> Caster<'w> {
     #[inline(always)]
     fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
         let leaving = leaving.unwrap_or(block::NONE);
-        match self.instructions {
+        let hit = match self.instructions {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2 => {
                 let [a, b, c, d] = ray.pairs();
@@ -132,27 +132,32 @@ impl<'w> Caster<'w> {
                 unsafe { run_avx2::<P, ANY>(self, a, b, c, d, leaving, probe) }
             }
             _ => self.run_with::<filter::Portable, P, ANY>(*ray, leaving, probe),
-        }
+        };
+        (hit.primitive != block::NONE).then_some(hit)
     }
 
+    /// The best hit, of [`block::NONE`] where there is none: unlike an option it is returned in registers.
     #[inline(always)]
-    fn run_with<K: Nest, P: Probe, const ANY: bool>(
-        &self,
-        ray: Ray,
-        leaving: u32,
-        probe: &mut P,
-    ) -> Option<Hit> {
+    fn run_with<K: Nest, P: Probe, const ANY: bool>(&self, ray: Ray, leaving: u32, probe: &mut P) -> Hit {
+        let approach = match &self.structure {
+            Some(structure) => structure.approach::<K::Four>(&ray, ray.t_max),
+            None => Approach::Misses,
+        };
+        // Most of the rays that hit nothing have nothing else to do.
+        if !P::COUNTS && matches!(approach, Approach::Misses) && self.world.planes.is_empty() {
+            return Hit { t: ray.t_max, primitive: block::NONE };
+        }
         // For what is called out of line. All else takes `ray` itself, which stays in registers.
         let stored = ray;
         let mut search = Search::new(self.world, &stored, leaving);
         search.test_planes(&ray, probe);
         if ANY && search.hit().is_some() {
-            return search.hit();
+            return search.best;
         }
         if let Some(structure) = &self.structure {
-            structure.run::<K, P, ANY>(&ray, &mut search, probe);
+            structure.run::<K, P, ANY>(&approach, &mut search, probe);
         }
-        search.hit()
+        search.best
     }
 }
 
@@ -168,6 +173,6 @@ fn run_avx2<P: Probe, const ANY: bool>(
     d: DVec2,
     leaving: u32,
     probe: &mut P,
-) -> Option<Hit> {
+) -> Hit {
     caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), leaving, probe)
 }

@@ -1,6 +1,6 @@
 //! The best hit along one ray: eight triangles at a time, and exactly where the filter leaves a doubt.
 
-use super::block::{Block, Frame, NONE, Then};
+use super::block::{Block, Frame, NONE};
 use super::cells::Cells;
 use super::filter::{FARTHEST, FilterRay, Kernel, Verdict};
 use crate::grid::march::Passage;
@@ -100,21 +100,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tests the blocks from `first` to the end of their cell, and the cell's other primitives; says
-    /// whether the best hit changed. For any hit, the first one ends the test.
+    /// Tests a cell's blocks, and its other primitives; says whether the best hit changed. For any hit,
+    /// the first one ends the test.
     #[inline(always)]
     pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
         &mut self,
         cells: &Cells,
         blocks: &[Block],
-        first: usize,
         filtered: &mut Filtered,
         probe: &mut P,
     ) -> bool {
         let mut changed = false;
-        let mut number = first;
-        loop {
-            let block = &blocks[number];
+        for block in blocks {
             if P::COUNTS {
                 probe.intersections(block.numbers.iter().filter(|&&n| n != NONE).count());
             }
@@ -134,12 +131,11 @@ impl<'a> Search<'a> {
                     filtered.cut(self.best.t);
                 }
             }
-            if block.then != Then::BLOCK {
-                break;
-            }
-            number += 1;
         }
-        if blocks[number].then == Then::OTHERS && self.test_others(cells, &blocks[number], probe) {
+        if let Some(last) = blocks.last()
+            && last.others != [0, 0]
+            && self.test_others(cells, last, probe)
+        {
             changed = true;
             filtered.cut(self.best.t);
         }

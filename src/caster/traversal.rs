@@ -2,11 +2,11 @@
 //! follow.
 
 use super::block::Block;
-use super::cells::{BORDER, EMPTY, NESTED};
+use super::cells::{BORDER, Cells, EMPTY, NESTED};
 use super::filter::{Kernel, Portable};
 use super::search::{Filtered, Search};
 use super::structure::Structure;
-use crate::grid::march::{March, clip};
+use crate::grid::march::{March, Passage, clip};
 use crate::math::four::Four;
 use crate::math::ray::Ray;
 use crate::stats::Probe;
@@ -21,7 +21,7 @@ pub trait Nest: Kernel {
 impl Nest for Portable {
     #[inline(never)]
     fn search<P: Probe, const ANY: bool>(structure: &Structure, search: &mut Search, probe: &mut P) {
-        structure.run::<Self, P, ANY>(search.ray, search, probe);
+        structure.search::<Self, P, ANY>(search, probe);
     }
 }
 
@@ -38,20 +38,51 @@ impl Nest for super::filter::Avx2 {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn search_avx2<P: Probe, const ANY: bool>(structure: &Structure, search: &mut Search, probe: &mut P) {
-    structure.run::<super::filter::Avx2, P, ANY>(search.ray, search, probe);
+    structure.search::<super::filter::Avx2, P, ANY>(search, probe);
+}
+
+/// How a ray comes upon a structure.
+#[derive(Clone, Copy, Debug)]
+pub enum Approach<F> {
+    Misses,
+    Passes(Passage<F>),
+    /// From so far that the proofs of filter and march do not hold.
+    TooFar,
 }
 
 impl Structure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
-    pub fn run<K: Nest, P: Probe, const ANY: bool>(&self, ray: &Ray, search: &mut Search, probe: &mut P) {
-        if !self.is_near::<K::Four>(ray) {
-            return self.run_all::<P, ANY>(search, probe);
+    fn search<K: Nest, P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
+        let approach = self.approach::<K::Four>(search.ray, search.best.t);
+        self.run::<K, P, ANY>(&approach, search, probe);
+    }
+
+    /// How the ray, as far as `last`, comes upon the structure.
+    #[inline(always)]
+    pub fn approach<F: Four>(&self, ray: &Ray, last: f64) -> Approach<F> {
+        if !self.is_near::<F>(ray) {
+            return Approach::TooFar;
         }
-        let Some(passage) = clip::<K::Four>(&self.slab, ray, search.best.t) else {
-            // The course's program tests everything; what is outside the box misses.
-            let untested = if self.lattice.is_none() { self.items.count(search.world) } else { 0 };
-            return probe.intersections(untested);
+        clip::<F>(&self.slab, ray, last).map_or(Approach::Misses, Approach::Passes)
+    }
+
+    /// The same as [`search`](Self::search), for a search whose ray has this approach.
+    #[inline(always)]
+    pub fn run<K: Nest, P: Probe, const ANY: bool>(
+        &self,
+        approach: &Approach<K::Four>,
+        search: &mut Search,
+        probe: &mut P,
+    ) {
+        let passage = match approach {
+            Approach::TooFar => return self.run_all::<P, ANY>(search, probe),
+            Approach::Passes(passage) if passage.entry <= search.best.t => *passage,
+            _ => {
+                // The course's program tests everything; what is outside the box misses.
+                let untested = if self.lattice.is_none() { self.items.count(search.world) } else { 0 };
+                return probe.intersections(untested);
+            }
         };
         // Asked for once, since it takes a look at how they are kept.
         let blocks = self.cells.blocks.as_slice();
@@ -62,7 +93,7 @@ impl Structure {
                 self.march::<K, P, ANY>(march, blocks, &mut filtered, search, probe);
             }
             None => {
-                search.test_cell::<K, P, ANY>(&self.cells, blocks, 0, &mut filtered, probe);
+                search.test_cell::<K, P, ANY>(&self.cells, blocks, &mut filtered, probe);
             }
         }
     }
@@ -91,7 +122,8 @@ impl Structure {
             if word != EMPTY {
                 unlikely();
                 let changed = if word < NESTED {
-                    search.test_cell::<K, P, ANY>(&self.cells, blocks, word as usize - 1, filtered, probe)
+                    let own = Cells::blocks_of(blocks, word);
+                    search.test_cell::<K, P, ANY>(&self.cells, own, filtered, probe)
                 } else if word != BORDER {
                     self.test_nested::<K, P, ANY>(word, filtered, search, probe)
                 } else {
