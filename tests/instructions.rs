@@ -2,6 +2,7 @@
 //! a primitive is entered in; also where crowded cells have grids of their own.
 
 use glam::DVec3;
+use raytracer::caster::stream::Query;
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -23,7 +24,8 @@ fn rabbit() -> Mesh {
     parse_obj(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// Rays from all around towards all around, among them some along the axes.
+/// Rays from all around towards all around, among them some along the axes, some that end, some from so far
+/// that neither filter nor march takes them, and some that lead nowhere.
 fn rays() -> impl Iterator<Item = Ray> {
     let mut state = 7u64;
     let mut random = move || {
@@ -35,7 +37,14 @@ fn rays() -> impl Iterator<Item = Ray> {
         let (origin, target) = (2.0 * point(), point());
         let direction = if i % 10 == 0 { DVec3::AXES[i / 10 % 3] } else { target - origin };
         let t_min = if i % 7 == 0 { f64::NEG_INFINITY } else { 0.0 };
-        Ray { t_min, ..Ray::new(origin, direction) }
+        let t_max = if i % 9 == 0 { 0.7 } else { f64::INFINITY };
+        match i % 97 {
+            1 => Ray::new(target - 1e13 * direction, direction),
+            2 => Ray::new(origin, DVec3::ZERO),
+            3 => Ray::new(origin.with_y(f64::NAN), direction),
+            4 => Ray::new(origin, direction.with_z(f64::NAN)),
+            _ => Ray { origin, t_min, direction, t_max },
+        }
     })
 }
 
@@ -56,7 +65,41 @@ fn hits_depend_neither_on_instructions_nor_on_insertion() {
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
+                streams_answer_as_single_rays(&caster, &expected);
             }
+        }
+    }
+}
+
+/// A ray and what was answered.
+#[derive(Debug)]
+struct Asked(Ray, Option<Hit>);
+
+impl Query for Asked {
+    fn ray(&self) -> &Ray {
+        &self.0
+    }
+
+    fn answer(&mut self, hit: Option<Hit>) {
+        self.1 = hit;
+    }
+}
+
+/// In streams of all lengths up to more than one holds.
+fn streams_answer_as_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
+    let mut rest = rays;
+    for length in (1..40).cycle() {
+        let (now, later) = rest.split_at(rest.len().min(length));
+        // Something that must not be left standing.
+        let wrong = Some(Hit { t: 0.0, primitive: u32::MAX });
+        let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
+        caster.nearest_each(&mut asked, &mut Quiet);
+        for Asked(ray, hit) in asked {
+            assert_eq!(hit, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
+        }
+        rest = later;
+        if rest.is_empty() {
+            break;
         }
     }
 }

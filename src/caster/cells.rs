@@ -58,6 +58,12 @@ impl Cells {
         unsafe { *self.words.get_unchecked(index) }
     }
 
+    /// The first block of the cell with this word, if there is one.
+    #[inline(always)]
+    pub fn first_block(blocks: &[Block], word: u32) -> Option<&Block> {
+        if word < NESTED && word != EMPTY { blocks.get((word >> COUNT_BITS) as usize) } else { None }
+    }
+
     /// The blocks of the cell with this word, which is none of those that stand for something else.
     #[inline(always)]
     pub fn blocks_of(blocks: &[Block], word: u32) -> &[Block] {

@@ -6,6 +6,7 @@ pub mod cells;
 pub mod filter;
 mod items;
 mod search;
+pub mod stream;
 mod structure;
 mod traversal;
 

@@ -3,8 +3,9 @@
 use super::block::{Block, Frame, NONE};
 use super::cells::Cells;
 use super::filter::{FARTHEST, FilterRay, Kernel, Verdict};
-use crate::grid::march::Passage;
+use crate::grid::passage::Passage;
 use crate::math::four::Four;
+use crate::math::packet::Along;
 use crate::math::ray::{Hit, Ray};
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
@@ -38,24 +39,24 @@ pub struct Filtered {
 }
 
 impl Filtered {
+    /// The ray on its passage, as far as `last`.
     #[inline(always)]
-    pub fn new<F: Four>(frame: &Frame, passage: &Passage<F>, last: f64) -> Self {
-        let Passage { entry, origin, direction, inverse, .. } = *passage;
+    pub fn on<F: Four>(passage: &Passage<F>, frame: &Frame, last: f64) -> Self {
+        let Passage { entry, along: Along { origin, direction, inverse }, .. } = *passage;
         let largest = direction.abs().greatest();
         // One over the largest, without another division.
         let inverse = inverse.abs().least();
         let scale = F::splat(frame.scale);
         let place = (origin - F::new(frame.center) + F::splat(entry) * direction) * scale;
-        let mut filtered = Self {
-            ray: FilterRay {
-                origin: place.single(),
-                direction: (direction * F::splat(inverse)).single(),
-                farthest: 0.0,
-            },
-            entry,
-            per_t: largest * frame.scale,
-            unit: inverse * frame.unit,
-        };
+        let ray = [place.single(), (direction * F::splat(inverse)).single()];
+        Self::new(ray, entry, largest * frame.scale, inverse * frame.unit, last)
+    }
+
+    /// With the filter's origin and direction, and what [`Filtered`] says of its t; as far as `last`.
+    #[inline(always)]
+    pub fn new([origin, direction]: [[f32; 4]; 2], entry: f64, per_t: f64, unit: f64, last: f64) -> Self {
+        let ray = FilterRay { origin, direction, farthest: 0.0 };
+        let mut filtered = Self { ray, entry, per_t, unit };
         filtered.cut(last);
         filtered
     }
@@ -249,7 +250,7 @@ impl<'a> Search<'a> {
 
 /// The members of a set of lanes, in order.
 #[inline(always)]
-fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
+pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = set.trailing_zeros() as usize;
         (set != 0).then(|| {

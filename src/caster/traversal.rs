@@ -6,8 +6,10 @@ use super::cells::{BORDER, Cells, EMPTY, NESTED};
 use super::filter::{Kernel, Portable};
 use super::search::{Filtered, Search};
 use super::structure::Structure;
-use crate::grid::march::{March, Passage, clip};
+use crate::grid::march::March;
+use crate::grid::passage::{Passage, clip};
 use crate::math::four::Four;
+use crate::math::packet::Along;
 use crate::math::ray::Ray;
 use crate::stats::Probe;
 
@@ -64,7 +66,8 @@ impl Structure {
         if !self.is_near::<F>(ray) {
             return Approach::TooFar;
         }
-        clip::<F>(&self.slab, ray, last).map_or(Approach::Misses, Approach::Passes)
+        clip(&self.slab, Along::<F>::all_axes(ray), ray.t_min, last)
+            .map_or(Approach::Misses, Approach::Passes)
     }
 
     /// The same as [`search`](Self::search), for a search whose ray has this approach.
@@ -86,7 +89,7 @@ impl Structure {
         };
         // Asked for once, since it takes a look at how they are kept.
         let blocks = self.cells.blocks.as_slice();
-        let mut filtered = Filtered::new(&self.cells.frame, &passage, search.best.t);
+        let mut filtered = Filtered::on(&passage, &self.cells.frame, search.best.t);
         match &self.lattice {
             Some(lattice) => {
                 let march = March::new(lattice, &passage);
@@ -106,9 +109,20 @@ impl Structure {
         from_middle.abs().greatest() <= self.farthest
     }
 
+    /// Goes on to the first cell that is not empty, from the current one on; gives its word.
+    #[inline(always)]
+    pub fn skip(&self, march: &mut March) -> u32 {
+        let mut word = self.word_at(march);
+        while word == EMPTY {
+            march.step();
+            word = self.word_at(march);
+        }
+        word
+    }
+
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    fn march<K: Nest, P: Probe, const ANY: bool>(
+    pub fn march<K: Nest, P: Probe, const ANY: bool>(
         &self,
         mut march: March,
         blocks: &[Block],

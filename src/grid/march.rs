@@ -13,16 +13,15 @@
 //! the cell that the schedule names for t, and a search that goes through all cells up to the time
 //! of its best hit has missed nothing nearer.
 
+use super::passage::Passage;
 use super::ticks::Ticks;
 use super::{Ahead, Lattice};
-use crate::math::aabb::Aabb;
 use crate::math::extremes::greater;
 use crate::math::four::{Four, TO_WHOLE};
-use crate::math::ray::Ray;
-use glam::DVec3;
+use crate::math::packet::Along;
 
 /// The ray's whole way through the lattice, in ticks.
-const WAY: f64 = (1u64 << 29) as f64;
+pub const WAY: f64 = (1u64 << 29) as f64;
 
 /// Later than any face that the march comes to, and small enough for one more distance on top.
 const NEVER: f64 = (1u64 << 30) as f64;
@@ -48,73 +47,83 @@ pub struct March<'l> {
     per_tick: f64,
 }
 
-/// A box as [`clip`] reads it: two corners with a spare place each.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Slab {
-    low: [f64; 4],
-    high: [f64; 4],
+/// What the march takes from the lattice: of all axes, for one ray, or of one axis, for four rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<F> {
+    pub low: F,
+    pub cell_size: F,
+    pub per_unit: F,
+    /// The last cell.
+    pub last: F,
 }
 
-impl Slab {
-    pub fn new(bounds: &Aabb) -> Self {
-        let corner = |v: DVec3| [v.x, v.y, v.z, 0.0];
-        Self { low: corner(bounds.min), high: corner(bounds.max) }
+/// When faces are crossed: by one ray along each axis, or by four rays along one axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Schedule {
+    /// The cell where the march begins.
+    pub cell: [i32; 4],
+    /// In ticks, as in [`March`].
+    pub next: [i32; 4],
+    pub between: [i32; 4],
+}
+
+impl Schedule {
+    /// Of rays that enter the lattice at `entry`. What does not depend on that is computed while the
+    /// processor waits for it.
+    #[inline(always)]
+    pub fn new<F: Four>(faces: &Faces<F>, along: &Along<F>, entry: F, per_tick: F) -> Self {
+        let Along { origin, direction, inverse } = *along;
+        // In units of cells from here on.
+        let from = (origin - faces.low) * faces.per_unit;
+        let per_cell = inverse * faces.cell_size;
+        // On a face either cell will do: the march corrects it with its first step.
+        let at = (from - F::splat(0.5)) + entry * (direction * faces.per_unit);
+        let at = at.max(F::splat(0.0)).min(faces.last);
+        let crossing = ((at.round() + (inverse.is_positive() - from)) * per_cell - entry) * per_tick;
+        Self {
+            cell: at.whole(),
+            // Alongside a face the crossing is infinite, or NaN within it.
+            next: ticks(crossing.unless_infinite(inverse, NEVER)),
+            between: ticks(per_cell.abs() * per_tick),
+        }
     }
 }
 
-/// Where a ray enters and leaves a box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage<F> {
-    pub entry: f64,
-    pub exit: f64,
-    pub origin: F,
-    pub direction: F,
-    /// One over the direction.
-    pub inverse: F,
+/// The nearest ticks, cut to what the march comes to.
+#[inline(always)]
+fn ticks<F: Four>(t: F) -> [i32; 4] {
+    t.max(F::splat(-WAY)).min(F::splat(NEVER)).whole()
 }
 
-/// Where the ray enters and leaves the box, if it does so before `t_max`.
-#[inline(always)]
-pub fn clip<F: Four>(slab: &Slab, ray: &Ray, t_max: f64) -> Option<Passage<F>> {
-    let (o, d) = (ray.origin, ray.direction);
-    let origin = F::new([o.x, o.y, o.z, ray.t_min]);
-    let direction = F::new([d.x, d.y, d.z, ray.t_max]);
-    let inverse = direction.inverse();
-    let low = (F::new(slab.low) - origin) * inverse;
-    let high = (F::new(slab.high) - origin) * inverse;
-    let (near, far) = (low.min(high), low.max(high));
-    let entry = greater(near.greatest(), ray.t_min);
-    let exit = far.least();
-    // A ray within a face has a NaN there, and misses: nothing reaches the faces. One without
-    // direction never gets out again.
-    let passes = near.precedes(far) && entry <= exit && entry <= t_max && exit < f64::INFINITY;
-    passes.then_some(Passage { entry, exit, origin, direction, inverse })
-}
+/// Ways through the lattice count as not shorter, so that no division overflows for a ray that but touches
+/// a corner.
+pub const SHORTEST_WAY: f64 = f64::MIN_POSITIVE * WAY;
 
 impl<'l> March<'l> {
     /// Starts at the cell where a ray's `passage` through the lattice's bounds begins.
     #[inline(always)]
     pub fn new<F: Four>(lattice: &'l Lattice, passage: &Passage<F>) -> Self {
-        let Passage { entry, exit, origin, direction, inverse } = *passage;
-        let Ahead { slab, cell_size, per_unit, last, strides, moves } = &lattice.ahead;
-        // Long enough that no division overflows, for a ray that but touches a corner.
-        let per_tick = WAY / greater(exit - entry, f64::MIN_POSITIVE * WAY);
-        let (start, scale) = (F::splat(entry), F::splat(per_tick));
-        // In units of cells from here on. What does not depend on the entry is computed while the
-        // processor waits for it.
-        let per_unit = F::new(*per_unit);
-        let from = (origin - F::new(slab.low)) * per_unit;
-        let per_cell = inverse * F::new(*cell_size);
-        // On a face either cell will do: the march corrects it with its first step.
-        let at = (from - F::splat(0.5)) + start * (direction * per_unit);
-        let at = at.max(F::splat(0.0)).min(F::new(*last));
-        let crossing = ((at.round() + (inverse.is_positive() - from)) * per_cell - start) * scale;
+        let Passage { entry, exit, along } = passage;
+        let per_tick = WAY / greater(exit - entry, SHORTEST_WAY);
+        let schedule = Schedule::new(&lattice.ahead.faces(), along, F::splat(*entry), F::splat(per_tick));
+        Self::scheduled(lattice, &schedule, along.inverse.signs(), *entry, per_tick)
+    }
+
+    /// Starts as one ray's schedule says; `backwards` are the axes along which the ray runs backwards.
+    #[inline(always)]
+    pub fn scheduled(
+        lattice: &'l Lattice,
+        schedule: &Schedule,
+        backwards: usize,
+        entry: f64,
+        per_tick: f64,
+    ) -> Self {
+        let Ahead { strides, moves, .. } = &lattice.ahead;
         Self {
-            index: index(at.whole(), strides),
-            // Alongside a face the crossing is infinite, or NaN within it.
-            next: ticks(crossing.unless_infinite(inverse, NEVER)),
-            between: ticks(per_cell.abs() * scale),
-            moves: &moves[inverse.signs()],
+            index: index(schedule.cell, strides),
+            next: Ticks::new(schedule.next),
+            between: Ticks::new(schedule.between),
+            moves: &moves[backwards],
             entry,
             per_tick,
         }
@@ -163,16 +172,14 @@ fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
     x.wrapping_add(y.wrapping_mul(*sy)).wrapping_add(z.wrapping_mul(*sz)) as usize
 }
 
-/// The nearest ticks, cut to what the march comes to.
-#[inline(always)]
-fn ticks<F: Four>(t: F) -> Ticks {
-    Ticks::new(t.max(F::splat(-WAY)).min(F::splat(NEVER)).whole())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::passage::clip;
+    use crate::math::aabb::Aabb;
     use crate::math::four::Plain;
+    use crate::math::ray::Ray;
+    use glam::DVec3;
 
     fn unit(n: [usize; 3]) -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)
@@ -188,7 +195,8 @@ mod tests {
 
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
         let lattice = unit(n);
-        let Some(passage) = clip::<Plain>(lattice.slab(), ray, ray.t_max) else { return vec![] };
+        let along = Along::<Plain>::all_axes(ray);
+        let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { return vec![] };
         let mut march = March::new(&lattice, &passage);
         let mut list = vec![];
         while is_inside(&lattice, march.index) {
@@ -231,7 +239,8 @@ mod tests {
                 let target = DVec3::new(angle(k), angle(3 * k + 1), angle(7 * k + 2));
                 let origin = DVec3::new(-1.3 + angle(11 * k), 2.0 * angle(5 * k) - 0.5, -0.7);
                 let ray = Ray::new(origin, target - origin);
-                let Some(passage) = clip::<Plain>(lattice.slab(), &ray, ray.t_max) else { continue };
+                let along = Along::<Plain>::all_axes(&ray);
+                let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { continue };
                 let mut march = March::new(&lattice, &passage);
                 while is_inside(&lattice, march.index) {
                     let t = passage.entry + march.exit() as f64 / march.per_tick;

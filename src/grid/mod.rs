@@ -3,14 +3,18 @@
 pub mod build;
 pub mod footprint;
 pub mod march;
+pub mod marches;
+pub mod passage;
 pub mod resolution;
 mod ticks;
 pub mod visualize;
 
 use crate::math::aabb::Aabb;
+use crate::math::four::Four;
 use build::GridTooLarge;
 use glam::DVec3;
-use march::Slab;
+use march::Faces;
+use passage::Slab;
 
 /// How a box is cut into cells.
 ///
@@ -33,6 +37,7 @@ pub struct Lattice {
 #[derive(Clone, Debug, PartialEq)]
 struct Ahead {
     slab: Slab,
+    low: [f64; 4],
     cell_size: [f64; 4],
     per_unit: [f64; 4],
     /// The last cell along each axis, and how an index changes from one to the next.
@@ -57,11 +62,34 @@ impl Ahead {
         let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
         Self {
             slab: Slab::new(bounds),
+            low: [bounds.min.x, bounds.min.y, bounds.min.z, 0.0],
             cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
             per_unit: [per_unit.x, per_unit.y, per_unit.z, 1.0],
             last: floats(cells.map(|n| n - 1)),
             strides: strides.map(|stride| stride as u32),
             moves: std::array::from_fn(|backwards| std::array::from_fn(|stays| moved(backwards, stays))),
+        }
+    }
+
+    /// What a march takes from all axes.
+    #[inline(always)]
+    fn faces<F: Four>(&self) -> Faces<F> {
+        Faces {
+            low: F::new(self.low),
+            cell_size: F::new(self.cell_size),
+            per_unit: F::new(self.per_unit),
+            last: F::new(self.last),
+        }
+    }
+
+    /// What four marches take from one axis.
+    #[inline(always)]
+    fn faces_along<F: Four>(&self, axis: usize) -> Faces<F> {
+        Faces {
+            low: F::splat(self.low[axis]),
+            cell_size: F::splat(self.cell_size[axis]),
+            per_unit: F::splat(self.per_unit[axis]),
+            last: F::splat(self.last[axis]),
         }
     }
 }
@@ -75,7 +103,7 @@ impl Lattice {
         Self { bounds, cells, cell_size, per_unit, ahead }
     }
 
-    /// The bounds as [`march::clip`] reads them.
+    /// The bounds as [`passage::clip`] reads them.
     pub fn slab(&self) -> &Slab {
         &self.ahead.slab
     }

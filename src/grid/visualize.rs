@@ -4,10 +4,12 @@
 //! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
 
 use super::build::GridTooLarge;
-use super::march::{March, clip};
+use super::march::March;
+use super::passage::clip;
 use super::{Lattice, footprint};
 use crate::math::aabb::Aabb;
 use crate::math::four::Plain;
+use crate::math::packet::Along;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
 use crate::world::{Placement, course_sphere_box, placements};
@@ -86,7 +88,8 @@ impl Occupancy {
 
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let passage = clip::<Plain>(self.lattice.slab(), ray, ray.t_max)?;
+        let along = Along::<Plain>::all_axes(ray);
+        let passage = clip(self.lattice.slab(), along, ray.t_min, ray.t_max)?;
         let mut march = March::new(&self.lattice, &passage);
         let mut face = self.face(march.index(), passage.entry, self.face_at(passage.entry, ray), ray);
         while face.is_none() {

@@ -1,15 +1,22 @@
-//! Four floats side by side: three axes and a spare place, so that whole registers do the work.
+//! Four floats side by side, so that whole registers do the work: one ray's three axes and a spare
+//! place, or one axis of four rays.
 //!
 //! What stands in the spare place never reaches a result; it may be anything.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Arithmetic place by place. Every implementation gives the same bits.
-pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub trait Four:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
     fn new(places: [f64; 4]) -> Self;
     fn splat(x: f64) -> Self;
+    fn places(self) -> [f64; 4];
     /// One over each.
-    fn inverse(self) -> Self;
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        Self::splat(1.0) / self
+    }
     fn abs(self) -> Self;
     /// The lesser; the other's where this one is NaN.
     fn min(self, other: Self) -> Self;
@@ -17,10 +24,12 @@ pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     fn max(self, other: Self) -> Self;
     /// 1 where this is positive, 0 elsewhere.
     fn is_positive(self) -> Self;
+    /// `one` where this has a sign, 0 elsewhere.
+    fn sign_of(self, one: f64) -> Self;
     /// This where `other` is finite or NaN, `instead` where it is infinite.
     fn unless_infinite(self, other: Self, instead: f64) -> Self;
-    /// Whether this is at most `other` along all three axes; not where one is NaN.
-    fn precedes(self, other: Self) -> bool;
+    /// The places where this is at most `other`, bit 0 for the first; none where one is NaN.
+    fn at_most(self, other: Self) -> u32;
     /// Which of the three axes have a sign, bit 0 for x.
     fn signs(self) -> usize;
     /// The nearest whole numbers, of numbers that are below 2^31.
@@ -72,8 +81,8 @@ impl Four for Plain {
     }
 
     #[inline(always)]
-    fn inverse(self) -> Self {
-        self.map(|x| 1.0 / x)
+    fn places(self) -> [f64; 4] {
+        self.0
     }
 
     #[inline(always)]
@@ -97,13 +106,18 @@ impl Four for Plain {
     }
 
     #[inline(always)]
+    fn sign_of(self, one: f64) -> Self {
+        self.map(|x| if x.is_sign_negative() { one } else { 0.0 })
+    }
+
+    #[inline(always)]
     fn unless_infinite(self, other: Self, instead: f64) -> Self {
         self.zip(other, |x, y| if y.abs() == f64::INFINITY { instead } else { x })
     }
 
     #[inline(always)]
-    fn precedes(self, other: Self) -> bool {
-        (0..3).all(|axis| self.0[axis] <= other.0[axis])
+    fn at_most(self, other: Self) -> u32 {
+        (0..4).fold(0, |set, i| set | u32::from(self.0[i] <= other.0[i]) << i)
     }
 
     #[inline(always)]
@@ -159,12 +173,20 @@ impl Mul for Plain {
     }
 }
 
+impl Div for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 pub use wide::Wide;
 
 #[cfg(target_arch = "x86_64")]
 mod wide {
-    use super::{Add, Four, Mul, Sub};
+    use super::{Add, Div, Four, Mul, Sub};
     use std::arch::x86_64::*;
 
     /// One AVX register. To be named only inside functions that are compiled for AVX and called
@@ -197,8 +219,9 @@ mod wide {
         }
 
         #[inline(always)]
-        fn inverse(self) -> Self {
-            Self(unsafe { _mm256_div_pd(_mm256_set1_pd(1.0), self.0) })
+        fn places(self) -> [f64; 4] {
+            // Both are thirty-two bytes without padding.
+            unsafe { std::mem::transmute(self.0) }
         }
 
         #[inline(always)]
@@ -223,6 +246,12 @@ mod wide {
         }
 
         #[inline(always)]
+        fn sign_of(self, one: f64) -> Self {
+            // The selection looks at the sign alone.
+            Self(unsafe { _mm256_blendv_pd(_mm256_setzero_pd(), _mm256_set1_pd(one), self.0) })
+        }
+
+        #[inline(always)]
         fn unless_infinite(self, other: Self, instead: f64) -> Self {
             let infinity = Self::splat(f64::INFINITY).0;
             let infinite = unsafe { _mm256_cmp_pd::<_CMP_EQ_OQ>(other.abs().0, infinity) };
@@ -230,9 +259,8 @@ mod wide {
         }
 
         #[inline(always)]
-        fn precedes(self, other: Self) -> bool {
-            let precedes = unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) };
-            unsafe { _mm256_movemask_pd(precedes) & 7 == 7 }
+        fn at_most(self, other: Self) -> u32 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
         }
 
         #[inline(always)]
@@ -242,13 +270,12 @@ mod wide {
 
         #[inline(always)]
         fn whole(self) -> [i32; 4] {
-            // Both are sixteen bytes without padding.
+            // Sixteen bytes each.
             unsafe { std::mem::transmute(_mm256_cvtpd_epi32(self.0)) }
         }
 
         #[inline(always)]
         fn single(self) -> [f32; 4] {
-            // As above.
             unsafe { std::mem::transmute(_mm256_cvtpd_ps(self.0)) }
         }
 
@@ -288,6 +315,14 @@ mod wide {
         #[inline(always)]
         fn mul(self, other: Self) -> Self {
             Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+        }
+    }
+
+    impl Div for Wide {
+        type Output = Self;
+        #[inline(always)]
+        fn div(self, other: Self) -> Self {
+            Self(unsafe { _mm256_div_pd(self.0, other.0) })
         }
     }
 }

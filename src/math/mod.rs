@@ -4,6 +4,7 @@ pub mod aabb;
 pub mod double_double;
 pub mod extremes;
 pub mod four;
+pub mod packet;
 pub mod predicate;
 pub mod ray;
 pub mod robust;

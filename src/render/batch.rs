@@ -1,9 +1,10 @@
-//! The centres of neighbouring pixels, brought from stage to stage together: rays, then what they hit, then
-//! the surfaces there. One centre's stages wait for each other's divisions and for memory, while
-//! neighbours' need not.
+//! Samples of neighbouring pixels, brought from stage to stage together: rays, then what they hit, then the
+//! surfaces there. One sample's stages wait for each other's divisions and for memory, while neighbours'
+//! need not.
 
 use crate::camera::Camera;
 use crate::caster::Caster;
+use crate::caster::stream::Query;
 use crate::math::ray::{Hit, Ray};
 use crate::projection::Projection;
 use crate::stats::Probe;
@@ -11,40 +12,64 @@ use crate::world::SurfacePoint;
 use glam::DVec2;
 use std::ops::Range;
 
-/// What is seen through the centre of a pixel.
+/// A sample in a row of pixels, and what is seen there.
 #[derive(Clone, Copy, Debug)]
-pub struct Center {
+pub struct Sample {
     pub column: usize,
+    /// From the pixel's centre, in pixels.
+    pub offset: DVec2,
+    /// Whether it is the pixel's last one.
+    pub is_last: bool,
     pub ray: Ray,
     /// What the ray hits, once it has been found.
     pub hit: Option<Hit>,
     pub surface: Option<SurfacePoint>,
 }
 
-/// Some neighbours of a row.
+impl Query for Sample {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn answer(&mut self, hit: Option<Hit>) {
+        self.hit = hit;
+    }
+}
+
+/// Some samples of a row.
 #[derive(Debug, Default)]
 pub struct Batch {
-    centers: Vec<Center>,
+    samples: Vec<Sample>,
 }
 
 impl Batch {
     /// Enough that waits overlap, few enough to stay near.
-    pub const PIXELS: usize = 16;
+    pub const SIZE: usize = 16;
 
-    pub fn centers(&self) -> &[Center] {
-        &self.centers
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
     }
 
-    /// Takes the pixels in these columns of row `j`.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+    }
+
+    /// Takes the centres of the pixels in these columns of row `j`.
     pub fn take(&mut self, camera: &Camera, columns: Range<usize>, j: usize) {
-        self.centers.clear();
-        for column in columns {
-            let ray = camera.ray(DVec2::new(column as f64, j as f64), DVec2::ZERO);
-            self.centers.push(Center { column, ray, hit: None, surface: None });
-        }
+        columns.for_each(|column| self.push(camera, [column, j], DVec2::ZERO, true));
     }
 
-    /// Finds what each ray hits; `projection` says what is seen in row `j`, as far as it is known.
+    /// Adds a sample of a pixel in row `j`.
+    #[inline]
+    pub fn push(&mut self, camera: &Camera, [column, j]: [usize; 2], offset: DVec2, is_last: bool) {
+        let ray = camera.ray(DVec2::new(column as f64, j as f64), offset);
+        self.samples.push(Sample { column, offset, is_last, ray, hit: None, surface: None });
+    }
+
+    /// Finds what each ray hits; `projection` says what is seen through the centres of row `j`, if these
+    /// are the samples, and as far as it is known.
     pub fn find_hits<P: Probe>(
         &mut self,
         caster: &Caster,
@@ -52,15 +77,18 @@ impl Batch {
         j: usize,
         probe: &mut P,
     ) {
-        for Center { column, ray, hit, .. } in &mut self.centers {
-            let known = projection.and_then(|projection| projection.hit(caster.world, ray, *column, j));
+        let Some(projection) = projection else {
+            return caster.nearest_each(&mut self.samples, probe);
+        };
+        for Sample { column, ray, hit, .. } in &mut self.samples {
+            let known = projection.hit(caster.world, ray, *column, j);
             *hit = known.unwrap_or_else(|| caster.nearest(ray, None, probe));
         }
     }
 
     /// Finds the surface at each hit.
     pub fn find_surfaces(&mut self, caster: &Caster) {
-        for Center { ray, hit, surface, .. } in &mut self.centers {
+        for Sample { ray, hit, surface, .. } in &mut self.samples {
             *surface = hit.map(|hit| caster.world.surface(ray, hit));
         }
     }

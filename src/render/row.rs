@@ -1,6 +1,6 @@
 //! A row of pixels: its samples traced, and what they leave for the pictures.
 
-use super::batch::{Batch, Center};
+use super::batch::{Batch, Sample};
 use super::request::{Request, View};
 use crate::camera::Camera;
 use crate::caster::Caster;
@@ -80,10 +80,11 @@ impl<P: Probe> Row<P> {
             samples: vec![Vec::with_capacity(width * zoom); zoom],
             nans: 0,
         };
-        let mut painter = Painter { camera, caster, request, projection, pending: Pending::default(), row };
+        let (pending, sum) = (Pending::default(), Sum::default());
+        let mut painter = Painter { camera, caster, request, projection, pending, sum, row };
         let mut batch = Batch::default();
-        for first in (0..width).step_by(Batch::PIXELS) {
-            painter.paint(first..width.min(first + Batch::PIXELS), &mut batch);
+        for first in (0..width).step_by(Batch::SIZE) {
+            painter.paint(first..width.min(first + Batch::SIZE), &mut batch);
         }
         painter.row
     }
@@ -96,74 +97,84 @@ struct Painter<'a, P> {
     request: &'a Request<'a>,
     projection: Option<&'a Projection>,
     pending: Pending,
+    /// Of the current pixel's samples so far.
+    sum: Sum,
     row: Row<P>,
 }
 
 impl<P: Probe> Painter<'_, P> {
-    /// Paints the pixels in these columns.
+    /// Paints the pixels in these columns, of which there are not more than a batch holds.
     fn paint(&mut self, columns: Range<usize>, batch: &mut Batch) {
-        let Request { sampler, normals, samples, .. } = *self.request;
-        let (measures, colors) = (self.request.measures(), self.request.traces_colors::<P>());
-        if measures || colors && sampler.is_center() {
-            let casts = self.request.casts_centers::<P>();
-            batch.take(self.camera, columns.clone(), self.row.j);
-            self.find(batch, measures || casts, normals || casts);
-        }
-        if measures {
-            batch.centers().iter().for_each(|center| self.measure(center));
-        }
+        let Request { sampler, samples, .. } = *self.request;
         if let Some(zoom) = samples {
             columns.clone().for_each(|i| self.plot_background(i, zoom));
         }
-        match (colors, sampler.is_center()) {
-            (false, _) => {}
-            (true, true) => batch.centers().iter().for_each(|center| self.color_center(center)),
-            (true, false) => columns.for_each(|column| self.color_samples(column)),
+        let colors = self.request.traces_colors::<P>();
+        if self.request.measures() || colors && sampler.is_center() {
+            self.paint_centers(columns.clone(), batch);
+        }
+        if colors && !sampler.is_center() {
+            columns.for_each(|column| self.take_samples(column, batch));
+            self.color_samples(batch);
         }
     }
 
-    fn find(&mut self, batch: &mut Batch, hits: bool, surfaces: bool) {
-        if hits {
-            batch.find_hits(self.caster, self.projection, self.row.j, &mut self.row.probe);
+    /// Measures the centres of pixels, and colours them if they are what is sampled.
+    fn paint_centers(&mut self, columns: Range<usize>, batch: &mut Batch) {
+        let (measures, casts) = (self.request.measures(), self.request.casts_centers::<P>());
+        let j = self.row.j;
+        batch.take(self.camera, columns, j);
+        if measures || casts {
+            batch.find_hits(self.caster, self.projection, j, &mut self.row.probe);
         }
-        if surfaces {
+        if self.request.normals || casts {
             batch.find_surfaces(self.caster);
         }
+        if measures {
+            batch.samples().iter().for_each(|center| self.measure(center));
+        }
+        if self.request.traces_colors::<P>() && self.request.sampler.is_center() {
+            self.color::<true>(batch);
+        }
+        batch.clear();
     }
 
-    /// Traces the only sample of a pixel.
-    fn color_center(&mut self, center: &Center) {
-        let mut sum = Sum::default();
-        let color = self.color(&center.ray, center.surface.as_ref());
-        self.enter(center.column, DVec2::ZERO, color, &mut sum);
-        self.finish(&sum);
-    }
-
-    /// Traces the samples of a pixel, one after the other: stage by stage they are slower, since their rays
-    /// have to be cast, which waits little.
-    fn color_samples(&mut self, column: usize) {
+    /// Adds the samples of a pixel to a batch, and colours it whenever it is full.
+    fn take_samples(&mut self, column: usize, batch: &mut Batch) {
         let Request { sampler, size: [_, height], .. } = *self.request;
         let j = self.row.j;
-        let mut sum = Sum::default();
-        for offset in sampler.offsets((column * height + j) as u64) {
-            let ray = self.camera.ray(DVec2::new(column as f64, j as f64), offset);
-            let color = self.cast(&ray);
-            self.enter(column, offset, color, &mut sum);
+        let offsets = sampler.offsets((column * height + j) as u64);
+        for (offset, number) in offsets.zip(1..) {
+            batch.push(self.camera, [column, j], offset, number == sampler.count());
+            if batch.samples().len() == Batch::SIZE {
+                self.color_samples(batch);
+            }
         }
-        self.finish(&sum);
     }
 
-    /// The colour along a ray that has not been cast. A function of its own, so that the loop over samples
-    /// keeps its registers: 4% of a picture with nine samples a pixel.
-    #[inline(never)]
-    fn cast(&mut self, ray: &Ray) -> Color {
-        let caster = self.caster;
-        let is_scene = matches!(self.request.view, View::Scene(_));
-        let hit = if is_scene { caster.nearest(ray, None, &mut self.row.probe) } else { None };
-        match hit {
-            Some(hit) => self.color(ray, Some(&caster.world.surface(ray, hit))),
-            None => self.color(ray, None),
+    /// Traces a batch of samples that have not been cast, and empties it.
+    fn color_samples(&mut self, batch: &mut Batch) {
+        if matches!(self.request.view, View::Scene(_)) {
+            batch.find_hits(self.caster, None, self.row.j, &mut self.row.probe);
+            batch.find_surfaces(self.caster);
         }
+        self.color::<false>(batch);
+        batch.clear();
+    }
+
+    /// Traces on from what is seen at some samples.
+    #[inline(always)]
+    fn color<const CENTERS: bool>(&mut self, batch: &Batch) {
+        let mut sum = self.sum;
+        for Sample { column, offset, is_last, ray, surface, .. } in batch.samples() {
+            let color = self.color_along(ray, surface.as_ref());
+            self.enter(*column, if CENTERS { DVec2::ZERO } else { *offset }, color, &mut sum);
+            if CENTERS || *is_last {
+                self.finish(&sum);
+                sum = Sum::default();
+            }
+        }
+        self.sum = sum;
     }
 
     /// Enters a sample of a pixel, whose sum this is.
@@ -188,7 +199,7 @@ impl<P: Probe> Painter<'_, P> {
     }
 
     /// Enters the depth and the normal of a pixel's centre.
-    fn measure(&mut self, center: &Center) {
+    fn measure(&mut self, center: &Sample) {
         if let Some([near, far]) = self.request.depth {
             let t = center.hit.map(|hit| self.caster.world.exact(&center.ray, hit).t);
             let grey = t.map_or(0.0, |t| (far - t.clamp(near, far)) / (far - near));
@@ -204,7 +215,7 @@ impl<P: Probe> Painter<'_, P> {
 
     /// The colour along a ray that hits this surface.
     #[inline(always)]
-    fn color(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
+    fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
         let caster = self.caster;
         match self.request.view {
             View::Scene(effects) => {

@@ -2,8 +2,10 @@
 
 use raytracer::grid::Lattice;
 use raytracer::grid::build::widened;
-use raytracer::grid::march::{March, clip, drift};
+use raytracer::grid::march::{March, drift};
+use raytracer::grid::passage::clip;
 use raytracer::math::four::Plain;
+use raytracer::math::packet::Along;
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 
@@ -22,7 +24,8 @@ pub type Step = ([usize; 3], f64);
 
 /// The t at which the ray enters the lattice, and the cells along it.
 pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
-    let Some(passage) = clip::<Plain>(lattice.slab(), ray, ray.t_max) else { return (0.0, vec![]) };
+    let along = Along::<Plain>::all_axes(ray);
+    let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { return (0.0, vec![]) };
     let mut march = March::new(lattice, &passage);
     // The whole passage takes 2^29 ticks.
     let per_tick = (passage.exit - passage.entry) / 2f64.powi(29);

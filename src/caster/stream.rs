@@ -1,0 +1,191 @@
+//! Rays that are cast together. Their ways into the grid are computed four at a time; then each goes on to
+//! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
+
+use super::block::NONE;
+use super::cells::{BORDER, Cells};
+#[cfg(target_arch = "x86_64")]
+use super::filter::Avx2;
+use super::filter::Portable;
+use super::search::{Filtered, Search, lanes};
+use super::structure::Structure;
+use super::traversal::Nest;
+use super::{Caster, Instructions};
+use crate::grid::Lattice;
+use crate::grid::march::March;
+use crate::grid::marches::Marches;
+use crate::grid::passage::clip_packet;
+use crate::math::four::Four;
+use crate::math::packet::Packet;
+use crate::math::ray::{Hit, Ray};
+use crate::stats::Probe;
+
+/// So many rays go together: enough that the memory has answered when it is the first one's turn.
+const STREAM: usize = 16;
+
+/// What asks for the nearest hit on a ray.
+pub trait Query {
+    fn ray(&self) -> &Ray;
+    fn answer(&mut self, hit: Option<Hit>);
+}
+
+/// So many rays are set up together.
+const FOUR: usize = 4;
+
+/// Four rays before their march through a grid.
+#[derive(Clone, Copy, Debug, Default)]
+struct Setup {
+    /// The rays that meet the grid, bit 0 for the first, and those that start too far from it.
+    passing: u32,
+    too_far: u32,
+    marches: Marches,
+    /// The filter's rays, axis by axis, and its t, as in [`Filtered`].
+    origins: [[f32; 4]; 3],
+    directions: [[f32; 4]; 3],
+    entry: [f64; 4],
+    per_t: [f64; 4],
+    unit: [f64; 4],
+}
+
+impl Setup {
+    /// Of up to four rays.
+    #[inline(always)]
+    fn new<F: Four>(structure: &Structure, lattice: &Lattice, queries: &[impl Query]) -> Self {
+        let rays = match queries {
+            // Four known places are faster than four looked for.
+            [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
+            _ => [0, 1, 2, 3].map(|i: usize| queries[i.min(queries.len() - 1)].ray()),
+        };
+        let packet = &Packet::<F>::new(rays);
+        let passages = clip_packet(&structure.slab, packet);
+        let frame = &structure.cells.frame;
+        let [x, y, z] = &packet.axes;
+        let from_x = x.origin - F::splat(frame.center[0]);
+        let from_y = y.origin - F::splat(frame.center[1]);
+        let from_z = z.origin - F::splat(frame.center[2]);
+        let farthest = F::splat(structure.farthest);
+        let is_near =
+            from_x.abs().at_most(farthest) & from_y.abs().at_most(farthest) & from_z.abs().at_most(farthest);
+        let scale = F::splat(frame.scale);
+        let (entry, used) = (passages.entry, (1 << queries.len()) - 1);
+        let largest = x.direction.abs().max(y.direction.abs()).max(z.direction.abs());
+        let inverse = x.inverse.abs().min(y.inverse.abs()).min(z.inverse.abs());
+        Self {
+            passing: passages.set & is_near & used,
+            too_far: !is_near & used,
+            marches: Marches::new(lattice, packet, &passages),
+            origins: [
+                ((from_x + entry * x.direction) * scale).single(),
+                ((from_y + entry * y.direction) * scale).single(),
+                ((from_z + entry * z.direction) * scale).single(),
+            ],
+            directions: [
+                (x.direction * inverse).single(),
+                (y.direction * inverse).single(),
+                (z.direction * inverse).single(),
+            ],
+            entry: entry.places(),
+            per_t: (largest * scale).places(),
+            unit: (inverse * F::splat(frame.unit)).places(),
+        }
+    }
+
+    #[inline(always)]
+    fn filtered(&self, i: usize, last: f64) -> Filtered {
+        let [ox, oy, oz] = &self.origins;
+        let [dx, dy, dz] = &self.directions;
+        let ray = [[ox[i], oy[i], oz[i], 0.0], [dx[i], dy[i], dz[i], 0.0]];
+        Filtered::new(ray, self.entry[i], self.per_t[i], self.unit[i], last)
+    }
+}
+
+impl Caster<'_> {
+    /// Answers each query, of which there may be any number, as [`nearest`](Self::nearest) does.
+    pub fn nearest_each<P: Probe>(&self, queries: &mut [impl Query], probe: &mut P) {
+        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.lattice.as_ref()?)));
+        let Some((grid, lattice)) = grid.filter(|_| !P::COUNTS) else {
+            return queries.iter_mut().for_each(|query| self.answer(query, probe));
+        };
+        for queries in queries.chunks_mut(STREAM) {
+            match self.instructions {
+                #[cfg(target_arch = "x86_64")]
+                Instructions::Avx2 => {
+                    // SAFETY: only instructions that were found available are kept in `self`.
+                    unsafe { stream_avx2(self, grid, lattice, queries, probe) }
+                }
+                _ => self.stream::<Portable, _, _>(grid, lattice, queries, probe),
+            }
+        }
+    }
+
+    /// Answers a query by itself.
+    fn answer<P: Probe>(&self, query: &mut impl Query, probe: &mut P) {
+        let hit = self.nearest(query.ray(), None, probe);
+        query.answer(hit);
+    }
+
+    /// Answers up to [`STREAM`] queries.
+    #[inline(always)]
+    fn stream<K: Nest, Q: Query, P: Probe>(
+        &self,
+        grid: &Structure,
+        lattice: &Lattice,
+        queries: &mut [Q],
+        probe: &mut P,
+    ) {
+        let blocks = grid.cells.blocks.as_slice();
+        let mut setups = [Setup::default(); STREAM / FOUR];
+        let (mut passing, mut too_far) = (0, 0);
+        for (i, (setup, four)) in setups.iter_mut().zip(queries.chunks(FOUR)).enumerate() {
+            *setup = Setup::new::<K::Four>(grid, lattice, four);
+            passing |= setup.passing << (FOUR * i);
+            too_far |= setup.too_far << (FOUR * i);
+        }
+        // All of them, since a loop over some would be guessed wrongly.
+        queries.iter_mut().for_each(|query| query.answer(None));
+        let mut marches: [Option<March>; STREAM] = [None; STREAM];
+        let mut waiting = 0;
+        for i in lanes(passing) {
+            let mut march = setups[i / FOUR].marches.march(lattice, i % FOUR);
+            let word = grid.skip(&mut march);
+            if word != BORDER {
+                if let Some(block) = Cells::first_block(blocks, word) {
+                    K::fetch(block);
+                }
+                marches[i] = Some(march);
+                waiting |= 1 << i;
+            }
+        }
+        for i in lanes(too_far) {
+            self.answer(&mut queries[i], probe);
+        }
+        if !self.world.planes.is_empty() {
+            // Every ray may meet a plane.
+            waiting = ((1 << queries.len()) - 1) & !too_far;
+        }
+        for i in lanes(waiting) {
+            let ray = queries[i].ray();
+            let mut search = Search::new(self.world, ray, NONE);
+            search.test_planes(ray, probe);
+            if let Some(march) = marches[i] {
+                let mut filtered = setups[i / FOUR].filtered(i % FOUR, search.best.t);
+                grid.march::<K, P, false>(march, blocks, &mut filtered, &mut search, probe);
+            }
+            let hit = search.hit();
+            queries[i].answer(hit);
+        }
+    }
+}
+
+/// A stream compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn stream_avx2<Q: Query, P: Probe>(
+    caster: &Caster,
+    grid: &Structure,
+    lattice: &Lattice,
+    queries: &mut [Q],
+    probe: &mut P,
+) {
+    caster.stream::<Avx2, Q, P>(grid, lattice, queries, probe);
+}

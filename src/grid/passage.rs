@@ -1,0 +1,86 @@
+//! Where rays enter and leave a box: slab by slab (Kay and Kajiya, "Ray Tracing Complex Scenes",
+//! SIGGRAPH 1986).
+
+use crate::math::aabb::Aabb;
+use crate::math::extremes::greater;
+use crate::math::four::Four;
+use crate::math::packet::{Along, Packet};
+use glam::DVec3;
+
+/// A box: two corners with a spare place each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slab {
+    low: [f64; 4],
+    high: [f64; 4],
+}
+
+impl Slab {
+    pub fn new(bounds: &Aabb) -> Self {
+        let corner = |v: DVec3| [v.x, v.y, v.z, 0.0];
+        Self { low: corner(bounds.min), high: corner(bounds.max) }
+    }
+
+    /// The faces along all axes.
+    #[inline(always)]
+    fn all_axes<F: Four>(&self) -> [F; 2] {
+        [F::new(self.low), F::new(self.high)]
+    }
+
+    /// The faces along one axis.
+    #[inline(always)]
+    fn axis<F: Four>(&self, axis: usize) -> [F; 2] {
+        [F::splat(self.low[axis]), F::splat(self.high[axis])]
+    }
+}
+
+/// Where rays cross two faces, the nearer first.
+#[inline(always)]
+fn crossings<F: Four>([low, high]: [F; 2], along: &Along<F>) -> [F; 2] {
+    let low = (low - along.origin) * along.inverse;
+    let high = (high - along.origin) * along.inverse;
+    [low.min(high), low.max(high)]
+}
+
+/// Where a ray enters and leaves a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage<F> {
+    pub entry: f64,
+    pub exit: f64,
+    /// The ray along all axes.
+    pub along: Along<F>,
+}
+
+/// Where a ray from `t_min` on enters and leaves the box, if it does so before `t_max`.
+#[inline(always)]
+pub fn clip<F: Four>(slab: &Slab, along: Along<F>, t_min: f64, t_max: f64) -> Option<Passage<F>> {
+    let [near, far] = crossings(slab.all_axes(), &along);
+    let entry = greater(near.greatest(), t_min);
+    let exit = far.least();
+    // A ray within a face has a NaN there, and misses: nothing reaches the faces. One without
+    // direction never gets out again.
+    let passes = near.at_most(far) & 7 == 7 && entry <= exit && entry <= t_max && exit < f64::INFINITY;
+    passes.then_some(Passage { entry, exit, along })
+}
+
+/// Where four rays enter and leave a box.
+#[derive(Clone, Copy, Debug)]
+pub struct Passages<F> {
+    /// Those that do, bit 0 for the first ray; of the others nothing is said.
+    pub set: u32,
+    pub entry: F,
+    pub exit: F,
+}
+
+/// The same for four rays as [`clip`] for one, with the same numbers.
+#[inline(always)]
+pub fn clip_packet<F: Four>(slab: &Slab, packet: &Packet<F>) -> Passages<F> {
+    let [x, y, z] = &packet.axes;
+    let [near_x, far_x] = crossings(slab.axis(0), x);
+    let [near_y, far_y] = crossings(slab.axis(1), y);
+    let [near_z, far_z] = crossings(slab.axis(2), z);
+    let entry = near_x.max(near_y).max(near_z).max(packet.t_min);
+    let exit = far_x.min(far_y).min(far_z);
+    let precedes = near_x.at_most(far_x) & near_y.at_most(far_y) & near_z.at_most(far_z);
+    let ends = exit.at_most(F::splat(f64::MAX));
+    Passages { set: precedes & entry.at_most(exit) & entry.at_most(packet.t_max) & ends, entry, exit }
+}
