@@ -22,7 +22,7 @@ impl FlatRay {
     }
 }
 
-/// Casts single rays. Each makes its own kind of ray of a [`FlatRay`], which is part of the cast.
+/// Casts rays. Each makes its own kind of ray of a [`FlatRay`], which is part of the cast.
 pub trait Cast {
     /// The distance to the nearest hit; infinite where there is none.
     fn closest(&self, ray: &FlatRay) -> f64;
@@ -30,6 +30,10 @@ pub trait Cast {
     #[inline(always)]
     fn finds_closest(&self, ray: &FlatRay) -> bool {
         self.closest(ray) < f64::INFINITY
+    }
+    /// How many rays hit, by the same.
+    fn count_closest(&self, rays: &[FlatRay]) -> usize {
+        rays.iter().filter(|ray| self.finds_closest(ray)).count()
     }
     /// Whether anything is hit.
     fn any(&self, ray: &FlatRay) -> bool;
@@ -49,7 +53,7 @@ pub trait Contestant {
 
 impl<C: Cast> Contestant for C {
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.iter().filter(|ray| self.finds_closest(ray)).count()
+        Cast::count_closest(self, rays)
     }
 
     fn count_any(&self, rays: &[FlatRay]) -> usize {

@@ -1,9 +1,11 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
+use raytracer::caster::stream::Query;
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::grid::build::GridTooLarge;
 use raytracer::grid::resolution::{Resolution, crowd};
+use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -13,14 +15,42 @@ impl Cast for Caster<'_> {
         Caster::closest(self, &ray.exact(), &mut Quiet).map_or(f64::INFINITY, |hit| hit.t)
     }
 
-    #[inline(always)]
-    fn finds_closest(&self, ray: &FlatRay) -> bool {
-        self.nearest(&ray.exact(), None, &mut Quiet).is_some()
+    fn count_closest(&self, rays: &[FlatRay]) -> usize {
+        rays.chunks(TOGETHER).map(|rays| count_hits(self, rays)).sum()
     }
 
     #[inline(always)]
     fn any(&self, ray: &FlatRay) -> bool {
         Caster::any(self, &ray.exact(), &mut Quiet)
+    }
+}
+
+/// As many rays as the renderer casts together.
+const TOGETHER: usize = 16;
+
+fn count_hits(caster: &Caster, rays: &[FlatRay]) -> usize {
+    let ray = |i: usize| rays[i.min(rays.len() - 1)].exact();
+    let mut asked: [Asked; TOGETHER] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
+    let asked = &mut asked[..rays.len()];
+    caster.nearest_each(asked, &mut Quiet);
+    asked.iter().filter(|asked| asked.hits).count()
+}
+
+/// A ray and its answer.
+struct Asked {
+    ray: Ray,
+    hits: bool,
+}
+
+impl Query for Asked {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn answer(&mut self, hit: Option<Hit>) {
+        self.hits = hit.is_some();
     }
 }
 
