@@ -89,7 +89,9 @@ impl Batch {
     /// Finds the surface at each hit.
     pub fn find_surfaces(&mut self, caster: &Caster) {
         for Sample { ray, hit, surface, .. } in &mut self.samples {
-            *surface = hit.map(|hit| caster.world.surface(ray, hit));
+            if let Some(hit) = hit {
+                *surface = Some(caster.world.surface(ray, *hit));
+            }
         }
     }
 }

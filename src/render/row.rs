@@ -80,8 +80,16 @@ impl<P: Probe> Row<P> {
             samples: vec![Vec::with_capacity(width * zoom); zoom],
             nans: 0,
         };
-        let (pending, sum) = (Pending::default(), Sum::default());
-        let mut painter = Painter { camera, caster, request, projection, pending, sum, row };
+        let mut painter = Painter {
+            camera,
+            caster,
+            request,
+            projection,
+            pending: Pending::default(),
+            center_weight: request.filter.weight(DVec2::ZERO),
+            sum: Sum::default(),
+            row,
+        };
         let mut batch = Batch::default();
         for first in (0..width).step_by(Batch::SIZE) {
             painter.paint(first..width.min(first + Batch::SIZE), &mut batch);
@@ -97,6 +105,8 @@ struct Painter<'a, P> {
     request: &'a Request<'a>,
     projection: Option<&'a Projection>,
     pending: Pending,
+    /// The filter's weight of a sample at the pixel's centre.
+    center_weight: f64,
     /// Of the current pixel's samples so far.
     sum: Sum,
     row: Row<P>,
@@ -168,7 +178,7 @@ impl<P: Probe> Painter<'_, P> {
         let mut sum = self.sum;
         for Sample { column, offset, is_last, ray, surface, .. } in batch.samples() {
             let color = self.color_along(ray, surface.as_ref());
-            self.enter(*column, if CENTERS { DVec2::ZERO } else { *offset }, color, &mut sum);
+            self.enter::<CENTERS>(*column, *offset, color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);
                 sum = Sum::default();
@@ -179,10 +189,11 @@ impl<P: Probe> Painter<'_, P> {
 
     /// Enters a sample of a pixel, whose sum this is.
     #[inline(always)]
-    fn enter(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
+    fn enter<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
         self.row.probe.non_shadow_ray();
         match &mut self.row.colors {
             Colors::Unwanted => {}
+            Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
             Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
             Colors::Spread(spread) => spread.add(column, offset, color),
         }
