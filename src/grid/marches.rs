@@ -50,3 +50,54 @@ impl Marches {
         March::scheduled(lattice, &schedule, backwards, self.entry[ray], self.per_tick[ray])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::passage::{clip, clip_packet};
+    use crate::math::aabb::Aabb;
+    use crate::math::four::Plain;
+    use crate::math::packet::Along;
+    use crate::math::ray::Ray;
+    use glam::DVec3;
+
+    /// The cells and the ticks of a march through a lattice of `cells`, and a few steps beyond.
+    fn way(mut march: March, cells: [usize; 3]) -> Vec<(usize, i32)> {
+        let mut way = vec![];
+        for _ in 0..cells.iter().sum() {
+            way.push((march.index(), march.exit()));
+            march.step();
+        }
+        way
+    }
+
+    #[test]
+    fn four_rays_go_as_each_by_itself() {
+        let cells = [9, 1, 20];
+        let lattice = Lattice::new(Aabb { min: DVec3::new(-1.0, 2.0, 0.0), max: DVec3::splat(3.0) }, cells);
+        let coordinate = |k: u32| (f64::from(k) * 0.618_034).fract() * 6.0 - 1.5;
+        let ray = |k: u32| {
+            let [origin, target] = [k, k + 50].map(|k| DVec3::from([1, 3, 7].map(|n| coordinate(n * k))));
+            let direction = if k % 5 == 0 { DVec3::AXES[k as usize / 5 % 3] } else { target - origin };
+            let t_max = if k % 3 == 0 { 0.5 } else { f64::INFINITY };
+            Ray { t_max, ..Ray::new(origin, direction * if k % 2 == 0 { 1.0 } else { -1.0 }) }
+        };
+        let mut entered = 0;
+        for first in (0..4000).step_by(4) {
+            let rays = [0, 1, 2, 3].map(|i| ray(first + i));
+            let packet = Packet::<Plain>::new(rays.each_ref());
+            let passages = clip_packet(lattice.slab(), &packet);
+            let marches = Marches::new(&lattice, &packet, &passages);
+            for (i, ray) in rays.iter().enumerate() {
+                let passage = clip(lattice.slab(), Along::<Plain>::all_axes(ray), ray.t_min, ray.t_max);
+                assert_eq!(passages.set >> i & 1 != 0, passage.is_some(), "{ray:?}");
+                if let Some(passage) = passage {
+                    let (one, of_four) = (March::new(&lattice, &passage), marches.march(&lattice, i));
+                    assert_eq!(way(of_four, cells), way(one, cells), "{ray:?}");
+                    entered += 1;
+                }
+            }
+        }
+        assert!(entered > 500, "{entered}");
+    }
+}

@@ -11,8 +11,9 @@ use crate::support::textbook_grid::TextbookGrid;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
+use raytracer::caster::stream::Query;
 use raytracer::grid::Lattice;
-use raytracer::math::ray::Ray;
+use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -40,6 +41,7 @@ pub fn differences(
         let found = caster.closest(&ray, &mut Quiet);
         let differs = found.map(|h| (h.t.to_bits(), h.primitive))
             != expected.map(|h| (h.t.to_bits(), h.primitive))
+            || in_stream(&caster, &ray) != expected
             || caster.any(&ray, &mut Quiet) != expected.is_some();
         failures.note(differs, || {
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
@@ -52,6 +54,22 @@ pub fn differences(
         ([differs, in_f64, in_f32, expected.is_some()].map(u64::from), [])
     };
     measure::<4, 0>(n, one).0
+}
+
+/// What a ray hits that is set up as one of a stream.
+fn in_stream(caster: &Caster, ray: &Ray) -> Option<Hit> {
+    struct Asked<'a>(&'a Ray, Option<Hit>);
+    impl Query for Asked<'_> {
+        fn ray(&self) -> &Ray {
+            self.0
+        }
+        fn answer(&mut self, hit: Option<Hit>) {
+            self.1 = hit;
+        }
+    }
+    let mut asked = [Asked(ray, None)];
+    caster.nearest_each(&mut asked, &mut Quiet);
+    asked[0].1.map(|hit| caster.world.exact(ray, hit))
 }
 
 /// Writes the record of a case that compares hits, and demands its target.
