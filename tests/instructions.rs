@@ -19,6 +19,9 @@ const SCENE: &str = "
         Plane { normal 0.1 1 0 offset 0.06 }
     }";
 
+/// Cells enough for few primitives in each.
+const FINE: [usize; 3] = [20, 17, 23];
+
 fn rabbit() -> Mesh {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bunny_5k.obj");
     parse_obj(&std::fs::read(path).unwrap()).unwrap()
@@ -39,7 +42,8 @@ fn rays() -> impl Iterator<Item = Ray> {
         let t_min = if i % 7 == 0 { f64::NEG_INFINITY } else { 0.0 };
         let t_max = if i % 9 == 0 { 0.7 } else { f64::INFINITY };
         match i % 97 {
-            1 => Ray::new(target - 1e13 * direction, direction),
+            // Few, since everything is tested for them, and exactly.
+            1 if i < 200 => Ray::new(target - 1e13 * direction, direction),
             2 => Ray::new(origin, DVec3::ZERO),
             3 => Ray::new(origin.with_y(f64::NAN), direction),
             4 => Ray::new(origin, direction.with_z(f64::NAN)),
@@ -57,7 +61,7 @@ fn hits_depend_neither_on_instructions_nor_on_insertion() {
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
         for insertion in [Insertion::Exact, Insertion::Nested { crowd: 96 }, Insertion::Course] {
-            for cells in [None, Some([1, 1, 1]), Some([20, 17, 23])] {
+            for cells in [None, Some([1, 1, 1]), Some(FINE)] {
                 let caster = Caster::with(&world, cells, insertion, instructions).unwrap();
                 for (ray, hit) in &expected {
                     let context = (instructions, insertion, cells, ray);
@@ -65,7 +69,9 @@ fn hits_depend_neither_on_instructions_nor_on_insertion() {
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
-                streams_answer_as_single_rays(&caster, &expected);
+                // Without a grid streams are single rays, and in one cell they are slow.
+                let count = if cells == Some(FINE) { expected.len() } else { 300 };
+                streams_answer_as_single_rays(&caster, &expected[..count]);
             }
         }
     }
