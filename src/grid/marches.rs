@@ -78,9 +78,10 @@ mod tests {
         let coordinate = |k: u32| (f64::from(k) * 0.618_034).fract() * 6.0 - 1.5;
         let ray = |k: u32| {
             let [origin, target] = [k, k + 50].map(|k| DVec3::from([1, 3, 7].map(|n| coordinate(n * k))));
-            let direction = if k % 5 == 0 { DVec3::AXES[k as usize / 5 % 3] } else { target - origin };
-            let t_max = if k % 3 == 0 { 0.5 } else { f64::INFINITY };
-            Ray { t_max, ..Ray::new(origin, direction * if k % 2 == 0 { 1.0 } else { -1.0 }) }
+            let direction =
+                if k.is_multiple_of(5) { DVec3::AXES[k as usize / 5 % 3] } else { target - origin };
+            let t_max = if k.is_multiple_of(3) { 0.5 } else { f64::INFINITY };
+            Ray { t_max, ..Ray::new(origin, direction * if k.is_multiple_of(2) { 1.0 } else { -1.0 }) }
         };
         let mut entered = 0;
         for first in (0..4000).step_by(4) {
