@@ -26,14 +26,9 @@ impl FlatRay {
 pub trait Cast {
     /// The distance to the nearest hit; infinite where there is none.
     fn closest(&self, ray: &FlatRay) -> f64;
-    /// Looks for the nearest hit, with its distance in single precision at least; says whether there is one.
-    #[inline(always)]
-    fn finds_closest(&self, ray: &FlatRay) -> bool {
-        self.closest(ray) < f64::INFINITY
-    }
-    /// How many rays hit, by the same.
+    /// How many rays hit, by their nearest hit, whose distance is looked for in single precision at least.
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.iter().filter(|ray| self.finds_closest(ray)).count()
+        rays.iter().filter(|ray| self.closest(ray) < f64::INFINITY).count()
     }
     /// Whether anything is hit.
     fn any(&self, ray: &FlatRay) -> bool;

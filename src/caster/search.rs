@@ -38,16 +38,23 @@ pub struct Filtered {
     unit: f64,
 }
 
+/// Where rays are at `entry`, in the coordinates of a frame with this centre and scale.
+#[inline(always)]
+pub fn place<F: Four>(along: &Along<F>, center: F, entry: F, scale: F) -> F {
+    (along.origin - center + entry * along.direction) * scale
+}
+
 impl Filtered {
     /// The ray on its passage, as far as `last`.
     #[inline(always)]
     pub fn on<F: Four>(passage: &Passage<F>, frame: &Frame, last: f64) -> Self {
-        let Passage { entry, along: Along { origin, direction, inverse }, .. } = *passage;
+        let Passage { entry, along, .. } = passage;
+        let (entry, Along { direction, inverse, .. }) = (*entry, *along);
         let largest = direction.abs().greatest();
         // One over the largest, without another division.
         let inverse = inverse.abs().least();
         let scale = F::splat(frame.scale);
-        let place = (origin - F::new(frame.center) + F::splat(entry) * direction) * scale;
+        let place = place(along, F::new(frame.center), F::splat(entry), scale);
         let ray = [place.single(), (direction * F::splat(inverse)).single()];
         Self::new(ray, entry, largest * frame.scale, inverse * frame.unit, last)
     }

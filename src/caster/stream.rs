@@ -6,7 +6,7 @@ use super::cells::{BORDER, Cells};
 #[cfg(target_arch = "x86_64")]
 use super::filter::Avx2;
 use super::filter::Portable;
-use super::search::{Filtered, Search, lanes};
+use super::search::{Filtered, Search, lanes, place};
 use super::structure::Structure;
 use super::traversal::Nest;
 use super::{Caster, Instructions};
@@ -59,12 +59,11 @@ impl Setup {
         let passages = clip_packet(&structure.slab, packet);
         let frame = &structure.cells.frame;
         let [x, y, z] = &packet.axes;
-        let from_x = x.origin - F::splat(frame.center[0]);
-        let from_y = y.origin - F::splat(frame.center[1]);
-        let from_z = z.origin - F::splat(frame.center[2]);
+        let (cx, cy, cz) = (F::splat(frame.center[0]), F::splat(frame.center[1]), F::splat(frame.center[2]));
         let farthest = F::splat(structure.farthest);
-        let is_near =
-            from_x.abs().at_most(farthest) & from_y.abs().at_most(farthest) & from_z.abs().at_most(farthest);
+        let is_near = (x.origin - cx).abs().at_most(farthest)
+            & (y.origin - cy).abs().at_most(farthest)
+            & (z.origin - cz).abs().at_most(farthest);
         let scale = F::splat(frame.scale);
         let (entry, used) = (passages.entry, (1 << queries.len()) - 1);
         let largest = x.direction.abs().max(y.direction.abs()).max(z.direction.abs());
@@ -74,9 +73,9 @@ impl Setup {
             too_far: !is_near & used,
             marches: Marches::new(lattice, packet, &passages),
             origins: [
-                ((from_x + entry * x.direction) * scale).single(),
-                ((from_y + entry * y.direction) * scale).single(),
-                ((from_z + entry * z.direction) * scale).single(),
+                place(x, cx, entry, scale).single(),
+                place(y, cy, entry, scale).single(),
+                place(z, cz, entry, scale).single(),
             ],
             directions: [
                 (x.direction * inverse).single(),

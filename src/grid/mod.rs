@@ -37,7 +37,6 @@ pub struct Lattice {
 #[derive(Clone, Debug, PartialEq)]
 struct Ahead {
     slab: Slab,
-    low: [f64; 4],
     cell_size: [f64; 4],
     per_unit: [f64; 4],
     /// The last cell along each axis, and how an index changes from one to the next.
@@ -62,7 +61,6 @@ impl Ahead {
         let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
         Self {
             slab: Slab::new(bounds),
-            low: [bounds.min.x, bounds.min.y, bounds.min.z, 0.0],
             cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
             per_unit: [per_unit.x, per_unit.y, per_unit.z, 1.0],
             last: floats(cells.map(|n| n - 1)),
@@ -75,7 +73,7 @@ impl Ahead {
     #[inline(always)]
     fn faces<F: Four>(&self) -> Faces<F> {
         Faces {
-            low: F::new(self.low),
+            low: F::new(self.slab.low),
             cell_size: F::new(self.cell_size),
             per_unit: F::new(self.per_unit),
             last: F::new(self.last),
@@ -86,7 +84,7 @@ impl Ahead {
     #[inline(always)]
     fn faces_along<F: Four>(&self, axis: usize) -> Faces<F> {
         Faces {
-            low: F::splat(self.low[axis]),
+            low: F::splat(self.slab.low[axis]),
             cell_size: F::splat(self.cell_size[axis]),
             per_unit: F::splat(self.per_unit[axis]),
             last: F::splat(self.last[axis]),

@@ -10,7 +10,7 @@ use glam::DVec3;
 /// A box: two corners with a spare place each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slab {
-    low: [f64; 4],
+    pub low: [f64; 4],
     high: [f64; 4],
 }
 
