@@ -37,14 +37,15 @@ pub struct Block {
 
 impl Block {
     /// Fills a block of zeros with the triangles of these numbers, which end at the first [`NONE`].
-    pub fn fill(&mut self, world: &World, frame: &Frame, numbers: &[u32; LANES]) {
+    /// `all_within` says that the frame's box holds them all.
+    pub fn fill(&mut self, world: &World, frame: &Frame, all_within: bool, numbers: &[u32; LANES]) {
         self.numbers = *numbers;
         self.corner = [[f32::NAN; LANES]; 3];
         let mut farthest = 1.0;
         let used = numbers.iter().take_while(|&&number| number != NONE);
         for (lane, &number) in used.enumerate() {
             let corners = world.corners(number as usize);
-            let reach = frame.reach(corners);
+            let reach = if all_within { 1.0 } else { frame.reach(corners) };
             if reach <= FARTHEST_CORNER {
                 self.set(lane, frame, corners);
                 farthest = f64::max(farthest, reach);
@@ -124,6 +125,12 @@ impl Frame {
             scale: libm::ldexp(1.0, -exponent),
             unit: libm::ldexp(1.0, exponent),
         }
+    }
+
+    /// Whether a box, and so whatever is in it, lies within -1 and 1.
+    pub fn holds(&self, bounds: &Aabb) -> bool {
+        let [low, high] = [bounds.min, bounds.max].map(|corner| self.point(corner));
+        low.min_element() >= -1.0 && high.max_element() <= 1.0
     }
 
     /// The largest absolute coordinate of three corners.

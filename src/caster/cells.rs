@@ -96,8 +96,9 @@ impl Cells {
     /// Blocks of these triangles, of which none is marked as its cell's last.
     fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
         let mut blocks = Blocks::zeroed(numbers.len())?;
+        let all_within = frame.holds(&world.bounds);
         let empty = blocks.as_mut_slice().par_iter_mut();
-        empty.zip(&numbers).for_each(|(block, numbers)| block.fill(world, &frame, numbers));
+        empty.zip(&numbers).for_each(|(block, numbers)| block.fill(world, &frame, all_within, numbers));
         Ok(Self { words: vec![], blocks, others: vec![], frame })
     }
 

@@ -115,7 +115,8 @@ fn the_filter_is_never_wrong() {
         let frame = frame(rng);
         let world = triangles(rng, &frame);
         let mut block: Block = bytemuck::Zeroable::zeroed();
-        block.fill(&world, &frame, &std::array::from_fn(|lane| lane as u32));
+        let all_within = frame.holds(&world.bounds);
+        block.fill(&world, &frame, all_within, &std::array::from_fn(|lane| lane as u32));
         let mut without_margin = block;
         without_margin.slack = Slack { edge: 0.0, depth: 0.0 };
         let mut counts = [0; 4];
