@@ -2,7 +2,8 @@
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
-pub mod pages;
+#[cfg(target_os = "linux")]
+mod pages;
 pub mod math;
 pub mod scene;
 pub mod stats;

@@ -1,14 +1,12 @@
 //! Reads a scene and its meshes from files.
 
-use crate::pages::LargePages;
 use crate::scene::Scene;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
 use crate::scene::parser::parse;
 use crate::scene::snippet::harmless;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A scene with everything that it names.
@@ -92,40 +90,14 @@ fn parse_with_meshes(source: &Source) -> Result<(Scene, Vec<Mesh>), SceneError> 
 fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
     let mut tried = Vec::new();
     for place in places(name, scene_directory) {
-        match read_and(&place, parse_obj) {
-            Ok(read) => return read.map_err(|error| Problem::BadMesh { file: lossy(&place), error }),
+        match fs::read(&place) {
+            Ok(bytes) => {
+                return parse_obj(&bytes).map_err(|error| Problem::BadMesh { file: lossy(&place), error });
+            }
             Err(error) => tried.push((lossy(&place), error.to_string())),
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
-}
-
-/// Hands a file's bytes to `parse`. Reading a large file into new memory of the usual kind would
-/// take longer for the memory than for the file.
-fn read_and<T>(path: &Path, parse: impl FnOnce(&[u8]) -> T) -> io::Result<T> {
-    let mut file = File::open(path)?;
-    let size = usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::OutOfMemory)?;
-    let mut pages = LargePages::zeroed(size)?;
-    let length = read_up_to(&mut file, &mut pages[..size])?;
-    // What is no plain file does not say its size, and a plain one may have grown.
-    let mut rest = vec![];
-    file.read_to_end(&mut rest)?;
-    let start = &pages[..length];
-    Ok(if rest.is_empty() { parse(start) } else { parse(&[start, &rest].concat()) })
-}
-
-/// Fills `bytes` as far as the file goes, and says how far.
-fn read_up_to(file: &mut File, bytes: &mut [u8]) -> io::Result<usize> {
-    let mut length = 0;
-    while length < bytes.len() {
-        match file.read(&mut bytes[length..]) {
-            Ok(0) => break,
-            Ok(more) => length += more,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(length)
 }
 
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then
@@ -209,22 +181,6 @@ mod tests {
         assert_eq!(places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
         assert_eq!(places("m.obj", Path::new("")), [Path::new("m.obj")]);
         assert_eq!(places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
-    }
-
-    #[test]
-    fn a_file_is_read_whole_whatever_it_says_of_its_size() {
-        let (directory, path) = directory(&[("a.obj", b"")]);
-        for size in [0, 1, 4096, 1 << 20, (2 << 20) + 1] {
-            let bytes: Vec<u8> = (0..size).map(|i| (i % 251) as u8).collect();
-            fs::write(&path, &bytes).unwrap();
-            assert!(read_and(&path, |read| read == bytes).unwrap(), "{size}");
-        }
-        assert!(read_and(directory.path(), |_| ()).is_err());
-        // Says that it is empty.
-        let version = Path::new("/proc/version");
-        if let Ok(bytes) = fs::read(version) {
-            assert!(read_and(version, |read| read == bytes).unwrap());
-        }
     }
 
     #[test]

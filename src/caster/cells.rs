@@ -2,11 +2,11 @@
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
 use super::block::{Block, Frame, LANES, NONE};
-use super::blocks::Blocks;
 use super::items::Items;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows, filled_with};
 use crate::world::World;
+use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub const BORDER: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct Cells {
     words: Vec<u32>,
-    pub blocks: Blocks,
+    pub blocks: Vec<Block>,
     /// The primitives that are no triangles, cell by cell: each cell's last block says which are its own.
     pub others: Vec<u32>,
     pub frame: Frame,
@@ -80,7 +80,7 @@ impl Cells {
         let lanes = numbers.as_flattened_mut().iter_mut();
         lanes.zip(0..triangles).for_each(|(lane, i)| *lane = items.number(i));
         let mut cells = Self::of_numbers(world, numbers, frame)?;
-        let last = cells.blocks.as_slice().len() - 1;
+        let last = cells.blocks.len() - 1;
         let others = triangles..items.count(world);
         cells.note_others(others.map(|i| (last as u32, items.number(i))).collect());
         Ok(cells)
@@ -95,16 +95,16 @@ impl Cells {
 
     /// Blocks of these triangles, of which none is marked as its cell's last.
     fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
-        let mut blocks = Blocks::zeroed(numbers.len())?;
+        let mut blocks: Vec<Block> = try_zeroed_vec(numbers.len()).map_err(|()| GridTooLarge)?;
         let all_within = frame.holds(&world.bounds);
-        let empty = blocks.as_mut_slice().par_iter_mut();
+        let empty = blocks.par_iter_mut();
         empty.zip(&numbers).for_each(|(block, numbers)| block.fill(world, &frame, all_within, numbers));
         Ok(Self { words: vec![], blocks, others: vec![], frame })
     }
 
     /// Turns the place of each cell's first lane into its word.
     fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
-        let blocks = self.blocks.as_mut_slice();
+        let blocks = &mut self.blocks;
         let mut end = blocks.len() as u32;
         for row in rows_of(lattice).rev() {
             for word in words[row].iter_mut().rev().filter(|word| **word != EMPTY) {
@@ -130,12 +130,12 @@ impl Cells {
     /// The last block of a cell that is not empty.
     fn last_block(&self, cell: u32) -> u32 {
         let first = self.words[cell as usize] >> COUNT_BITS;
-        first + self.blocks.as_slice()[first as usize].count - 1
+        first + self.blocks[first as usize].count - 1
     }
 
     /// Takes last blocks, which must ascend, and numbers of what is no triangle.
     fn note_others(&mut self, places: Vec<(u32, u32)>) {
-        let blocks = self.blocks.as_mut_slice();
+        let blocks = &mut self.blocks;
         for (&(block, number), place) in places.iter().zip(0..) {
             let block = &mut blocks[block as usize];
             if block.others == [0, 0] {
@@ -235,7 +235,7 @@ mod tests {
             match cells.words[index] {
                 EMPTY | BORDER => {}
                 word => {
-                    let own = Cells::blocks_of(cells.blocks.as_slice(), word);
+                    let own = Cells::blocks_of(&cells.blocks, word);
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));
                     let [start, end] = own[own.len() - 1].others.map(|i| i as usize);
                     found.extend(&cells.others[start..end]);

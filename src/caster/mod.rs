@@ -1,7 +1,6 @@
 //! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
 
 pub mod block;
-mod blocks;
 pub mod cells;
 pub mod filter;
 mod items;

@@ -25,10 +25,10 @@ struct Piece {
 }
 
 /// How much of a text to scan in one go: all of it where nobody could scan the rest meanwhile, since
-/// joining pieces takes time and memory.
+/// joining pieces takes time and memory; else enough that a piece's lists fill large pages.
 fn chunk_size(length: usize) -> usize {
-    const SHARED: usize = 1 << 20;
-    if rayon::current_num_threads() == 1 { length } else { SHARED }
+    let threads = rayon::current_num_threads();
+    if threads == 1 { length } else { (length / (2 * threads)).clamp(1 << 18, 1 << 22) }
 }
 
 /// Cuts a text at line ends into pieces of about `size` bytes.
