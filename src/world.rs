@@ -6,6 +6,7 @@
 mod builder;
 
 use crate::math::aabb::Aabb;
+use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust;
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
@@ -199,6 +200,14 @@ impl World {
     pub fn corners_in_place(&self, triangle: usize) -> [&DVec3; 3] {
         let [a, b, c] = self.triangles[triangle];
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
+    }
+
+    /// Asks for the corners of a triangle whose surface will be wanted soon.
+    #[inline(always)]
+    pub fn prefetch(&self, primitive: u32) {
+        if let Some(corners) = self.triangles.get(primitive as usize) {
+            corners.iter().for_each(|&corner| prefetch(&self.vertices[corner as usize]));
+        }
     }
 
     /// Whether `hit` is seen and not `other`: the nearer. Of two at the same t it is the one that the

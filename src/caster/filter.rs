@@ -82,8 +82,6 @@ pub trait Kernel {
     type Four: Four;
     /// Tests a block against a ray.
     fn test(block: &Block, ray: &FilterRay) -> Verdict;
-    /// Asks the memory for a block that will be tested soon.
-    fn fetch(block: &Block);
 }
 
 /// Runs on every machine.
@@ -121,9 +119,6 @@ impl Kernel for Portable {
         }
         verdict
     }
-
-    #[inline(always)]
-    fn fetch(_: &Block) {}
 }
 
 #[inline(always)]
@@ -157,15 +152,6 @@ mod avx2 {
             // SAFETY: only `super::super::Caster` names this kernel, inside a function that is
             // itself compiled for these features and called after they were detected.
             unsafe { test(block, ray) }
-        }
-
-        #[inline(always)]
-        fn fetch(block: &Block) {
-            let start: *const i8 = std::ptr::from_ref(block).cast();
-            for line in (0..size_of::<Block>()).step_by(64) {
-                // SAFETY: nothing is read, and every address is allowed.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) }
-            }
         }
     }
 

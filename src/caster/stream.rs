@@ -16,6 +16,7 @@ use crate::grid::marches::Marches;
 use crate::grid::passage::clip_packet;
 use crate::math::four::Four;
 use crate::math::packet::Packet;
+use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 
@@ -148,7 +149,7 @@ impl Caster<'_> {
             let word = grid.skip(&mut march);
             if word != BORDER {
                 if let Some(block) = Cells::first_block(blocks, word) {
-                    K::fetch(block);
+                    prefetch(block);
                 }
                 marches[i] = Some(march);
                 waiting |= 1 << i;

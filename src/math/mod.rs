@@ -6,5 +6,6 @@ pub mod extremes;
 pub mod four;
 pub mod packet;
 pub mod predicate;
+pub mod prefetch;
 pub mod ray;
 pub mod robust;
