@@ -13,7 +13,7 @@ use std::fmt;
 
 /// A mesh of triangles, each three indices into `vertices`, in the order of the file's faces.
 ///
-/// A vertex that no face uses is left out; the others come in the order of their first use.
+/// A vertex that no face uses is left out.
 /// Every coordinate is finite and every index in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
