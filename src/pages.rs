@@ -32,7 +32,8 @@ fn whole_pages(layout: Layout) -> usize {
     layout.size().next_multiple_of(LARGE_PAGE)
 }
 
-/// New zeros for a long layout; null where they are not to be had.
+/// New zeros for a long layout; null where they are not to be had. Out of the way of what is short.
+#[cold]
 fn mapped(layout: Layout) -> *mut u8 {
     let size = whole_pages(layout);
     // SAFETY: a new mapping touches no memory that anybody has, and the advice is on all of it.

@@ -100,17 +100,32 @@ fn after_blanks(text: &[u8]) -> Option<&[u8]> {
     Some(rest)
 }
 
-/// The text at the end of its line, if nothing but blanks comes before it.
+/// The text behind the end of its line, if nothing but blanks comes before that.
 #[inline(always)]
 fn line_end(text: &[u8]) -> Option<&[u8]> {
     let rest = after_blanks(text).unwrap_or(text);
-    let rest = rest.strip_prefix(b"\r").unwrap_or(rest);
-    matches!(rest.first(), None | Some(b'\n')).then_some(rest)
+    match rest.strip_prefix(b"\r").unwrap_or(rest) {
+        [] => Some(b""),
+        [b'\n', behind @ ..] => Some(behind),
+        _ => None,
+    }
 }
 
 /// A run of digits, behind those of `value`, as a number; its length, and the text behind.
 #[inline(always)]
-fn digits(mut text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
+fn digits(text: &[u8], value: u64) -> (u64, usize, &[u8]) {
+    if let Some(&eight) = text.first_chunk::<8>() {
+        let (number, count) = leading_digits(u64::from_le_bytes(eight));
+        if count < 8 {
+            return (value.wrapping_mul(TEN_TO[count]).wrapping_add(number), count, &text[count..]);
+        }
+    }
+    many_digits(text, value)
+}
+
+/// As [`digits`], also for many of them and at the end of the text.
+#[inline(never)]
+fn many_digits(mut text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
     let mut length = 0;
     // Eight at a time, since nothing tells the processor when to leave a loop over digits.
     while let Some(&eight) = text.first_chunk::<8>() {
@@ -164,7 +179,11 @@ fn number(text: &[u8]) -> Option<(f64, &[u8])> {
         [b'-', unsigned @ ..] => (-1.0, unsigned),
         _ => (1.0, text),
     };
-    let (whole, before, rest) = digits(unsigned, 0);
+    let (whole, before, rest) = match unsigned {
+        // As most numbers begin.
+        [digit @ b'0'..=b'9', b'.', ..] => (u64::from(digit - b'0'), 1, &unsigned[1..]),
+        _ => digits(unsigned, 0),
+    };
     let (value, after, rest) = match rest {
         [b'.', fraction @ ..] => digits(fraction, whole),
         _ => (whole, 0, rest),
