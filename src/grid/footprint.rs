@@ -55,13 +55,15 @@ pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], slack: f64, out: &mut
     let range = Range::new(lattice, low, high, slack);
     let half = 0.5 + slack;
     match range.spanned() {
-        [true, true, true] => range.enter_met(lattice, &Solid::new(v, half), out),
+        [true, true, true] => range.enter_solid(lattice, &Solid::new(v, half), out),
         // In a layer of cells the outline along the layer's axis decides alone.
-        [true, true, false] => range.enter_met(lattice, &Flat::<0, 1>::new(v, half), out),
-        [false, true, true] => range.enter_met(lattice, &Flat::<1, 2>::new(v, half), out),
-        [true, false, true] => range.enter_met(lattice, &Flat::<2, 0>::new(v, half), out),
+        [true, true, false] => range.enter_layer(lattice, &Flat::<0, 1>::new(v, half), out),
+        [false, true, true] => range.enter_layer(lattice, &Flat::<1, 2>::new(v, half), out),
+        [true, false, true] => range.enter_layer(lattice, &Flat::<2, 0>::new(v, half), out),
         // A row of cells along one axis is touched as a whole.
-        _ => range.for_each(lattice, |index, _| out.push(index)),
+        [true, false, false] => range.enter_row(lattice, 0, out),
+        [false, true, false] => range.enter_row(lattice, 1, out),
+        [false, false, _] => range.enter_row(lattice, 2, out),
     }
 }
 
@@ -91,33 +93,61 @@ impl Range {
         [0, 1, 2].map(|axis| self.end[axis] > self.low[axis] + 1)
     }
 
-    /// Calls `visit` with the index and the lower corner in units of cells of the first cell of each
-    /// row along x.
+    /// Calls `visit` with each cell's index and its lower corner in units of cells.
     #[inline(always)]
-    fn for_each_row(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
-        let [x, y0, z0] = self.low;
+    fn for_each(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
+        let [x0, y0, z0] = self.low;
         for z in z0..self.end[2] {
             for y in y0..self.end[1] {
-                let index = lattice.index([x, y, z].map(|i| i as usize)) as u32;
-                visit(index, DVec3::new(x.into(), y.into(), z.into()));
+                let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
+                for (x, index) in (x0..self.end[0]).zip(start..) {
+                    visit(index, DVec3::new(x.into(), y.into(), z.into()));
+                }
             }
         }
     }
 
-    /// Calls `visit` with each cell's index and its lower corner in units of cells.
+    /// The index of the first cell.
     #[inline(always)]
-    fn for_each(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
-        let width = self.end[0] - self.low[0];
-        self.for_each_row(lattice, |index, first| {
-            for i in 0..width {
-                visit(index + i, first + DVec3::new(i.into(), 0.0, 0.0));
+    fn first(&self, lattice: &Lattice) -> u32 {
+        let [sx, sy, sz] = lattice.ahead.strides;
+        (self.low[0] + 1) * sx + (self.low[1] + 1) * sy + (self.low[2] + 1) * sz
+    }
+
+    /// Appends all cells, which stand in a row along one axis.
+    #[inline(always)]
+    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) {
+        let mut index = self.first(lattice);
+        for _ in self.low[axis]..self.end[axis] {
+            out.push(index);
+            index += lattice.ahead.strides[axis];
+        }
+    }
+
+    /// Appends the cells that an outline meets, of those in one layer across the third axis.
+    #[inline(always)]
+    fn enter_layer<const U: usize, const V: usize>(
+        &self,
+        lattice: &Lattice,
+        outline: &Flat<U, V>,
+        out: &mut Vec<u32>,
+    ) {
+        let mut start = self.first(lattice);
+        for v in self.low[V]..self.end[V] {
+            let mut index = start;
+            for u in self.low[U]..self.end[U] {
+                if outline.meets([u, v].map(|i| f64::from(i) + 0.5)) {
+                    out.push(index);
+                }
+                index += lattice.ahead.strides[U];
             }
-        });
+            start += lattice.ahead.strides[V];
+        }
     }
 
     /// Appends the cells that a triangle meets.
     #[inline(always)]
-    fn enter_met(&self, lattice: &Lattice, triangle: &impl Meets, out: &mut Vec<u32>) {
+    fn enter_solid(&self, lattice: &Lattice, triangle: &Solid, out: &mut Vec<u32>) {
         self.for_each(lattice, |index, cell| {
             if triangle.meets(cell + 0.5) {
                 out.push(index);
@@ -126,15 +156,9 @@ impl Range {
     }
 }
 
-/// A triangle prepared to be tested against cells of one size. The slack by which they are widened
-/// is far above the test's rounding.
-trait Meets {
-    /// Whether the cell around `center`, in units of cells, is met.
-    fn meets(&self, center: DVec3) -> bool;
-}
-
 /// A triangle's outline projected along the third axis: its three edges as `a u + b v + c >= 0`,
-/// where u and v are the coordinates of axes `U` and `V`, which follow one another.
+/// where u and v are the coordinates of axes `U` and `V`, which follow one another. The slack by which
+/// cells are widened is far above the rounding of these sums.
 struct Flat<const U: usize, const V: usize> {
     edges: [[f64; 3]; 3],
 }
@@ -153,12 +177,11 @@ impl<const U: usize, const V: usize> Flat<U, V> {
         };
         Self { edges: [edge(p, q), edge(q, r), edge(r, p)] }
     }
-}
 
-impl<const U: usize, const V: usize> Meets for Flat<U, V> {
+    /// Whether the cell around a centre, in units of cells, is met.
     #[inline(always)]
-    fn meets(&self, center: DVec3) -> bool {
-        least(self.edges.map(|[a, b, c]| a * center[U] + b * center[V] + c)) >= 0.0
+    fn meets(&self, [u, v]: [f64; 2]) -> bool {
+        least(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
     }
 }
 
@@ -192,15 +215,15 @@ impl Solid {
             zx: Flat::new(v, half),
         }
     }
-}
 
-impl Meets for Solid {
+    /// Whether the cell around `center`, in units of cells, is met.
     #[inline(always)]
     fn meets(&self, center: DVec3) -> bool {
+        let [x, y, z] = center.to_array();
         (self.normal.dot(center) - self.offset).abs() <= self.reach
-            && self.xy.meets(center)
-            && self.yz.meets(center)
-            && self.zx.meets(center)
+            && self.xy.meets([x, y])
+            && self.yz.meets([y, z])
+            && self.zx.meets([z, x])
     }
 }
 
