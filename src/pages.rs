@@ -16,8 +16,9 @@ struct LargePages;
 /// The size of the system's large pages on most machines; elsewhere only the speed differs.
 const LARGE_PAGE: usize = 2 << 20;
 
-/// From so many bytes on a large page costs less than usual ones.
-const LONG: usize = LARGE_PAGE / 8;
+/// So many bytes are long. From an eighth of a large page on it would cost less time than usual ones, but
+/// the lists of a thousand small grids shall not take several times their memory.
+const LONG: usize = LARGE_PAGE / 2;
 
 /// Every mapping is aligned to at least this.
 const ALIGNMENT: usize = 4096;

@@ -88,8 +88,10 @@ impl Batch {
 
     /// Finds the surface at each hit.
     pub fn find_surfaces(&mut self, caster: &Caster) {
-        let hits = self.samples.iter().filter_map(|sample| sample.hit);
-        hits.for_each(|hit| caster.world.prefetch(hit.primitive));
+        if !caster.world.triangles.is_empty() {
+            let hits = self.samples.iter().filter_map(|sample| sample.hit);
+            hits.for_each(|hit| caster.world.prefetch(hit.primitive));
+        }
         for Sample { ray, hit, surface, .. } in &mut self.samples {
             if let Some(hit) = hit {
                 *surface = Some(caster.world.surface(ray, *hit));

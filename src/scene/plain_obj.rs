@@ -46,9 +46,10 @@ fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
 }
 
 fn scan(mut text: &[u8]) -> Option<Piece> {
-    // About what a mesh of twice as many faces as vertices has.
+    // About twice what a mesh of twice as many faces as vertices has: what stays empty costs nothing, and
+    // long lists cost less than short ones.
     let mut piece =
-        Piece { vertices: Vec::with_capacity(text.len() / 60), faces: Vec::with_capacity(text.len() / 32) };
+        Piece { vertices: Vec::with_capacity(text.len() / 30), faces: Vec::with_capacity(text.len() / 15) };
     while let Some((&first, rest)) = text.split_first() {
         text = match first {
             b'v' => {
