@@ -1,7 +1,7 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::caster::stream::Query;
+use raytracer::caster::stream::{Query, STREAM};
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::grid::build::GridTooLarge;
 use raytracer::grid::resolution::{Resolution, crowd};
@@ -16,7 +16,7 @@ impl Cast for Caster<'_> {
     }
 
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.chunks(TOGETHER).map(|rays| count_hits(self, rays)).sum()
+        rays.chunks(STREAM).map(|rays| count_hits(self, rays)).sum()
     }
 
     #[inline(always)]
@@ -25,12 +25,9 @@ impl Cast for Caster<'_> {
     }
 }
 
-/// As many rays as the renderer casts together.
-const TOGETHER: usize = 16;
-
 fn count_hits(caster: &Caster, rays: &[FlatRay]) -> usize {
     let ray = |i: usize| rays[i.min(rays.len() - 1)].exact();
-    let mut asked: [Asked; TOGETHER] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
+    let mut asked: [Asked; STREAM] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
     let asked = &mut asked[..rays.len()];
     caster.nearest_each(asked, &mut Quiet);
     asked.iter().filter(|asked| asked.hits).count()

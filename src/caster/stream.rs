@@ -20,8 +20,9 @@ use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 
-/// So many rays go together: enough that the memory has answered when it is the first one's turn.
-const STREAM: usize = 16;
+/// So many rays go together: enough that the memory has answered when it is the first one's turn, and few
+/// enough to stay near.
+pub const STREAM: usize = 16;
 
 /// What asks for the nearest hit on a ray.
 pub trait Query {

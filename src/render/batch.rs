@@ -4,7 +4,7 @@
 
 use crate::camera::Camera;
 use crate::caster::Caster;
-use crate::caster::stream::Query;
+use crate::caster::stream::{Query, STREAM};
 use crate::math::ray::{Hit, Ray};
 use crate::projection::Projection;
 use crate::stats::Probe;
@@ -45,8 +45,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Enough that waits overlap, few enough to stay near.
-    pub const SIZE: usize = 16;
+    /// As many as the caster takes together.
+    pub const SIZE: usize = STREAM;
 
     pub fn samples(&self) -> &[Sample] {
         &self.samples
