@@ -4,7 +4,7 @@
 use super::block::{Block, Frame, LANES, NONE};
 use super::items::Items;
 use crate::grid::Lattice;
-use crate::grid::build::{GridTooLarge, Rows, filled_with};
+use crate::grid::build::{GridTooLarge, Rows, filled_with, with_room_for};
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ impl Cells {
         scatter(rows, items, triangles, &mut words, numbers.as_flattened_mut());
         let mut cells = Self::of_numbers(world, numbers, Frame::new(&lattice.bounds))?;
         cells.finish(words, lattice);
-        cells.add_others(rows, items, others);
+        cells.add_others(rows, items, others)?;
         Ok(cells)
     }
 
@@ -82,7 +82,7 @@ impl Cells {
         let mut cells = Self::of_numbers(world, numbers, frame)?;
         let last = cells.blocks.len() - 1;
         let others = triangles..items.count(world);
-        cells.note_others(others.map(|i| (last as u32, items.number(i))).collect());
+        cells.note_others(others.map(|i| (last as u32, items.number(i))).collect())?;
         Ok(cells)
     }
 
@@ -118,13 +118,13 @@ impl Cells {
         self.words = words;
     }
 
-    fn add_others(&mut self, rows: &Rows, items: &Items, others: Range<usize>) {
-        let last_block = |&cell: &u32| self.last_block(cell);
-        let places =
-            others.flat_map(|i| rows.cells_of(i).iter().map(last_block).map(move |b| (b, items.number(i))));
-        let mut places: Vec<(u32, u32)> = places.collect();
+    fn add_others(&mut self, rows: &Rows, items: &Items, others: Range<usize>) -> Result<(), GridTooLarge> {
+        let mut places = with_room_for(others.clone().map(|i| rows.cells_of(i).len()).sum())?;
+        for i in others {
+            places.extend(rows.cells_of(i).iter().map(|&cell| (self.last_block(cell), items.number(i))));
+        }
         places.sort_unstable();
-        self.note_others(places);
+        self.note_others(places)
     }
 
     /// The last block of a cell that is not empty.
@@ -134,7 +134,8 @@ impl Cells {
     }
 
     /// Takes last blocks, which must ascend, and numbers of what is no triangle.
-    fn note_others(&mut self, places: Vec<(u32, u32)>) {
+    fn note_others(&mut self, places: Vec<(u32, u32)>) -> Result<(), GridTooLarge> {
+        self.others = with_room_for(places.len())?;
         let blocks = &mut self.blocks;
         for (&(block, number), place) in places.iter().zip(0..) {
             let block = &mut blocks[block as usize];
@@ -144,6 +145,7 @@ impl Cells {
             block.others[1] = place + 1;
             self.others.push(number);
         }
+        Ok(())
     }
 }
 

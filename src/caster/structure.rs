@@ -178,23 +178,21 @@ fn enter(
     insertion: Insertion,
     slack: f64,
     out: &mut Vec<u32>,
-) {
+) -> Result<(), GridTooLarge> {
     match (world.primitive(number), insertion) {
         (Primitive::Triangle(i), Insertion::Course) => {
-            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out);
+            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
         }
-        (Primitive::Triangle(i), _) => {
-            footprint::of_triangle(lattice, world.corners(i), slack, out);
-        }
+        (Primitive::Triangle(i), _) => footprint::of_triangle(lattice, world.corners(i), slack, out),
         (Primitive::Sphere(i), Insertion::Course) => {
             let sphere = &world.spheres[i];
-            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out);
+            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
         }
         (Primitive::Sphere(i), _) => {
             let sphere = &world.spheres[i];
-            footprint::of_sphere(lattice, sphere.center, sphere.radius, slack, out);
+            footprint::of_sphere(lattice, sphere.center, sphere.radius, slack, out)
         }
         (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
-        (Primitive::Plane(_), _) => {}
+        (Primitive::Plane(_), _) => Ok(()),
     }
 }

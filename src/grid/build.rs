@@ -40,13 +40,13 @@ impl Rows {
     pub fn new(
         lattice: &Lattice,
         count: usize,
-        cells_of: impl Fn(usize, &mut Vec<u32>) + Sync,
+        cells_of: impl Fn(usize, &mut Vec<u32>) -> Result<(), GridTooLarge> + Sync,
     ) -> Result<Self, GridTooLarge> {
         lattice.fits()?;
         let runs: Vec<Run> = (0..count.div_ceil(PER_RUN))
             .into_par_iter()
             .map(|k| Run::new(k * PER_RUN..count.min((k + 1) * PER_RUN), &cells_of))
-            .collect();
+            .collect::<Result<_, _>>()?;
         let total: usize = runs.iter().map(|run| run.cells.len()).sum();
         if total <= u32::MAX as usize { Ok(Self { runs }) } else { Err(GridTooLarge) }
     }
@@ -63,8 +63,9 @@ impl Rows {
             counts[cell as usize] += 1;
         }
         let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > crowd);
-        let mut crowded: Vec<(u32, Vec<u32>)> =
-            crowded.map(|(cell, &count)| (cell as u32, Vec::with_capacity(count as usize))).collect();
+        let mut crowded = crowded
+            .map(|(cell, &count)| Ok((cell as u32, with_room_for(count as usize)?)))
+            .collect::<Result<Vec<_>, _>>()?;
         if !crowded.is_empty() {
             for (run, first) in self.runs.iter_mut().zip((0..).step_by(PER_RUN)) {
                 run.take(first, &counts, crowd, &mut crowded);
@@ -92,14 +93,17 @@ impl Rows {
 }
 
 impl Run {
-    fn new(numbers: std::ops::Range<usize>, cells_of: &impl Fn(usize, &mut Vec<u32>)) -> Self {
+    fn new(
+        numbers: std::ops::Range<usize>,
+        cells_of: &impl Fn(usize, &mut Vec<u32>) -> Result<(), GridTooLarge>,
+    ) -> Result<Self, GridTooLarge> {
         let mut cells = Vec::with_capacity(4 * numbers.len());
         let mut ends = Vec::with_capacity(numbers.len());
         for number in numbers {
-            cells_of(number, &mut cells);
+            cells_of(number, &mut cells)?;
             ends.push(cells.len() as u32);
         }
-        Self { ends, cells }
+        Ok(Self { ends, cells })
     }
 
     /// Moves what stands in crowded cells from here to the list of its cell.
@@ -122,9 +126,15 @@ impl Run {
 
 /// A list of exactly this length, or an error where the memory is not to be had.
 pub fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
+    let mut list = with_room_for(count)?;
+    list.resize(count, value);
+    Ok(list)
+}
+
+/// An empty list for so many, or an error where the memory is not to be had.
+pub fn with_room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
     let mut list = Vec::new();
     list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    list.resize(count, value);
     Ok(list)
 }
 
@@ -164,7 +174,7 @@ mod tests {
         let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
             let mut expected = vec![];
-            footprint::of_box(&lattice, b, 1e-6, &mut expected);
+            footprint::of_box(&lattice, b, 1e-6, &mut expected).unwrap();
             assert_eq!(rows.cells_of(i), expected);
             cells += expected.len();
             assert_eq!(below(i + 1), cells);
@@ -183,6 +193,6 @@ mod tests {
     fn an_absurd_grid_is_an_error() {
         let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
         let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);
-        assert_eq!(Rows::new(&lattice, 0, |_, _| {}).err(), Some(GridTooLarge));
+        assert_eq!(Rows::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));
     }
 }

@@ -1,61 +1,79 @@
-//! Which cells a shape touches.
+//! Which cells a shape touches. The lists grow only as far as there is memory, since a grid may be as fine
+//! as its user likes.
 
 use super::Lattice;
+use super::build::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, greatest, least};
 use glam::DVec3;
 
 /// Appends the index of every cell that the box, widened by `slack` cells, touches.
-pub fn of_box(lattice: &Lattice, bounds: &Aabb, slack: f64, out: &mut Vec<u32>) {
+pub fn of_box(lattice: &Lattice, bounds: &Aabb, slack: f64, out: &mut Vec<u32>) -> Result<(), GridTooLarge> {
     let range = Range::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), slack);
-    range.for_each(lattice, |index, _| out.push(index));
+    range.enter_met(lattice, out, |_| true)
 }
 
 /// Appends the index of every cell whose centre lies within the radius and half the cell's diagonal
 /// of the centre, each cell widened by `slack` cells: the course's rule for spheres. Every cell that
 /// the ball touches is among them.
-pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
+pub fn of_ball_by_centers(
+    lattice: &Lattice,
+    center: DVec3,
+    radius: f64,
+    slack: f64,
+    out: &mut Vec<u32>,
+) -> Result<(), GridTooLarge> {
     let size = lattice.cell_size;
     let reach = radius + (0.5 + slack) * size.length();
     let range = Range::new(lattice, lattice.to_cells(center - reach), lattice.to_cells(center + reach), 0.0);
-    range.for_each(lattice, |index, cell| {
+    range.enter_met(lattice, out, |cell| {
         let middle = lattice.bounds.min + (cell + 0.5) * size;
-        if middle.distance(center) <= reach {
-            out.push(index);
-        }
-    });
+        middle.distance(center) <= reach
+    })
 }
 
 /// Appends the index of every cell that the sphere's surface touches, each cell widened by `slack`
 /// cells. Cells within the sphere are left out: no ray hits it there.
-pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, slack: f64, out: &mut Vec<u32>) {
+pub fn of_sphere(
+    lattice: &Lattice,
+    center: DVec3,
+    radius: f64,
+    slack: f64,
+    out: &mut Vec<u32>,
+) -> Result<(), GridTooLarge> {
     let (middle, size) = (lattice.to_cells(center), lattice.cell_size);
     let range =
         Range::new(lattice, lattice.to_cells(center - radius), lattice.to_cells(center + radius), slack);
     let square = radius * radius;
-    range.for_each(lattice, |index, cell| {
+    range.enter_met(lattice, out, |cell| {
         let (low, high) = (cell - slack, cell + (1.0 + slack));
         let nearest = (middle - middle.clamp(low, high)) * size;
         let farthest = (middle - low).abs().max((high - middle).abs()) * size;
         // The slack may vanish in the rounding of a radius that is large in cells.
         let reaches = nearest.length_squared() <= square * (1.0 + 1e-12);
-        if reaches && farthest.length_squared() >= square * (1.0 - 1e-12) {
-            out.push(index);
-        }
-    });
+        reaches && farthest.length_squared() >= square * (1.0 - 1e-12)
+    })
 }
 
 /// Appends the index of every cell that the triangle touches, each cell widened by `slack` cells:
 /// the triangle's plane and its outline along each axis must meet the cell (Schwarz, Seidel, "Fast
 /// Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010).
 #[inline]
-pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], slack: f64, out: &mut Vec<u32>) {
+pub fn of_triangle(
+    lattice: &Lattice,
+    corners: [DVec3; 3],
+    slack: f64,
+    out: &mut Vec<u32>,
+) -> Result<(), GridTooLarge> {
     let v = corners.map(|p| lattice.to_cells(p));
     let [low, high] = box_corners(v);
     let range = Range::new(lattice, low, high, slack);
     let half = 0.5 + slack;
     match range.spanned() {
-        [true, true, true] => range.enter_solid(lattice, &Solid::new(v, half), out),
+        [true, true, true] => {
+            let solid = Solid::new(v, half);
+            range.enter_met(lattice, out, |cell| solid.meets(cell + 0.5))
+        }
         // In a layer of cells the outline along the layer's axis decides alone.
         [true, true, false] => range.enter_layer(lattice, &Flat::<0, 1>::new(v, half), out),
         [false, true, true] => range.enter_layer(lattice, &Flat::<1, 2>::new(v, half), out),
@@ -93,20 +111,6 @@ impl Range {
         [0, 1, 2].map(|axis| self.end[axis] > self.low[axis] + 1)
     }
 
-    /// Calls `visit` with each cell's index and its lower corner in units of cells.
-    #[inline(always)]
-    fn for_each(&self, lattice: &Lattice, mut visit: impl FnMut(u32, DVec3)) {
-        let [x0, y0, z0] = self.low;
-        for z in z0..self.end[2] {
-            for y in y0..self.end[1] {
-                let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
-                for (x, index) in (x0..self.end[0]).zip(start..) {
-                    visit(index, DVec3::new(x.into(), y.into(), z.into()));
-                }
-            }
-        }
-    }
-
     /// The index of the first cell.
     #[inline(always)]
     fn first(&self, lattice: &Lattice) -> u32 {
@@ -116,12 +120,14 @@ impl Range {
 
     /// Appends all cells, which stand in a row along one axis.
     #[inline(always)]
-    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) {
+    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) -> Result<(), GridTooLarge> {
         let mut index = self.first(lattice);
+        make_room(out, self.end[axis] - self.low[axis])?;
         for _ in self.low[axis]..self.end[axis] {
             out.push(index);
             index += lattice.ahead.strides[axis];
         }
+        Ok(())
     }
 
     /// Appends the cells that an outline meets, of those in one layer across the third axis.
@@ -131,10 +137,11 @@ impl Range {
         lattice: &Lattice,
         outline: &Flat<U, V>,
         out: &mut Vec<u32>,
-    ) {
+    ) -> Result<(), GridTooLarge> {
         let mut start = self.first(lattice);
         for v in self.low[V]..self.end[V] {
             let mut index = start;
+            make_room(out, self.end[U] - self.low[U])?;
             for u in self.low[U]..self.end[U] {
                 if outline.meets([u, v].map(|i| f64::from(i) + 0.5)) {
                     out.push(index);
@@ -143,17 +150,37 @@ impl Range {
             }
             start += lattice.ahead.strides[V];
         }
+        Ok(())
     }
 
-    /// Appends the cells that a triangle meets.
+    /// Appends the cells that are met, as `is_met` says of a cell's lower corner in units of cells.
     #[inline(always)]
-    fn enter_solid(&self, lattice: &Lattice, triangle: &Solid, out: &mut Vec<u32>) {
-        self.for_each(lattice, |index, cell| {
-            if triangle.meets(cell + 0.5) {
-                out.push(index);
+    fn enter_met(
+        &self,
+        lattice: &Lattice,
+        out: &mut Vec<u32>,
+        is_met: impl Fn(DVec3) -> bool,
+    ) -> Result<(), GridTooLarge> {
+        let [x0, y0, z0] = self.low;
+        for z in z0..self.end[2] {
+            for y in y0..self.end[1] {
+                let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
+                make_room(out, self.end[0] - x0)?;
+                for (x, index) in (x0..self.end[0]).zip(start..) {
+                    if is_met(DVec3::new(x.into(), y.into(), z.into())) {
+                        out.push(index);
+                    }
+                }
             }
-        });
+        }
+        Ok(())
     }
+}
+
+/// Sees to it that so many more cells fit into a list.
+#[inline(always)]
+fn make_room(out: &mut Vec<u32>, cells: u32) -> Result<(), GridTooLarge> {
+    out.try_reserve(cells as usize).map_err(|_| GridTooLarge)
 }
 
 /// A triangle's outline projected along the third axis: its three edges as `a u + b v + c >= 0`,
@@ -261,8 +288,8 @@ mod tests {
         for _ in 0..200 {
             let corners = [0; 3].map(|_| l.bounds.max * DVec3::new(random(), random(), random()));
             let (mut cells, mut by_box) = (vec![], vec![]);
-            of_triangle(&l, corners, 1e-6, &mut cells);
-            of_box(&l, &Aabb::around(corners), 1e-6, &mut by_box);
+            of_triangle(&l, corners, 1e-6, &mut cells).unwrap();
+            of_box(&l, &Aabb::around(corners), 1e-6, &mut by_box).unwrap();
             for p in points(corners) {
                 let at = l.to_cells(p);
                 let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
@@ -283,7 +310,7 @@ mod tests {
             // Between them but for rounding.
             let c = a + (k as f64 / 200.0) * (b - a);
             let mut cells = vec![];
-            of_triangle(&l, [a, b, c], 1e-6, &mut cells);
+            of_triangle(&l, [a, b, c], 1e-6, &mut cells).unwrap();
             for p in (0..=1000).map(|i| a + i as f64 / 1000.0 * (b - a)) {
                 let at = l.to_cells(p);
                 let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
@@ -297,8 +324,8 @@ mod tests {
         let l = lattice();
         let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
         let (mut cells, mut by_centers) = (vec![], vec![]);
-        of_sphere(&l, center, radius, 1e-6, &mut cells);
-        of_ball_by_centers(&l, center, radius, 0.0, &mut by_centers);
+        of_sphere(&l, center, radius, 1e-6, &mut cells).unwrap();
+        of_ball_by_centers(&l, center, radius, 0.0, &mut by_centers).unwrap();
         for (index, b) in cell_boxes(&l) {
             let nearest = center.distance(center.clamp(b.min, b.max));
             let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
@@ -312,8 +339,8 @@ mod tests {
         let l = lattice();
         let far = DVec3::splat(100.0);
         let mut cells = vec![];
-        of_box(&l, &Aabb { min: far, max: far }, 0.0, &mut cells);
-        of_triangle(&l, [-far, -far, -far], 0.0, &mut cells);
+        of_box(&l, &Aabb { min: far, max: far }, 0.0, &mut cells).unwrap();
+        of_triangle(&l, [-far, -far, -far], 0.0, &mut cells).unwrap();
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
 }

@@ -3,7 +3,7 @@
 //! The tracer's grid enters a primitive wherever its box reaches. The course's picture shows a
 //! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
 
-use super::build::GridTooLarge;
+use super::build::{GridTooLarge, filled_with};
 use super::march::March;
 use super::passage::clip;
 use super::{Lattice, footprint};
@@ -48,9 +48,7 @@ impl Occupancy {
     ) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
         lattice.fits()?;
-        let mut counts = Vec::new();
-        counts.try_reserve_exact(lattice.index_count()).map_err(|_| GridTooLarge)?;
-        counts.resize(lattice.index_count(), BORDER);
+        let mut counts = filled_with(BORDER, lattice.index_count())?;
         let [nx, ny, nz] = cells;
         for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
             counts[lattice.index([0, j, k])..][..nx].fill(0);
@@ -58,32 +56,35 @@ impl Occupancy {
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
             let mut touched = vec![];
-            placements(scene).for_each(|placement| occupancy.enter(&placement, meshes, &mut touched));
+            placements(scene).try_for_each(|placement| occupancy.enter(&placement, meshes, &mut touched))?;
         }
         Ok(occupancy)
     }
 
-    fn enter(&mut self, placement: &Placement, meshes: &[Mesh], touched: &mut Vec<u32>) {
+    fn enter(
+        &mut self,
+        placement: &Placement,
+        meshes: &[Mesh],
+        touched: &mut Vec<u32>,
+    ) -> Result<(), GridTooLarge> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut enter_box = |corners: Aabb| {
-            footprint::of_box(&self.lattice, &corners, TOUCH, touched);
-        };
+        let mut enter_box = |corners: Aabb| footprint::of_box(&self.lattice, &corners, TOUCH, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                footprint::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched);
+                footprint::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
             }
             Object::Sphere { center, radius, .. } => enter_box(course_sphere_box(center, radius, placement)),
             Object::Triangle { vertices, .. } => enter_box(Aabb::around(vertices.map(map))),
             Object::Box { min, max, .. } => enter_box(Aabb::around(Aabb { min, max }.corners().map(map))),
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
-                for triangle in triangles {
-                    enter_box(Aabb::around(triangle.map(|v| map(vertices[v as usize]))));
-                }
+                let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
+                triangles.iter().try_for_each(|triangle| enter_box(Aabb::around(corners(triangle))))
             }
-            Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => {}
-        }
+            Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => Ok(()),
+        }?;
         touched.drain(..).for_each(|index| self.counts[index as usize] += 1);
+        Ok(())
     }
 
     /// The first occupied cell along the ray.
