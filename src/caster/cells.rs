@@ -93,7 +93,7 @@ impl Cells {
         }
     }
 
-    /// Blocks of these triangles, of which none is marked as its cell's last.
+    /// Blocks of these triangles, which do not say yet how many their cells have.
     fn of_numbers(world: &World, numbers: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
         let mut blocks: Vec<Block> = try_zeroed_vec(numbers.len()).map_err(|()| GridTooLarge)?;
         let all_within = frame.holds(&world.bounds);

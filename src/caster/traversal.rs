@@ -87,7 +87,6 @@ impl Structure {
                 return probe.intersections(untested);
             }
         };
-        // Asked for once, since it takes a look at how they are kept.
         let blocks = self.cells.blocks.as_slice();
         let mut filtered = Filtered::on(&passage, &self.cells.frame, search.best.t);
         match &self.lattice {
