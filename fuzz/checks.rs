@@ -1,5 +1,5 @@
 //! What must hold for any scene text and any mesh text. The fuzz targets run these, and
-//! `tests/fuzz_findings.rs` runs them on what the fuzzer found.
+//! `tests/casting/fuzz_findings.rs` runs them on what the fuzzer found.
 
 use glam::DVec3;
 use raytracer::camera::Camera;

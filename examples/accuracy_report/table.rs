@@ -32,7 +32,7 @@ The numbers below are measured, not claimed. This file and its pictures are writ
 
 ```
 mkdir -p target/accuracy
-ACCURACY_DIR=target/accuracy cargo test --release --test hard_cases
+ACCURACY_DIR=target/accuracy cargo test --test hard_cases
 cargo run --release --example accuracy_report -- target/accuracy
 ```
 

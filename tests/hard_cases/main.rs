@@ -2,7 +2,7 @@
 //! input and demands that it fails, so that a case which tests nothing is noticed.
 //!
 //! The ordinary tier runs in the ordinary test command. The long tier multiplies the rays:
-//! `HARD_CASES=long cargo test --release --test hard_cases`. With `ACCURACY_DIR` set to a folder,
+//! `HARD_CASES=long cargo test --test hard_cases`. With `ACCURACY_DIR` set to a folder,
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod filter;

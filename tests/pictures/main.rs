@@ -4,7 +4,7 @@
 //! of them, and its pictures must be those in `reference_images/`, byte for byte. What differs is shown
 //! in `target/picture-failures/`: expected, actual and difference side by side.
 //!
-//! When a change of the pictures is meant, `BLESS=1 cargo test --release --test pictures` writes the
+//! When a change of the pictures is meant, `BLESS=1 cargo test --test pictures` writes the
 //! references anew; look at them before committing.
 
 mod commands;

@@ -1,7 +1,7 @@
 //! What fuzzing must never find again. `fuzz/` holds the fuzz targets; this runs their checks on
 //! their seeds and on every text that once failed.
 
-#[path = "../fuzz/checks.rs"]
+#[path = "../../fuzz/checks.rs"]
 mod checks;
 
 use std::fs;

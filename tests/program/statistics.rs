@@ -1,9 +1,7 @@
 //! The counters of `-stats` against counts made by hand, and the layout of the block.
 
-mod support;
-
 use std::path::Path;
-use support::{Folder, Run, course, finish, program};
+use crate::support::{Folder, Run, course, finish, program};
 
 /// The counters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,7 +170,7 @@ fn a_grid_saves_tests_and_changes_no_ray() {
 
 /// The rows of the README's table of rays and tests: a scene's number, flags, rays, tests.
 fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
-    let lines = include_str!("../README.md").lines();
+    let lines = include_str!("../../README.md").lines();
     let table = lines.skip_while(|line| !line.starts_with("| Scene | Flags | Rays")).skip(2);
     let mut scene = "";
     let row = |line: &'static str| {

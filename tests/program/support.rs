@@ -1,8 +1,5 @@
 //! What the tests of the program share: a folder of its own for each test, and runs of the binary.
 
-// Every test file compiles this module by itself and uses only part of it.
-#![allow(dead_code)]
-
 use std::ffi::OsString;
 use std::fs;
 use std::io::pipe;

@@ -1,8 +1,6 @@
 //! Several samples a pixel through the whole program: pictures whose every pixel can be worked out by hand.
 
-mod support;
-
-use support::{Folder, Tga};
+use crate::support::{Folder, Tga};
 
 /// White triangles on black before an orthographic camera that shows a square of side 1, its lower left corner at
 /// the origin.

@@ -1,9 +1,7 @@
 //! The program as a user meets it: what it prints where, how it ends, and what it leaves on disk.
 
-mod support;
-
 use raytracer::image_io;
-use support::{Folder, finish, nobody, program};
+use crate::support::{Folder, finish, nobody, program};
 
 const CAMERA: &str = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }\n";
 const LIGHT: &str = "Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }\n";
@@ -303,7 +301,7 @@ fn a_hall_of_perfect_mirrors_ends_by_bounces() {
 
 /// The rows `y` of a picture from the top, each cut to `columns`.
 fn cut(
-    picture: &support::Tga,
+    picture: &crate::support::Tga,
     columns: std::ops::Range<usize>,
     rows: std::ops::Range<usize>,
 ) -> Vec<[u8; 3]> {

@@ -1,14 +1,12 @@
 //! The README says what the program does.
 
-mod support;
-
 use raytracer::cli::{self, Command};
 use raytracer::grid::resolution::Resolution;
 use std::ffi::OsString;
 use std::path::Path;
-use support::Folder;
+use crate::support::Folder;
 
-const README: &str = include_str!("../README.md");
+const README: &str = include_str!("../../README.md");
 
 /// The lines of the README that are commands.
 fn commands() -> impl Iterator<Item = &'static str> {
@@ -40,8 +38,8 @@ fn the_first_command_is_accepted_and_its_scene_exists() {
 
 #[test]
 fn the_test_command_is_the_one_that_ci_runs() {
-    let ci = include_str!("../.ci/run");
-    let test = commands().find(|line| line.starts_with("test ")).expect("a command to test");
+    let ci = include_str!("../../.ci/run");
+    let test = commands().find(|line| line.starts_with("test")).expect("a command to test");
     assert!(ci.lines().any(|line| line.strip_prefix("cargo ") == Some(test)), "{test}");
 }
 

@@ -1,0 +1,7 @@
+//! Rays through whole worlds: every grid and every instruction set gives the hits that testing everything
+//! gives.
+
+mod fuzz_findings;
+mod instructions;
+mod random_scenes;
+mod uneven_scenes;

@@ -1,0 +1,13 @@
+//! The program as a user meets it: command lines, scenes and the errors in them, files, statistics, and
+//! what the README says.
+
+mod command_line;
+mod course;
+mod image_files;
+mod readme;
+mod runs;
+mod sampling;
+mod scene_errors;
+mod scene_robustness;
+mod statistics;
+mod support;
