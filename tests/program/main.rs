@@ -4,6 +4,7 @@
 mod command_line;
 mod course;
 mod image_files;
+mod proofs;
 mod readme;
 mod runs;
 mod sampling;
