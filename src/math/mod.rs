@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod double_double;
+pub mod exact_sum;
 pub mod extremes;
 pub mod four;
 pub mod packet;
@@ -9,3 +10,4 @@ pub mod predicate;
 pub mod prefetch;
 pub mod ray;
 pub mod robust;
+pub mod scaled;

@@ -1,12 +1,16 @@
 //! Triangles by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: whether
 //! a ray hits a triangle is decided as without any rounding, so that every ray through a closed
 //! mesh's shared edge or vertex hits exactly one triangle there.
+//!
+//! This holds for all finite coordinates and directions, and so does what is said of a hit: its t is right to
+//! within rounding, its normal a unit vector, its point within rounding of the vertices. Only where t itself
+//! is too large for a float the triangle counts as missed.
 
-use crate::math::double_double::{Dd, cross as exact_cross, difference, dot};
 use crate::math::extremes::{greatest, least};
-use crate::math::predicate::{difference_of_products, triple_product};
+use crate::math::predicate::{area_vector, cross_component, edge_function, projected_area, volume};
 use crate::math::ray::Ray;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
+use crate::math::scaled::on_one_scale;
 use glam::DVec3;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
@@ -24,7 +28,16 @@ pub struct Shear<'r> {
 /// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices,
 /// and never beyond an edge by more, however far away the ray began that crosses it there.
 pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
+    // Scaled by a power of two, which rounds nothing, so that products neither overflow nor underflow.
+    let scale = inverse_power_of_two(u + v + w);
+    let [u, v, w] = [scale * u, scale * v, scale * w];
     (u * a + v * b + w * c) / (u + v + w)
+}
+
+/// The power of two that brings a normal number, below 2^1020 in absolute value, to from 1/4 to 1/2.
+fn inverse_power_of_two(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits((2044u64 << 52).saturating_sub(x.to_bits() & EXPONENT))
 }
 
 impl<'r> Shear<'r> {
@@ -36,8 +49,8 @@ impl<'r> Shear<'r> {
         let z = usize::from(!((x > y) & (x > z))) + usize::from((z >= x) & (z >= y));
         static ACROSS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
         let [x, y] = ACROSS[z];
-        // Without a length no t is right; NaN makes every triangle a miss.
-        let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
+        // Where the inverse would lose digits, NaN leaves every t to be computed exactly.
+        let inverse = if USUAL.contains(&d[z].abs()) { 1.0 / d[z] } else { f64::NAN };
         let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
         let o = ray.origin.to_array();
         Self { ray, axes: [x, y, z], origin: DVec3::new(o[x], o[y], o[z]), scale }
@@ -62,18 +75,21 @@ impl<'r> Shear<'r> {
     /// without area, or one that lies along the ray, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
-        let [p, q, r] = corners;
         let (a, b, c) = self.sheared(corners);
-        let weights = self.weights_of(corners, [a, b, c])?;
+        let weights = edge_functions([a, b, c]);
+        match sides(weights, [a, b, c]) {
+            Sides::Outside => return None,
+            Sides::Unsure => return self.decide_hit(corners.map(|&v| v), [a.z, b.z, c.z]),
+            Sides::Inside => {}
+        }
         let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form vertices in another order move t by hardly more than its rounding.
-        let mut t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
-        if !is_well_seen([a, b, c], sum) {
-            t = self.refined([*p, *q, *r], [a.z, b.z, c.z], t);
+        let t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
+        if is_well_seen([a, b, c], sum) && t.is_finite() {
+            return Some(t);
         }
-        // The sum is zero only for a triangle seen edge on; a NaN comes from a broken ray.
-        t.is_finite().then_some(t)
+        self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z])
     }
 
     /// The weights of the vertices where the ray's line crosses the triangle, as [`intersect`](Self::intersect)
@@ -81,7 +97,12 @@ impl<'r> Shear<'r> {
     #[inline]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
-        self.weights_of(corners, [a, b, c])
+        let weights = edge_functions([a, b, c]);
+        match sides(weights, [a, b, c]) {
+            Sides::Inside => Some(weights),
+            Sides::Outside => None,
+            Sides::Unsure => self.decide(corners.map(|&v| v)),
+        }
     }
 
     #[inline(always)]
@@ -90,56 +111,73 @@ impl<'r> Shear<'r> {
         (self.apply(p), self.apply(q), self.apply(r))
     }
 
-    #[inline(always)]
-    fn weights_of(&self, corners: [&DVec3; 3], [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
-        let weights = [cross(b, c), cross(c, a), cross(a, b)];
-        let (lowest, highest) = (least(weights), greatest(weights));
-        let doubt = doubt([a, b, c]);
-        if lowest < -doubt && highest > doubt {
+    #[cold]
+    fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<f64> {
+        self.decide(vertices).and_then(|_| self.exact_t(vertices, depths))
+    }
+
+    /// The t where the ray meets the triangle's plane, rounded a few times.
+    #[cold]
+    fn exact_t(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<f64> {
+        let Ray { origin, direction, .. } = *self.ray;
+        if !direction.is_finite() {
             return None;
         }
-        if lowest > doubt || highest < -doubt { Some(weights) } else { self.decide(corners.map(|&v| v)) }
-    }
-
-    /// The t of a crossing that the weights give only roughly: where the ray meets the triangle's
-    /// plane, in twice the digits.
-    #[cold]
-    fn refined(&self, [a, b, c]: [DVec3; 3], depths: [f64; 3], rough: f64) -> f64 {
-        let normal = exact_cross(difference(b, a), difference(c, a));
-        let along = dot(normal, self.ray.direction.to_array().map(Dd::from)).value();
-        let t = dot(normal, difference(a, self.ray.origin)).value() / along;
-        if !t.is_finite() {
-            return rough;
-        }
-        // Not beyond the vertices by rounding, so that the grid finds the hit where it keeps them.
+        let t = volume(origin, vertices).over(projected_area(direction, vertices));
+        // As the vertices' own t are rounded: so t is the same for triangles in one plane across an axis.
         let [p, q, r] = depths.map(|z| self.scale.z * z);
-        t.max(p.min(q).min(r)).min(p.max(q).max(r))
+        let (least, greatest) = (p.min(q).min(r), p.max(q).max(r));
+        let t = if least.is_finite() && greatest.is_finite() { t.max(least).min(greatest) } else { t };
+        t.is_finite().then_some(t)
     }
 
-    /// The edge functions with exact signs, if the ray, moved by an infinitesimal amount, lies on
-    /// one side of all three edges.
+    /// The edge functions with exact signs, all divided by the same power of two, if the ray, moved by an
+    /// infinitesimal amount, lies on one side of all three edges.
     #[cold]
     fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
-        let [a, b, c] = vertices.map(|v| difference(v, self.ray.origin));
-        let edges = [(b, c), (c, a), (a, b)];
-        let along = self.scale.z;
-        let weights = edges.map(|(p, q)| along * triple_product(self.ray.direction, p, q));
-        let sides = [0, 1, 2].map(|i| match sign(weights[i]) {
-            0 => self.side_of_edge_met(vertices[(i + 1) % 3], vertices[(i + 2) % 3]),
+        let ray = [self.ray.origin, self.ray.direction];
+        if !ray.iter().chain(&vertices).all(|v| v.is_finite()) {
+            return None;
+        }
+        let [a, b, c] = vertices;
+        let edges = [[b, c], [c, a], [a, b]];
+        let weights = edges.map(|edge| edge_function(ray, edge));
+        let sides = [0, 1, 2].map(|i| match weights[i].sign() {
+            0 => self.side_of_edge_met(edges[i]),
             side => side,
         });
         let inside = sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
-        inside.then_some(weights)
+        inside.then(|| on_one_scale(weights))
     }
 
     /// On which side of an edge the ray is that truly meets the edge's line: as if it had moved, in
     /// the sheared plane, towards negative x, and infinitely less towards negative y. Zero for an
     /// edge along the ray.
-    fn side_of_edge_met(&self, from: DVec3, to: DVec3) -> i32 {
-        let (edge, d, [x, y, z]) = (difference(to, from), self.ray.direction, self.axes);
-        let sheared = |axis: usize| sign(difference_of_products(d[z], edge[axis], d[axis], edge[z]));
-        let toward_z = sign(d[z]);
-        [toward_z * sheared(y), -toward_z * sheared(x)].into_iter().find(|&s| s != 0).unwrap_or(0)
+    fn side_of_edge_met(&self, edge: [DVec3; 2]) -> i32 {
+        let (d, [x, y, z]) = (self.ray.direction, self.axes);
+        let sheared = |axis: usize| cross_component(d, edge, [z, axis]).sign();
+        [sheared(y), -sheared(x)].into_iter().find(|&side| side != 0).unwrap_or(0)
+    }
+}
+
+/// Where the ray lies, seen along itself.
+enum Sides {
+    Inside,
+    Outside,
+    Unsure,
+}
+
+/// On which sides of a triangle's edges the ray lies that has these edge functions for these sheared vertices.
+#[inline(always)]
+fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
+    let (lowest, highest) = (least(edge_functions), greatest(edge_functions));
+    let error_bound = edge_error_bound(sheared);
+    if lowest < -error_bound && highest > error_bound {
+        Sides::Outside
+    } else if lowest > error_bound || highest < -error_bound {
+        Sides::Inside
+    } else {
+        Sides::Unsure
     }
 }
 
@@ -154,10 +192,11 @@ fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
 }
 
-/// The edge function of `p` and `q` in the sheared plane: twice the area they span with the ray.
+/// Of the edges opposite to the vertices: twice the areas that they span with the ray in the sheared plane.
 #[inline(always)]
-fn cross(p: DVec3, q: DVec3) -> f64 {
-    p.x * q.y - p.y * q.x
+fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
+    [cross(b, c), cross(c, a), cross(a, b)]
 }
 
 /// How far rounding may have moved an edge function.
@@ -167,22 +206,41 @@ fn cross(p: DVec3, q: DVec3) -> f64 {
 /// subtraction of the origin (e D), of the shear factor, the depth and their product (3 e D) and of
 /// the difference (e M): at most 5 e D. Hence an edge function is off by 10 e D M + 50 e^2 D^2, and
 /// its own three roundings add no more than e M^2.
+///
+/// Products that underflow move it by less than 2^-1070 more. [`LEAST_BOUND`] is far above that, so that
+/// neither does anything underflow that matters where the edge functions are above the bound. And the
+/// bound overflows before any of them, or their sum, does.
 #[inline(always)]
-fn doubt([a, b, c]: [DVec3; 3]) -> f64 {
+fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
     let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let reach = across + largest(a.z, b.z, c.z);
-    16.0 * UNIT_ROUNDOFF * reach * (across + 4.0 * UNIT_ROUNDOFF * reach)
+    let square = 16.0 * reach * (across + 4.0 * UNIT_ROUNDOFF * reach);
+    UNIT_ROUNDOFF * square + LEAST_BOUND
 }
 
-fn sign(x: f64) -> i32 {
-    (x > 0.0) as i32 - (x < 0.0) as i32
-}
+/// 2^-600.
+const LEAST_BOUND: f64 = f64::from_bits((1023 - 600) << 52);
 
-/// The outward unit normal: vertices run counter-clockwise seen from outside.
+/// The sizes of a ray's direction for which its inverse has all digits.
+const USUAL: std::ops::Range<f64> = 1e-300..1e300;
+
+/// The outward unit normal: vertices run counter-clockwise seen from outside. Right to 2^-20 for every triangle
+/// with an area, and NaN for one without.
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    let normal = (b - a).cross(c - a);
-    if normal.length_squared() > 1e-290 { unit(normal) } else { unit(unit(b - a).cross(unit(c - a))) }
+    /// The square of the sine of the angle at which the rounding of two edges moves the normal by so much.
+    const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
+    /// The square of a length far above those whose products lose digits to underflow.
+    const SHORT: f64 = 1e-140;
+    let (p, q) = (b - a, c - a);
+    let normal = p.cross(q);
+    let square = (p.length_squared() + SHORT) * (q.length_squared() + SHORT);
+    if normal.length_squared() > NEEDLE * square { unit(normal) } else { exact_normal([a, b, c]) }
+}
+
+#[cold]
+fn exact_normal(triangle: [DVec3; 3]) -> DVec3 {
+    unit(DVec3::from_array(on_one_scale(area_vector(triangle))))
 }
 
 #[cfg(test)]

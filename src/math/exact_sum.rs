@@ -1,0 +1,164 @@
+//! Sums of products of floats without rounding, overflow or underflow: in fixed point, with a place for every
+//! bit that a product of three floats can have (Kulisch, "Computer Arithmetic and Validity", 2nd edition, de
+//! Gruyter, 2013).
+//!
+//! Every finite float is a whole number below 2^53 times 2^(e - 1074), with e from 0 to 2045. So a product of
+//! three is a whole number below 2^159 times 2^(e - 3222), with e from 0 to 6135: 6294 bits hold it, and 6400
+//! bits the sum of more products than a program can add.
+
+use super::scaled::Scaled;
+use glam::DVec3;
+
+/// An exact sum, as digits to the base 2^64, the least significant first. Carries are left in the digits
+/// until the sum is asked for.
+#[derive(Debug)]
+pub struct ExactSum {
+    digits: [i128; DIGITS],
+    /// All digits before the first of these, and from the second on, are zero.
+    used: [usize; 2],
+}
+
+/// One more than the bits need, below all others, so that every digit has one below it.
+const DIGITS: usize = 1 + 6400 / 64;
+
+/// The exponent of the last digit's last bit.
+const LOWEST_EXPONENT: i32 = -3 * 1074 - 64;
+
+/// A float as a sign, a whole number, and the power of two to multiply it by, less the smallest such power.
+struct Parts {
+    is_negative: bool,
+    significand: u64,
+    exponent: usize,
+}
+
+impl Parts {
+    fn of(x: f64) -> Self {
+        let (fraction, field) = (x.to_bits() & ((1 << 52) - 1), (x.to_bits() >> 52 & 0x7ff) as usize);
+        let significand = if field == 0 { fraction } else { fraction | 1 << 52 };
+        Self { is_negative: x.is_sign_negative(), significand, exponent: field.saturating_sub(1) }
+    }
+}
+
+impl ExactSum {
+    pub fn new() -> Self {
+        Self { digits: [0; DIGITS], used: [DIGITS, 0] }
+    }
+
+    /// Adds the product of three finite floats.
+    pub fn add_product(&mut self, factors: [f64; 3]) {
+        let [a, b, c] = factors.map(Parts::of);
+        if a.significand == 0 || b.significand == 0 || c.significand == 0 {
+            return;
+        }
+        let bit = a.exponent + b.exponent + c.exponent;
+        let first = 1 + bit / 64;
+        let ab = digits_of(u128::from(a.significand) * u128::from(b.significand));
+        let c_shifted = digits_of(u128::from(c.significand) << (bit % 64));
+        let is_negative = a.is_negative ^ b.is_negative ^ c.is_negative;
+        for (i, ab) in ab.into_iter().enumerate() {
+            for (j, c) in c_shifted.into_iter().enumerate() {
+                self.add_digits(first + i + j, digits_of(ab * c), is_negative);
+            }
+        }
+        self.used = [self.used[0].min(first), self.used[1].max(first + 4)];
+    }
+
+    fn add_digits(&mut self, at: usize, digits: [u128; 2], is_negative: bool) {
+        for (sum, digit) in self.digits[at..].iter_mut().zip(digits) {
+            let digit = digit as i128;
+            *sum += if is_negative { -digit } else { digit };
+        }
+    }
+
+    /// Adds the determinant of the matrix with these rows, or columns, which must be finite.
+    pub fn add_determinant(&mut self, [p, q, r]: [DVec3; 3]) {
+        for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            self.add_product([p[i], q[j], r[k]]);
+            self.add_product([-p[i], q[k], r[j]]);
+        }
+    }
+
+    /// The sum, rounded to the nearest float of unbounded exponent. Its sign is exact, and it is zero only
+    /// if the sum is.
+    pub fn value(mut self) -> Scaled {
+        let is_negative = self.carry() < 0;
+        if is_negative {
+            self.digits_in_use().iter_mut().for_each(|digit| *digit = -*digit);
+            self.carry();
+        }
+        let Scaled { significand, exponent } = self.value_without_carries();
+        Scaled { significand: if is_negative { -significand } else { significand }, exponent }
+    }
+
+    fn digits_in_use(&mut self) -> &mut [i128] {
+        let [first, end] = self.used;
+        self.digits.get_mut(first..end).unwrap_or_default()
+    }
+
+    /// Leaves digits from 0 to 2^64 - 1, and returns what is carried out of them: 0, or -1 for a negative sum,
+    /// to which the digits then are the two's complement.
+    fn carry(&mut self) -> i128 {
+        self.digits_in_use().iter_mut().fold(0, |carried, digit| {
+            let sum = *digit + carried;
+            *digit = sum & i128::from(u64::MAX);
+            sum >> 64
+        })
+    }
+
+    /// The value of digits from 0 to 2^64 - 1.
+    fn value_without_carries(&self) -> Scaled {
+        let [first, end] = self.used;
+        let Some(highest) = (first..end).rev().find(|&i| self.digits[i] != 0) else { return Scaled::ZERO };
+        let two_digits = (self.digits[highest] as u128) << 64 | self.digits[highest - 1] as u128;
+        // These are 65 bits or more, so that all bits below them only tell whether the sum lies above a tie.
+        let has_more = self.digits[..highest - 1].iter().skip(first).any(|&digit| digit != 0);
+        let (significand, exponent) = libm::frexp((two_digits | u128::from(has_more)) as f64);
+        Scaled { significand, exponent: exponent + LOWEST_EXPONENT + 64 * (highest as i32 - 1) }
+    }
+}
+
+fn digits_of(x: u128) -> [u128; 2] {
+    [x & u128::from(u64::MAX), x >> 64]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sum(products: &[[f64; 3]]) -> Scaled {
+        let mut sum = ExactSum::new();
+        products.iter().for_each(|&factors| sum.add_product(factors));
+        sum.value()
+    }
+
+    #[test]
+    fn a_product_keeps_its_value_and_sign() {
+        assert_eq!(sum(&[[3.0, -0.5, 7.0]]), Scaled { significand: -10.5 / 16.0, exponent: 4 });
+        assert_eq!(sum(&[]), Scaled::ZERO);
+        assert_eq!(sum(&[[0.0, 1.0, 1.0], [-0.0, 5.0, 2.0]]), Scaled::ZERO);
+    }
+
+    #[test]
+    fn the_smallest_and_the_largest_products_are_in_reach() {
+        let (least, most) = (f64::from_bits(1), f64::MAX);
+        assert_eq!(sum(&[[least; 3]]), Scaled { significand: 0.5, exponent: -3221 });
+        assert_eq!(sum(&[[-most; 3]]), Scaled { significand: -1.0 + 3.0 * 0.5f64.powi(53), exponent: 3072 });
+        let all = [[most; 3], [least; 3], [-most, most, most], [least, -least, least], [least; 3]];
+        assert_eq!(sum(&all), Scaled { significand: 0.5, exponent: -3221 });
+    }
+
+    #[test]
+    fn many_large_products_carry_into_the_highest_digits() {
+        let all = vec![[-f64::MAX; 3]; 1 << 12];
+        assert_eq!(sum(&all).exponent, 3072 + 12);
+    }
+
+    #[test]
+    fn a_bit_far_below_a_tie_decides_it() {
+        let (half_an_ulp, tiny) = (0.5f64.powi(53), 0.5f64.powi(1000));
+        let tie = [[1.0; 3], [half_an_ulp, 1.0, 1.0]];
+        assert_eq!(sum(&tie).significand, 0.5);
+        assert_eq!(sum(&[tie[0], tie[1], [tiny; 3]]).significand, 0.5 + half_an_ulp);
+        assert_eq!(sum(&[tie[0], tie[1], [-tiny, tiny, tiny]]).significand, 0.5);
+    }
+}
