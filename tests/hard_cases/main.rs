@@ -12,6 +12,7 @@ mod grid_scenes;
 mod hostile_input;
 mod invariance;
 mod near_lights;
+mod offsets;
 mod projection;
 mod secondary_rays;
 mod shading;

@@ -7,12 +7,12 @@ use crate::support::occlusion::Occluders;
 use crate::support::record::Record;
 use crate::support::rng::Rng;
 use crate::support::scenes::{mesh, scene_of, world_of};
+use crate::support::secondary::{blocked, secondary};
 use crate::support::textbook_offsets::{FIXED, integer_offset};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::{Hit, Ray};
-use raytracer::math::robust::offset_origin;
 use raytracer::scene::Object;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -89,14 +89,13 @@ impl Stage {
     fn shadow(&self, caster: &Caster, rng: &mut Rng) -> Option<Shadow> {
         let (ray, hit, surface, direction) = self.draw(caster, rng)?;
         let truth = self.truth(&ray, hit, direction)?;
-        let robust = offset_origin(surface.position, surface.normal, direction, self.world.reach);
         let side = surface.normal * surface.normal.dot(direction).signum();
-        let shadow_rays = [
-            Ray::new(robust, direction),
+        let [fixed, integer] = [
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), side.as_vec3()).as_dvec3(), direction),
-        ];
-        Some(Shadow { truth, found: shadow_rays.map(|r| caster.any(&r, &mut Quiet)) })
+        ]
+        .map(|r| caster.any(&r, &mut Quiet));
+        Some(Shadow { truth, found: [blocked(caster, &surface, direction), fixed, integer] })
     }
 }
 
@@ -258,13 +257,13 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
         let slant = if covered { tangent.min(0.05 / 1e-2) } else { tangent };
         let direction = DVec3::new(slant * cosine, 1.0, slant * sine).normalize();
         let up = DVec3::Y;
-        let rays = [
-            Ray::new(offset_origin(surface.position, surface.normal, direction, world.reach), direction),
+        let [a, b, c] = [
             Ray { t_min: 1e-3, ..Ray::new(ray.at(hit.t), direction) },
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), up.as_vec3()).as_dvec3(), direction),
-        ];
-        let wrong = rays.map(|r| (caster.any(&r, &mut Quiet) != covered) as u64);
+        ]
+        .map(|r| caster.any(&r, &mut Quiet));
+        let wrong = [blocked(&caster, &surface, direction), a, b, c].map(|b| (b != covered) as u64);
         failures.note(wrong[0] > 0, || failed_ray(42, seed, index, ray.origin, ray.direction));
         (wrong, [])
     });
@@ -331,9 +330,7 @@ fn case_43_shells_of_glass() {
             let across = away.cross(rng.direction()).normalize();
             let ray = Ray::new(3.0 * away + impact * across, -away);
             let Some(expected) = shell_path(impact, 1.0 - thickness) else { return ([0; 2], []) };
-            let path = followed(&world, ray, |surface, d| {
-                Ray::new(offset_origin(surface.position, surface.normal, d, world.reach), d)
-            });
+            let path = followed(&world, ray, |surface, d| secondary(&world, surface, d));
             let plain =
                 followed(&world, ray, |surface, d| Ray { t_min: FIXED, ..Ray::new(surface.position, d) });
             failures.note(path != expected, || {
@@ -379,8 +376,7 @@ fn mirror_drift(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
         let hit = caster.closest(&ray, &mut Quiet).expect("a mirror");
         let surface = world.surface(&ray, hit);
         place = surface.position;
-        let direction = reflected(ray.direction, surface.normal);
-        ray = Ray::new(offset_origin(place, surface.normal, direction, world.reach), direction);
+        ray = secondary(&world, &surface, reflected(ray.direction, surface.normal));
         let to = if direction32.y < 0.0 { -place32.y } else { 1.0 - place32.y };
         place32 += to / direction32.y * direction32;
         direction32.y = -direction32.y;

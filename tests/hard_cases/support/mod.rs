@@ -12,6 +12,7 @@ pub mod product_grid;
 pub mod record;
 pub mod rng;
 pub mod scenes;
+pub mod secondary;
 pub mod spheres;
 pub mod textbook;
 pub mod textbook_grid;

@@ -1,0 +1,18 @@
+//! Secondary rays as the renderer casts them.
+
+use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::math::ray::Ray;
+use raytracer::math::robust::offset_origin;
+use raytracer::stats::Quiet;
+use raytracer::world::{SurfacePoint, World};
+
+/// The ray along `direction` that leaves a surface.
+pub fn secondary(world: &World, surface: &SurfacePoint, direction: DVec3) -> Ray {
+    Ray::new(offset_origin(surface.position, surface.normal, direction, world.reach), direction)
+}
+
+/// Whether anything stands on it.
+pub fn blocked(caster: &Caster, surface: &SurfacePoint, direction: DVec3) -> bool {
+    caster.any_from(&secondary(caster.world, surface, direction), surface.triangle, &mut Quiet)
+}
