@@ -3,6 +3,7 @@
 
 use super::block::{Block, Frame, LANES, NONE};
 use super::items::Items;
+use super::words::EMPTY;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows, filled_with, with_room_for};
 use crate::world::World;
@@ -10,21 +11,18 @@ use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The word of an empty cell.
-pub const EMPTY: u32 = 0;
 /// A word's lowest bits say how many blocks its cell has, so that nobody waits for the blocks to know
 /// it; this many where there are as many or more.
 const MANY: u32 = (1 << COUNT_BITS) - 1;
 const COUNT_BITS: u32 = 4;
 /// From this word on up to the next one a word names a grid of the cell's own, the first one by this.
 pub const NESTED: u32 = 1 << 31;
-/// The word of a border cell.
-pub const BORDER: u32 = u32::MAX;
 
 /// The cells' contents. A word names the cell's first block and says how many follow one another from
 /// there, or is one of those above.
 #[derive(Debug)]
 pub struct Cells {
+    /// Until they are handed over.
     words: Vec<u32>,
     pub blocks: Vec<Block>,
     /// The primitives that are no triangles, cell by cell: each cell's last block says which are its own.
@@ -47,15 +45,9 @@ impl Cells {
         Ok(cells)
     }
 
-    /// The word of a cell.
-    ///
-    /// # Safety
-    /// `index` is one of the lattice that the cells were made for, its border's included.
-    #[inline(always)]
-    pub unsafe fn word(&self, index: usize) -> u32 {
-        debug_assert!(index < self.words.len());
-        // SAFETY: there is a word for every index.
-        unsafe { *self.words.get_unchecked(index) }
+    /// Hands over the words, by index of the lattice that the cells were made for.
+    pub fn take_words(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.words)
     }
 
     /// The first block of the cell with this word, if there is one.
@@ -106,7 +98,7 @@ impl Cells {
     fn finish(&mut self, mut words: Vec<u32>, lattice: &Lattice) {
         let blocks = &mut self.blocks;
         let mut end = blocks.len() as u32;
-        for row in rows_of(lattice).rev() {
+        for row in lattice.rows().rev() {
             for word in words[row].iter_mut().rev().filter(|word| **word != EMPTY) {
                 let first = *word / LANES as u32 - 1;
                 let count = end - first;
@@ -149,22 +141,14 @@ impl Cells {
     }
 }
 
-/// The indices of each row of cells.
-fn rows_of(lattice: &Lattice) -> impl DoubleEndedIterator<Item = Range<usize>> {
-    let [nx, ny, nz] = lattice.cells;
-    let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| lattice.index([0, y, z])));
-    starts.map(move |start| start..start + nx)
-}
-
-/// How many lanes each cell needs; [`BORDER`] around them.
+/// How many lanes each cell needs.
 fn counts(
     lattice: &Lattice,
     rows: &Rows,
     triangles: usize,
     others: Range<usize>,
 ) -> Result<Vec<u32>, GridTooLarge> {
-    let mut counts = filled_with(BORDER, lattice.index_count())?;
-    rows_of(lattice).for_each(|row| counts[row].fill(0));
+    let mut counts: Vec<u32> = try_zeroed_vec(lattice.index_count()).map_err(|()| GridTooLarge)?;
     for &cell in rows.cells_below(triangles).flatten() {
         counts[cell as usize] += 1;
     }
@@ -182,7 +166,7 @@ const LANES_END: u32 = (NESTED >> COUNT_BITS) * LANES as u32;
 /// Each cell begins a block. Places count from one block, so that none is [`EMPTY`].
 fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge> {
     let mut next = LANES as u64;
-    for row in rows_of(lattice) {
+    for row in lattice.rows() {
         for count in counts[row].iter_mut().filter(|count| **count > 0) {
             let end = next + *count as u64;
             next = end.next_multiple_of(LANES as u64);
@@ -235,7 +219,7 @@ mod tests {
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];
             match cells.words[index] {
-                EMPTY | BORDER => {}
+                EMPTY => {}
                 word => {
                     let own = Cells::blocks_of(&cells.blocks, word);
                     found.extend(own.iter().flat_map(|b| b.numbers).filter(|&n| n != NONE));

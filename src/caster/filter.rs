@@ -33,6 +33,7 @@
 
 use super::block::{Block, LANES, Slack};
 use crate::math::four::{Four, Plain};
+use crate::math::instructions::{Instructions, Portable};
 
 /// No hit lies farther along the ray: the box is 2 wide. Larger values are cut to this.
 pub const FARTHEST: f64 = 2.5;
@@ -76,23 +77,28 @@ impl Verdict {
     }
 }
 
-/// One way to run the inner loop. What its filter says of a lane may differ between kernels, what is
-/// true not.
-pub trait Kernel {
-    type Four: Four;
+/// One way to run the inner loop: the proof that the processor has its instructions. What its filter
+/// says of a lane may differ between kernels, what is true not.
+pub(crate) trait Kernel: Copy {
+    type Four: Four<Proof = Self>;
     /// Tests a block against a ray.
-    fn test(block: &Block, ray: &FilterRay) -> Verdict;
+    fn test(self, block: &Block, ray: &FilterRay) -> Verdict;
 }
 
-/// Runs on every machine.
-#[derive(Debug)]
-pub struct Portable;
+/// Tests a block against a ray with some instructions; for tests of the filter by itself.
+pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay) -> Verdict {
+    match instructions {
+        Instructions::Portable => Portable.test(block, ray),
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2(avx2) => avx2.test(block, ray),
+    }
+}
 
 impl Kernel for Portable {
     type Four = Plain;
 
     #[inline(always)]
-    fn test(block: &Block, ray: &FilterRay) -> Verdict {
+    fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
         let Slack { edge: edge_slack, depth: depth_slack } = block.slack;
         let mut verdict = Verdict::NONE;
         for lane in 0..LANES {
@@ -132,25 +138,20 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::Avx2;
-
-#[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::*;
-    use crate::math::four::Wide;
-    use std::arch::x86_64::*;
+    //! Eight lanes in one register each.
 
-    /// Eight lanes in one register each. To be called only where AVX2 and FMA are present.
-    #[derive(Debug)]
-    pub struct Avx2;
+    use super::*;
+    use crate::math::instructions::Avx2;
+    use crate::math::wide::Wide;
+    use std::arch::x86_64::*;
 
     impl Kernel for Avx2 {
         type Four = Wide;
 
         #[inline(always)]
-        fn test(block: &Block, ray: &FilterRay) -> Verdict {
-            // SAFETY: only `super::super::Caster` names this kernel, inside a function that is
-            // itself compiled for these features and called after they were detected.
+        fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
+            // SAFETY: `self` proves that the processor has AVX2 and FMA.
             unsafe { test(block, ray) }
         }
     }
@@ -158,15 +159,13 @@ mod avx2 {
     #[target_feature(enable = "avx2,fma")]
     #[inline]
     fn load(lanes: &[f32; LANES]) -> __m256 {
-        // SAFETY: eight floats are readable there; no alignment is asked for.
-        unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
+        bytemuck::cast(*lanes)
     }
 
     #[target_feature(enable = "avx2,fma")]
     #[inline]
     fn store(lanes: __m256) -> [f32; LANES] {
-        // SAFETY: eight floats either way, and any bits make one.
-        unsafe { std::mem::transmute(lanes) }
+        bytemuck::cast(lanes)
     }
 
     #[target_feature(enable = "avx2,fma")]

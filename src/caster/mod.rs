@@ -1,15 +1,19 @@
 //! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
 
 pub mod block;
-pub mod cells;
+mod cells;
 pub mod filter;
 mod items;
 mod search;
 pub mod stream;
 mod structure;
 mod traversal;
+mod words;
 
 use crate::grid::build::GridTooLarge;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Portable;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 use crate::world::World;
@@ -17,6 +21,8 @@ use glam::DVec2;
 use search::Search;
 use structure::Structure;
 use traversal::{Approach, Nest};
+
+pub use crate::math::instructions::Instructions;
 
 /// Which cells a primitive is entered in. More cells change no hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,32 +33,6 @@ pub enum Insertion {
     Nested { crowd: usize },
     /// Those that the course's program enters it in, for counters that compare with the course's.
     Course,
-}
-
-/// The instructions that the inner loop is compiled for. Every hit is the same with each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instructions {
-    Portable,
-    /// AVX2, FMA and the bit manipulation that comes with them; only after [`Instructions::available`] has
-    /// named it.
-    Avx2,
-}
-
-impl Instructions {
-    /// What this machine can run, the fastest first.
-    pub fn available() -> Vec<Self> {
-        let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            // All that `run_avx2` is compiled for.
-            if has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt")
-            {
-                all.insert(0, Self::Avx2);
-            }
-        }
-        all
-    }
 }
 
 /// Casts rays into a world.
@@ -70,15 +50,13 @@ impl<'w> Caster<'w> {
         Self::with(world, cells, Insertion::Exact, Instructions::available()[0])
     }
 
-    /// As told, for tests and for counters. `instructions` are among those available.
+    /// As told, for tests and for counters.
     pub fn with(
         world: &'w World,
         cells: Option<[usize; 3]>,
         insertion: Insertion,
         instructions: Instructions,
     ) -> Result<Self, GridTooLarge> {
-        let usable = Instructions::available().contains(&instructions);
-        let instructions = if usable { instructions } else { Instructions::Portable };
         let finite = world.finite_count() > 0;
         let structure = finite.then(|| Structure::new(world, cells, insertion)).transpose()?;
         Ok(Self { world, instructions, structure })
@@ -86,7 +64,7 @@ impl<'w> Caster<'w> {
 
     /// Whether a ray meets but a few of the primitives.
     pub fn has_grid(&self) -> bool {
-        self.structure.as_ref().is_some_and(|structure| structure.lattice.is_some())
+        self.structure.as_ref().is_some_and(|structure| structure.words.is_some())
     }
 
     /// The nearest hit on the ray.
@@ -126,21 +104,27 @@ impl<'w> Caster<'w> {
         let leaving = leaving.unwrap_or(block::NONE);
         let hit = match self.instructions {
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2 => {
+            Instructions::Avx2(avx2) => {
                 let [a, b, c, d] = ray.pairs();
-                // SAFETY: only instructions that were found available are kept in `self`.
-                unsafe { run_avx2::<P, ANY>(self, a, b, c, d, leaving, probe) }
+                // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaving, probe) }
             }
-            _ => self.run_with::<filter::Portable, P, ANY>(*ray, leaving, probe),
+            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, leaving, probe),
         };
         (hit.primitive != block::NONE).then_some(hit)
     }
 
     /// The best hit, of [`block::NONE`] where there is none: unlike an option it is returned in registers.
     #[inline(always)]
-    fn run_with<K: Nest, P: Probe, const ANY: bool>(&self, ray: Ray, leaving: u32, probe: &mut P) -> Hit {
+    fn run_with<K: Nest, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        ray: Ray,
+        leaving: u32,
+        probe: &mut P,
+    ) -> Hit {
         let approach = match &self.structure {
-            Some(structure) => structure.approach::<K::Four>(&ray, ray.t_max),
+            Some(structure) => structure.approach::<K::Four>(kernel, &ray, ray.t_max),
             None => Approach::Misses,
         };
         // Most of the rays that hit nothing have nothing else to do.
@@ -155,17 +139,19 @@ impl<'w> Caster<'w> {
             return search.best;
         }
         if let Some(structure) = &self.structure {
-            structure.run::<K, P, ANY>(&approach, &mut search, probe);
+            structure.run::<K, P, ANY>(kernel, &approach, &mut search, probe);
         }
         search.best
     }
 }
 
-/// The search compiled for AVX2, along the ray of these four pairs.
+/// The search compiled for AVX2, along the ray of these four pairs. The proof takes no register.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
+#[allow(clippy::too_many_arguments)]
 fn run_avx2<P: Probe, const ANY: bool>(
+    avx2: Avx2,
     caster: &Caster,
     a: DVec2,
     b: DVec2,
@@ -174,5 +160,5 @@ fn run_avx2<P: Probe, const ANY: bool>(
     leaving: u32,
     probe: &mut P,
 ) -> Hit {
-    caster.run_with::<filter::Avx2, P, ANY>(Ray::of_pairs([a, b, c, d]), leaving, probe)
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaving, probe)
 }

@@ -53,9 +53,10 @@ impl Filtered {
         let largest = direction.abs().greatest();
         // One over the largest, without another division.
         let inverse = inverse.abs().least();
-        let scale = F::splat(frame.scale);
-        let place = place(along, F::new(frame.center), F::splat(entry), scale);
-        let ray = [place.single(), (direction * F::splat(inverse)).single()];
+        let scale = direction.all(frame.scale);
+        let center = F::new(direction.proof(), frame.center);
+        let place = place(along, center, direction.all(entry), scale);
+        let ray = [place.single(), (direction * direction.all(inverse)).single()];
         Self::new(ray, entry, largest * frame.scale, inverse * frame.unit, last)
     }
 
@@ -113,6 +114,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
         &mut self,
+        kernel: K,
         cells: &Cells,
         blocks: &[Block],
         filtered: &mut Filtered,
@@ -123,7 +125,7 @@ impl<'a> Search<'a> {
             if P::COUNTS {
                 probe.intersections(block.numbers.iter().filter(|&&n| n != NONE).count());
             }
-            let verdict = K::test(block, &filtered.ray);
+            let verdict = kernel.test(block, &filtered.ray);
             if verdict.possible != 0 {
                 if ANY {
                     if verdict.certain != 0 {

@@ -2,19 +2,19 @@
 //! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
 
 use super::block::NONE;
-use super::cells::{BORDER, Cells};
-#[cfg(target_arch = "x86_64")]
-use super::filter::Avx2;
-use super::filter::Portable;
+use super::cells::Cells;
 use super::search::{Filtered, Search, lanes, place};
 use super::structure::Structure;
 use super::traversal::Nest;
+use super::words::{BORDER, Walk, Words};
 use super::{Caster, Instructions};
 use crate::grid::Lattice;
-use crate::grid::march::March;
 use crate::grid::marches::Marches;
 use crate::grid::passage::clip_packet;
 use crate::math::four::Four;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Portable;
 use crate::math::packet::Packet;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
@@ -51,22 +51,28 @@ struct Setup {
 impl Setup {
     /// Of up to four rays.
     #[inline(always)]
-    fn new<F: Four>(structure: &Structure, lattice: &Lattice, queries: &[impl Query]) -> Self {
+    fn new<F: Four>(
+        proof: F::Proof,
+        structure: &Structure,
+        lattice: &Lattice,
+        queries: &[impl Query],
+    ) -> Self {
+        let splat = |x| F::splat(proof, x);
         let rays = match queries {
             // Four known places are faster than four looked for.
             [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
             _ => [0, 1, 2, 3].map(|i: usize| queries[i.min(queries.len() - 1)].ray()),
         };
-        let packet = &Packet::<F>::new(rays);
+        let packet = &Packet::<F>::new(proof, rays);
         let passages = clip_packet(&structure.slab, packet);
         let frame = &structure.cells.frame;
         let [x, y, z] = &packet.axes;
-        let (cx, cy, cz) = (F::splat(frame.center[0]), F::splat(frame.center[1]), F::splat(frame.center[2]));
-        let farthest = F::splat(structure.farthest);
+        let (cx, cy, cz) = (splat(frame.center[0]), splat(frame.center[1]), splat(frame.center[2]));
+        let farthest = splat(structure.farthest);
         let is_near = (x.origin - cx).abs().at_most(farthest)
             & (y.origin - cy).abs().at_most(farthest)
             & (z.origin - cz).abs().at_most(farthest);
-        let scale = F::splat(frame.scale);
+        let scale = splat(frame.scale);
         let (entry, used) = (passages.entry, (1 << queries.len()) - 1);
         let largest = x.direction.abs().max(y.direction.abs()).max(z.direction.abs());
         let inverse = x.inverse.abs().min(y.inverse.abs()).min(z.inverse.abs());
@@ -86,7 +92,7 @@ impl Setup {
             ],
             entry: entry.places(),
             per_t: (largest * scale).places(),
-            unit: (inverse * F::splat(frame.unit)).places(),
+            unit: (inverse * splat(frame.unit)).places(),
         }
     }
 
@@ -102,18 +108,18 @@ impl Setup {
 impl Caster<'_> {
     /// Answers each query, of which there may be any number, as [`nearest`](Self::nearest) does.
     pub fn nearest_each<P: Probe>(&self, queries: &mut [impl Query], probe: &mut P) {
-        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.lattice.as_ref()?)));
-        let Some((grid, lattice)) = grid.filter(|_| !P::COUNTS) else {
+        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.words.as_ref()?)));
+        let Some((grid, words)) = grid.filter(|_| !P::COUNTS) else {
             return queries.iter_mut().for_each(|query| self.answer(query, probe));
         };
         for queries in queries.chunks_mut(STREAM) {
             match self.instructions {
                 #[cfg(target_arch = "x86_64")]
-                Instructions::Avx2 => {
-                    // SAFETY: only instructions that were found available are kept in `self`.
-                    unsafe { stream_avx2(self, grid, lattice, queries, probe) }
+                Instructions::Avx2(avx2) => {
+                    // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+                    unsafe { stream_avx2(avx2, self, grid, words, queries, probe) }
                 }
-                _ => self.stream::<Portable, _, _>(grid, lattice, queries, probe),
+                Instructions::Portable => self.stream(Portable, grid, words, queries, probe),
             }
         }
     }
@@ -128,8 +134,9 @@ impl Caster<'_> {
     #[inline(always)]
     fn stream<K: Nest, Q: Query, P: Probe>(
         &self,
+        kernel: K,
         grid: &Structure,
-        lattice: &Lattice,
+        words: &Words,
         queries: &mut [Q],
         probe: &mut P,
     ) {
@@ -137,22 +144,23 @@ impl Caster<'_> {
         let mut setups = [Setup::default(); STREAM / FOUR];
         let (mut passing, mut too_far) = (0, 0);
         for (i, (setup, four)) in setups.iter_mut().zip(queries.chunks(FOUR)).enumerate() {
-            *setup = Setup::new::<K::Four>(grid, lattice, four);
+            *setup = Setup::new::<K::Four>(kernel, grid, words.lattice(), four);
             passing |= setup.passing << (FOUR * i);
             too_far |= setup.too_far << (FOUR * i);
         }
         // All of them, since a loop over some would be guessed wrongly.
         queries.iter_mut().for_each(|query| query.answer(None));
-        let mut marches: [Option<March>; STREAM] = [None; STREAM];
+        let mut walks: [Option<Walk>; STREAM] = [None; STREAM];
         let mut waiting = 0;
         for i in lanes(passing) {
-            let mut march = setups[i / FOUR].marches.march(lattice, i % FOUR);
-            let word = grid.skip(&mut march);
+            let mut walk = words.walk_of(&setups[i / FOUR].marches, i % FOUR);
+            walk.skip();
+            let word = walk.word();
             if word != BORDER {
                 if let Some(block) = Cells::first_block(blocks, word) {
                     prefetch(block);
                 }
-                marches[i] = Some(march);
+                walks[i] = Some(walk);
                 waiting |= 1 << i;
             }
         }
@@ -167,9 +175,9 @@ impl Caster<'_> {
             let ray = queries[i].ray();
             let mut search = Search::new(self.world, ray, NONE);
             search.test_planes(ray, probe);
-            if let Some(march) = marches[i] {
+            if let Some(walk) = walks[i] {
                 let mut filtered = setups[i / FOUR].filtered(i % FOUR, search.best.t);
-                grid.march::<K, P, false>(march, blocks, &mut filtered, &mut search, probe);
+                grid.march::<K, P, false>(kernel, walk, blocks, &mut filtered, &mut search, probe);
             }
             let hit = search.hit();
             queries[i].answer(hit);
@@ -182,11 +190,12 @@ impl Caster<'_> {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn stream_avx2<Q: Query, P: Probe>(
+    avx2: Avx2,
     caster: &Caster,
     grid: &Structure,
-    lattice: &Lattice,
+    words: &Words,
     queries: &mut [Q],
     probe: &mut P,
 ) {
-    caster.stream::<Avx2, Q, P>(grid, lattice, queries, probe);
+    caster.stream(avx2, grid, words, queries, probe);
 }

@@ -5,6 +5,7 @@ use super::Insertion;
 use super::block::Frame;
 use super::cells::Cells;
 use super::items::Items;
+use super::words::Words;
 use crate::grid::Lattice;
 use crate::grid::build::{GridTooLarge, Rows, widened};
 use crate::grid::footprint;
@@ -31,7 +32,8 @@ const DEPTH: usize = 4;
 #[derive(Debug)]
 pub struct Structure {
     pub slab: Slab,
-    pub lattice: Option<Lattice>,
+    /// The cells of a grid; none in a list.
+    pub words: Option<Words>,
     pub cells: Cells,
     /// What the cells hold whose words name it.
     pub nested: Vec<Crowd>,
@@ -66,7 +68,7 @@ impl Structure {
     fn listed(world: &World, items: Items, bounds: &Aabb, frame: Frame) -> Result<Self, GridTooLarge> {
         Ok(Self {
             slab: Slab::new(bounds),
-            lattice: None,
+            words: None,
             cells: Cells::all(world, &items, frame)?,
             nested: vec![],
             items,
@@ -99,7 +101,9 @@ impl Structure {
         let nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
         cells.name_nested(crowded.iter().map(|(cell, _)| *cell));
         let farthest = farthest(&lattice.bounds, lattice.cell_size.min_element());
-        Ok(Self { slab: Slab::new(&lattice.bounds), lattice: Some(lattice), cells, nested, items, farthest })
+        let slab = Slab::new(&lattice.bounds);
+        let words = Some(Words::new(lattice, cells.take_words())?);
+        Ok(Self { slab, words, cells, nested, items, farthest })
     }
 }
 

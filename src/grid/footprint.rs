@@ -97,7 +97,7 @@ impl Range {
     #[inline(always)]
     fn new(lattice: &Lattice, low: DVec3, high: DVec3, slack: f64) -> Self {
         // The conversion cuts below at 0, and gives 0 for a NaN.
-        let cell = |x: f64, axis: usize| (x as u32).min(lattice.cells[axis] as u32 - 1);
+        let cell = |x: f64, axis: usize| (x as u32).min(lattice.cells()[axis] as u32 - 1);
         let (low, high) = ((low - slack).to_array(), (high + slack).to_array());
         Self {
             low: [0, 1, 2].map(|axis| cell(low[axis], axis)),

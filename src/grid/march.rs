@@ -13,12 +13,14 @@
 //! the cell that the schedule names for t, and a search that goes through all cells up to the time
 //! of its best hit has missed nothing nearer.
 
-use super::passage::Passage;
+use super::passage::{Passage, clip};
 use super::ticks::Ticks;
 use super::{Ahead, Lattice};
 use crate::math::extremes::greater;
-use crate::math::four::{Four, TO_WHOLE};
+use crate::math::four::{Four, Plain, TO_WHOLE};
+use crate::math::instructions::Portable;
 use crate::math::packet::Along;
+use crate::math::ray::Ray;
 
 /// The ray's whole way through the lattice, in ticks.
 pub const WAY: f64 = (1u64 << 29) as f64;
@@ -28,7 +30,7 @@ const NEVER: f64 = (1u64 << 30) as f64;
 
 /// An upper bound on how far the march's idea of the cells' faces is off, in cells.
 pub fn drift(lattice: &Lattice) -> f64 {
-    lattice.cells.iter().map(|&n| (n as f64 + 5.0) * n as f64 / WAY).fold(1e-6, f64::max)
+    lattice.cells().iter().map(|&n| (n as f64 + 5.0) * n as f64 / WAY).fold(1e-6, f64::max)
 }
 
 /// A position on the march through a lattice.
@@ -49,7 +51,7 @@ pub struct March<'l> {
 
 /// What the march takes from the lattice: of all axes, for one ray, or of one axis, for four rays.
 #[derive(Clone, Copy, Debug)]
-pub struct Faces<F> {
+pub(crate) struct Faces<F> {
     pub low: F,
     pub cell_size: F,
     pub per_unit: F,
@@ -59,7 +61,7 @@ pub struct Faces<F> {
 
 /// When faces are crossed: by one ray along each axis, or by four rays along one axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Schedule {
+pub(crate) struct Schedule {
     /// The cell where the march begins.
     pub cell: [i32; 4],
     /// In ticks, as in [`March`].
@@ -77,8 +79,8 @@ impl Schedule {
         let from = (origin - faces.low) * faces.per_unit;
         let per_cell = inverse * faces.cell_size;
         // On a face either cell will do: the march corrects it with its first step.
-        let at = (from - F::splat(0.5)) + entry * (direction * faces.per_unit);
-        let at = at.max(F::splat(0.0)).min(faces.last);
+        let at = (from - from.all(0.5)) + entry * (direction * faces.per_unit);
+        let at = at.max(from.all(0.0)).min(faces.last);
         let crossing = ((at.round() + (inverse.is_positive() - from)) * per_cell - entry) * per_tick;
         Self {
             cell: at.whole(),
@@ -92,26 +94,36 @@ impl Schedule {
 /// The nearest ticks, cut to what the march comes to.
 #[inline(always)]
 fn ticks<F: Four>(t: F) -> [i32; 4] {
-    t.max(F::splat(-WAY)).min(F::splat(NEVER)).whole()
+    t.max(t.all(-WAY)).min(t.all(NEVER)).whole()
 }
 
 /// Ways through the lattice count as not shorter, so that no division overflows for a ray that but touches
 /// a corner.
-pub const SHORTEST_WAY: f64 = f64::MIN_POSITIVE * WAY;
+pub(crate) const SHORTEST_WAY: f64 = f64::MIN_POSITIVE * WAY;
 
 impl<'l> March<'l> {
+    /// The march of a ray by itself, and the t at which it enters and leaves the lattice's bounds; none of a
+    /// ray that misses them.
+    pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
+        let along = Along::<Plain>::all_axes(Portable, ray);
+        let passage = clip(lattice.slab(), along, ray.t_min, ray.t_max)?;
+        Some((Self::new(lattice, &passage), [passage.entry, passage.exit]))
+    }
+
     /// Starts at the cell where a ray's `passage` through the lattice's bounds begins.
     #[inline(always)]
-    pub fn new<F: Four>(lattice: &'l Lattice, passage: &Passage<F>) -> Self {
+    pub(crate) fn new<F: Four>(lattice: &'l Lattice, passage: &Passage<F>) -> Self {
         let Passage { entry, exit, along } = passage;
         let per_tick = WAY / greater(exit - entry, SHORTEST_WAY);
-        let schedule = Schedule::new(&lattice.ahead.faces(), along, F::splat(*entry), F::splat(per_tick));
+        let faces = lattice.ahead.faces(along.origin.proof());
+        let [start, scale] = [*entry, per_tick].map(|x| along.origin.all(x));
+        let schedule = Schedule::new(&faces, along, start, scale);
         Self::scheduled(lattice, &schedule, along.inverse.signs(), *entry, per_tick)
     }
 
     /// Starts as one ray's schedule says; `backwards` are the axes along which the ray runs backwards.
     #[inline(always)]
-    pub fn scheduled(
+    pub(crate) fn scheduled(
         lattice: &'l Lattice,
         schedule: &Schedule,
         backwards: usize,
@@ -175,10 +187,7 @@ fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::passage::clip;
     use crate::math::aabb::Aabb;
-    use crate::math::four::Plain;
-    use crate::math::ray::Ray;
     use glam::DVec3;
 
     fn unit(n: [usize; 3]) -> Lattice {
@@ -195,9 +204,7 @@ mod tests {
 
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
         let lattice = unit(n);
-        let along = Along::<Plain>::all_axes(ray);
-        let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { return vec![] };
-        let mut march = March::new(&lattice, &passage);
+        let Some((mut march, _)) = March::of_ray(&lattice, ray) else { return vec![] };
         let mut list = vec![];
         while is_inside(&lattice, march.index) {
             list.push(place(&lattice, march.index));
@@ -239,11 +246,9 @@ mod tests {
                 let target = DVec3::new(angle(k), angle(3 * k + 1), angle(7 * k + 2));
                 let origin = DVec3::new(-1.3 + angle(11 * k), 2.0 * angle(5 * k) - 0.5, -0.7);
                 let ray = Ray::new(origin, target - origin);
-                let along = Along::<Plain>::all_axes(&ray);
-                let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { continue };
-                let mut march = March::new(&lattice, &passage);
+                let Some((mut march, [entry, _])) = March::of_ray(&lattice, &ray) else { continue };
                 while is_inside(&lattice, march.index) {
-                    let t = passage.entry + march.exit() as f64 / march.per_tick;
+                    let t = entry + march.exit() as f64 / march.per_tick;
                     let at = lattice.to_cells(ray.at(t));
                     let cell = place(&lattice, march.index);
                     for axis in 0..3 {

@@ -21,15 +21,15 @@ impl Marches {
     #[inline(always)]
     pub fn new<F: Four>(lattice: &Lattice, packet: &Packet<F>, passages: &Passages<F>) -> Self {
         let Passages { entry, exit, .. } = *passages;
-        let per_tick = F::splat(WAY) / (exit - entry).max(F::splat(SHORTEST_WAY));
+        let per_tick = exit.all(WAY) / (exit - entry).max(exit.all(SHORTEST_WAY));
         let [x, y, z] = &packet.axes;
-        let ahead = &lattice.ahead;
+        let (ahead, proof) = (&lattice.ahead, entry.proof());
         let backwards = x.inverse.sign_of(1.0) + y.inverse.sign_of(2.0) + z.inverse.sign_of(4.0);
         Self {
             axes: [
-                Schedule::new(&ahead.faces_along(0), x, entry, per_tick),
-                Schedule::new(&ahead.faces_along(1), y, entry, per_tick),
-                Schedule::new(&ahead.faces_along(2), z, entry, per_tick),
+                Schedule::new(&ahead.faces_along(proof, 0), x, entry, per_tick),
+                Schedule::new(&ahead.faces_along(proof, 1), y, entry, per_tick),
+                Schedule::new(&ahead.faces_along(proof, 2), z, entry, per_tick),
             ],
             backwards: backwards.whole(),
             entry: entry.places(),
@@ -57,6 +57,7 @@ mod tests {
     use crate::grid::passage::{clip, clip_packet};
     use crate::math::aabb::Aabb;
     use crate::math::four::Plain;
+    use crate::math::instructions::Portable;
     use crate::math::packet::Along;
     use crate::math::ray::Ray;
     use glam::DVec3;
@@ -86,11 +87,12 @@ mod tests {
         let mut entered = 0;
         for first in (0..4000).step_by(4) {
             let rays = [0, 1, 2, 3].map(|i| ray(first + i));
-            let packet = Packet::<Plain>::new(rays.each_ref());
+            let packet = Packet::<Plain>::new(Portable, rays.each_ref());
             let passages = clip_packet(lattice.slab(), &packet);
             let marches = Marches::new(&lattice, &packet, &passages);
             for (i, ray) in rays.iter().enumerate() {
-                let passage = clip(lattice.slab(), Along::<Plain>::all_axes(ray), ray.t_min, ray.t_max);
+                let passage =
+                    clip(lattice.slab(), Along::<Plain>::all_axes(Portable, ray), ray.t_min, ray.t_max);
                 assert_eq!(passages.set >> i & 1 != 0, passage.is_some(), "{ray:?}");
                 if let Some(passage) = passage {
                     let (one, of_four) = (March::new(&lattice, &passage), marches.march(&lattice, i));

@@ -3,8 +3,8 @@
 pub mod build;
 pub mod footprint;
 pub mod march;
-pub mod marches;
-pub mod passage;
+pub(crate) mod marches;
+pub(crate) mod passage;
 pub mod resolution;
 mod ticks;
 pub mod visualize;
@@ -15,6 +15,7 @@ use build::GridTooLarge;
 use glam::DVec3;
 use march::Faces;
 use passage::Slab;
+use std::ops::Range;
 
 /// How a box is cut into cells.
 ///
@@ -24,8 +25,7 @@ use passage::Slab;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     pub bounds: Aabb,
-    /// Cells along each axis without the border, at least one.
-    pub cells: [usize; 3],
+    cells: [usize; 3],
     /// Edge lengths of a cell.
     pub cell_size: DVec3,
     per_unit: DVec3,
@@ -71,23 +71,23 @@ impl Ahead {
 
     /// What a march takes from all axes.
     #[inline(always)]
-    fn faces<F: Four>(&self) -> Faces<F> {
+    fn faces<F: Four>(&self, proof: F::Proof) -> Faces<F> {
         Faces {
-            low: F::new(self.slab.low),
-            cell_size: F::new(self.cell_size),
-            per_unit: F::new(self.per_unit),
-            last: F::new(self.last),
+            low: F::new(proof, self.slab.low),
+            cell_size: F::new(proof, self.cell_size),
+            per_unit: F::new(proof, self.per_unit),
+            last: F::new(proof, self.last),
         }
     }
 
     /// What four marches take from one axis.
     #[inline(always)]
-    fn faces_along<F: Four>(&self, axis: usize) -> Faces<F> {
+    fn faces_along<F: Four>(&self, proof: F::Proof, axis: usize) -> Faces<F> {
         Faces {
-            low: F::splat(self.slab.low[axis]),
-            cell_size: F::splat(self.cell_size[axis]),
-            per_unit: F::splat(self.per_unit[axis]),
-            last: F::splat(self.last[axis]),
+            low: F::splat(proof, self.slab.low[axis]),
+            cell_size: F::splat(proof, self.cell_size[axis]),
+            per_unit: F::splat(proof, self.per_unit[axis]),
+            last: F::splat(proof, self.last[axis]),
         }
     }
 }
@@ -101,8 +101,14 @@ impl Lattice {
         Self { bounds, cells, cell_size, per_unit, ahead }
     }
 
+    /// Cells along each axis without the border, at least one. They never change, since a march relies on
+    /// them.
+    pub fn cells(&self) -> [usize; 3] {
+        self.cells
+    }
+
     /// The bounds as [`passage::clip`] reads them.
-    pub fn slab(&self) -> &Slab {
+    pub(crate) fn slab(&self) -> &Slab {
         &self.ahead.slab
     }
 
@@ -126,6 +132,13 @@ impl Lattice {
     pub fn index(&self, cell: [usize; 3]) -> usize {
         let [sx, sy, sz] = self.strides();
         (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz
+    }
+
+    /// The indices of each row of cells along x, in ascending order.
+    pub fn rows(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
+        let [nx, ny, nz] = self.cells;
+        let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| self.index([0, y, z])));
+        starts.map(move |start| start..start + nx)
     }
 
     /// The lower corner of an index' cell in units of cells; -1 on the border.

@@ -22,14 +22,14 @@ impl Slab {
 
     /// The faces along all axes.
     #[inline(always)]
-    fn all_axes<F: Four>(&self) -> [F; 2] {
-        [F::new(self.low), F::new(self.high)]
+    fn all_axes<F: Four>(&self, proof: F::Proof) -> [F; 2] {
+        [F::new(proof, self.low), F::new(proof, self.high)]
     }
 
     /// The faces along one axis.
     #[inline(always)]
-    fn axis<F: Four>(&self, axis: usize) -> [F; 2] {
-        [F::splat(self.low[axis]), F::splat(self.high[axis])]
+    fn axis<F: Four>(&self, proof: F::Proof, axis: usize) -> [F; 2] {
+        [F::splat(proof, self.low[axis]), F::splat(proof, self.high[axis])]
     }
 }
 
@@ -53,7 +53,7 @@ pub struct Passage<F> {
 /// Where a ray from `t_min` on enters and leaves the box, if it does so before `t_max`.
 #[inline(always)]
 pub fn clip<F: Four>(slab: &Slab, along: Along<F>, t_min: f64, t_max: f64) -> Option<Passage<F>> {
-    let [near, far] = crossings(slab.all_axes(), &along);
+    let [near, far] = crossings(slab.all_axes(along.origin.proof()), &along);
     let entry = greater(near.greatest(), t_min);
     let exit = far.least();
     // A ray within a face has a NaN there, and misses: nothing reaches the faces. One without
@@ -75,12 +75,13 @@ pub struct Passages<F> {
 #[inline(always)]
 pub fn clip_packet<F: Four>(slab: &Slab, packet: &Packet<F>) -> Passages<F> {
     let [x, y, z] = &packet.axes;
-    let [near_x, far_x] = crossings(slab.axis(0), x);
-    let [near_y, far_y] = crossings(slab.axis(1), y);
-    let [near_z, far_z] = crossings(slab.axis(2), z);
+    let proof = packet.t_min.proof();
+    let [near_x, far_x] = crossings(slab.axis(proof, 0), x);
+    let [near_y, far_y] = crossings(slab.axis(proof, 1), y);
+    let [near_z, far_z] = crossings(slab.axis(proof, 2), z);
     let entry = near_x.max(near_y).max(near_z).max(packet.t_min);
     let exit = far_x.min(far_y).min(far_z);
     let precedes = near_x.at_most(far_x) & near_y.at_most(far_y) & near_z.at_most(far_z);
-    let ends = exit.at_most(F::splat(f64::MAX));
+    let ends = exit.at_most(exit.all(f64::MAX));
     Passages { set: precedes & entry.at_most(exit) & entry.at_most(packet.t_max) & ends, entry, exit }
 }

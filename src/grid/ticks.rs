@@ -11,15 +11,14 @@ pub struct Ticks(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch =
 impl Ticks {
     #[inline(always)]
     pub fn new(places: [i32; 4]) -> Self {
-        // SAFETY: both are sixteen bytes without padding.
-        Self(unsafe { std::mem::transmute::<[i32; 4], __m128i>(places) })
+        Self(bytemuck::cast(places))
     }
 
     /// The least of the three.
     #[inline(always)]
     pub fn least(self) -> i32 {
         let t = self.0;
-        // SAFETY: every x86-64 has SSE2; nothing else is asked of these instructions, here and below.
+        // SAFETY: every x86-64 has SSE2, and intrinsics without pointers ask for nothing else.
         unsafe {
             let y = _mm_shuffle_epi32::<0b01_01_01_01>(t);
             let z = _mm_shuffle_epi32::<0b10_10_10_10>(t);
@@ -32,7 +31,8 @@ impl Ticks {
     #[inline(always)]
     pub fn step(&mut self, between: Self) -> usize {
         let t = self.0;
-        // SAFETY: as above. The spare place is compared with itself and never in the set.
+        // The spare place is compared with itself and never in the set.
+        // SAFETY: every x86-64 has SSE2, and intrinsics without pointers ask for nothing else.
         unsafe {
             let after = _mm_shuffle_epi32::<0b11_00_10_01>(t);
             let before = _mm_shuffle_epi32::<0b11_01_00_10>(t);
@@ -47,7 +47,7 @@ impl Ticks {
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn lesser(a: __m128i, b: __m128i) -> __m128i {
-    // SAFETY: as above.
+    // SAFETY: every x86-64 has SSE2, and intrinsics without pointers ask for nothing else.
     unsafe {
         let less = _mm_cmplt_epi32(a, b);
         _mm_or_si128(_mm_and_si128(less, a), _mm_andnot_si128(less, b))

@@ -5,11 +5,8 @@
 
 use super::build::{GridTooLarge, filled_with};
 use super::march::March;
-use super::passage::clip;
 use super::{Lattice, footprint};
 use crate::math::aabb::Aabb;
-use crate::math::four::Plain;
-use crate::math::packet::Along;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
 use crate::world::{Placement, course_sphere_box, placements};
@@ -89,10 +86,8 @@ impl Occupancy {
 
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let along = Along::<Plain>::all_axes(ray);
-        let passage = clip(self.lattice.slab(), along, ray.t_min, ray.t_max)?;
-        let mut march = March::new(&self.lattice, &passage);
-        let mut face = self.face(march.index(), passage.entry, self.face_at(passage.entry, ray), ray);
+        let (mut march, [entry, _]) = March::of_ray(&self.lattice, ray)?;
+        let mut face = self.face(march.index(), entry, self.face_at(entry, ray), ray);
         while face.is_none() {
             let mut index = march.index();
             let stays = march.step();

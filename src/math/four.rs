@@ -3,19 +3,29 @@
 //!
 //! What stands in the spare place never reaches a result; it may be anything.
 
+use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Arithmetic place by place. Every implementation gives the same bits.
 pub trait Four:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    fn new(places: [f64; 4]) -> Self;
-    fn splat(x: f64) -> Self;
+    /// The proof that the processor has the instructions that the arithmetic takes.
+    type Proof: Copy;
+    /// The proof without which this value would not be.
+    fn proof(self) -> Self::Proof;
+    fn new(proof: Self::Proof, places: [f64; 4]) -> Self;
+    fn splat(proof: Self::Proof, x: f64) -> Self;
+    /// Any other number in all places.
+    #[inline(always)]
+    fn all(self, x: f64) -> Self {
+        Self::splat(self.proof(), x)
+    }
     fn places(self) -> [f64; 4];
     /// One over each.
     #[inline(always)]
     fn inverse(self) -> Self {
-        Self::splat(1.0) / self
+        self.all(1.0) / self
     }
     fn abs(self) -> Self;
     /// The lesser; the other's where this one is NaN.
@@ -37,7 +47,7 @@ pub trait Four:
     /// To the nearest whole numbers, of numbers from 0 to 2^51.
     #[inline(always)]
     fn round(self) -> Self {
-        (self + Self::splat(TO_WHOLE)) - Self::splat(TO_WHOLE)
+        (self + self.all(TO_WHOLE)) - self.all(TO_WHOLE)
     }
     /// To single precision.
     fn single(self) -> [f32; 4];
@@ -70,13 +80,20 @@ impl Plain {
 }
 
 impl Four for Plain {
+    type Proof = Portable;
+
     #[inline(always)]
-    fn new(places: [f64; 4]) -> Self {
+    fn proof(self) -> Portable {
+        Portable
+    }
+
+    #[inline(always)]
+    fn new(_: Portable, places: [f64; 4]) -> Self {
         Self(places)
     }
 
     #[inline(always)]
-    fn splat(x: f64) -> Self {
+    fn splat(_: Portable, x: f64) -> Self {
         Self([x; 4])
     }
 
@@ -178,151 +195,5 @@ impl Div for Plain {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         self.zip(other, |a, b| a / b)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-pub use wide::Wide;
-
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{Add, Div, Four, Mul, Sub};
-    use std::arch::x86_64::*;
-
-    /// One AVX register. To be named only inside functions that are compiled for AVX and called
-    /// after it was detected: all that is unsafe in here rests on that.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Wide(__m256d);
-
-    // SAFETY, of every block below: the instructions are there, see `Wide`.
-
-    impl Wide {
-        /// x, y and z, each in front of a register.
-        #[inline(always)]
-        fn axes(self) -> [__m128d; 3] {
-            unsafe {
-                let low = _mm256_castpd256_pd128(self.0);
-                [low, _mm_unpackhi_pd(low, low), _mm256_extractf128_pd::<1>(self.0)]
-            }
-        }
-    }
-
-    impl Four for Wide {
-        #[inline(always)]
-        fn new([x, y, z, w]: [f64; 4]) -> Self {
-            Self(unsafe { _mm256_set_pd(w, z, y, x) })
-        }
-
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            Self(unsafe { _mm256_set1_pd(x) })
-        }
-
-        #[inline(always)]
-        fn places(self) -> [f64; 4] {
-            // Both are thirty-two bytes without padding.
-            unsafe { std::mem::transmute(self.0) }
-        }
-
-        #[inline(always)]
-        fn abs(self) -> Self {
-            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
-        }
-
-        #[inline(always)]
-        fn min(self, other: Self) -> Self {
-            Self(unsafe { _mm256_min_pd(self.0, other.0) })
-        }
-
-        #[inline(always)]
-        fn max(self, other: Self) -> Self {
-            Self(unsafe { _mm256_max_pd(self.0, other.0) })
-        }
-
-        #[inline(always)]
-        fn is_positive(self) -> Self {
-            let positive = unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd()) };
-            Self(unsafe { _mm256_and_pd(positive, _mm256_set1_pd(1.0)) })
-        }
-
-        #[inline(always)]
-        fn sign_of(self, one: f64) -> Self {
-            // The selection looks at the sign alone.
-            Self(unsafe { _mm256_blendv_pd(_mm256_setzero_pd(), _mm256_set1_pd(one), self.0) })
-        }
-
-        #[inline(always)]
-        fn unless_infinite(self, other: Self, instead: f64) -> Self {
-            let infinity = Self::splat(f64::INFINITY).0;
-            let infinite = unsafe { _mm256_cmp_pd::<_CMP_EQ_OQ>(other.abs().0, infinity) };
-            Self(unsafe { _mm256_blendv_pd(self.0, _mm256_set1_pd(instead), infinite) })
-        }
-
-        #[inline(always)]
-        fn at_most(self, other: Self) -> u32 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
-        }
-
-        #[inline(always)]
-        fn signs(self) -> usize {
-            unsafe { _mm256_movemask_pd(self.0) as usize & 7 }
-        }
-
-        #[inline(always)]
-        fn whole(self) -> [i32; 4] {
-            // Sixteen bytes each.
-            unsafe { std::mem::transmute(_mm256_cvtpd_epi32(self.0)) }
-        }
-
-        #[inline(always)]
-        fn single(self) -> [f32; 4] {
-            unsafe { std::mem::transmute(_mm256_cvtpd_ps(self.0)) }
-        }
-
-        // By name: two such selections side by side the compiler would do as one, in four times as
-        // many steps, for which the whole ray waits.
-        #[inline(always)]
-        fn least(self) -> f64 {
-            let [x, y, z] = self.axes();
-            unsafe { _mm_cvtsd_f64(_mm_min_sd(_mm_min_sd(x, y), z)) }
-        }
-
-        #[inline(always)]
-        fn greatest(self) -> f64 {
-            let [x, y, z] = self.axes();
-            unsafe { _mm_cvtsd_f64(_mm_max_sd(_mm_max_sd(x, y), z)) }
-        }
-    }
-
-    impl Add for Wide {
-        type Output = Self;
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            Self(unsafe { _mm256_add_pd(self.0, other.0) })
-        }
-    }
-
-    impl Sub for Wide {
-        type Output = Self;
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
-        }
-    }
-
-    impl Mul for Wide {
-        type Output = Self;
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
-        }
-    }
-
-    impl Div for Wide {
-        type Output = Self;
-        #[inline(always)]
-        fn div(self, other: Self) -> Self {
-            Self(unsafe { _mm256_div_pd(self.0, other.0) })
-        }
     }
 }

@@ -4,10 +4,13 @@ pub mod aabb;
 pub mod double_double;
 pub mod exact_sum;
 pub mod extremes;
-pub mod four;
-pub mod packet;
+pub(crate) mod four;
+pub mod instructions;
+pub(crate) mod packet;
 pub mod predicate;
-pub mod prefetch;
+pub(crate) mod prefetch;
 pub mod ray;
 pub mod robust;
 pub mod scaled;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod wide;

@@ -20,9 +20,9 @@ impl<F: Four> Along<F> {
 
     /// A ray's three axes. What stands in the spare places lets each be read in one piece.
     #[inline(always)]
-    pub fn all_axes(ray: &Ray) -> Self {
+    pub fn all_axes(proof: F::Proof, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        Self::new(F::new([o.x, o.y, o.z, ray.t_min]), F::new([d.x, d.y, d.z, ray.t_max]))
+        Self::new(F::new(proof, [o.x, o.y, o.z, ray.t_min]), F::new(proof, [d.x, d.y, d.z, ray.t_max]))
     }
 }
 
@@ -36,17 +36,18 @@ pub struct Packet<F> {
 
 impl<F: Four> Packet<F> {
     #[inline(always)]
-    pub fn new([a, b, c, d]: [&Ray; 4]) -> Self {
-        let x = F::new([a.origin.x, b.origin.x, c.origin.x, d.origin.x]);
-        let y = F::new([a.origin.y, b.origin.y, c.origin.y, d.origin.y]);
-        let z = F::new([a.origin.z, b.origin.z, c.origin.z, d.origin.z]);
-        let to_x = F::new([a.direction.x, b.direction.x, c.direction.x, d.direction.x]);
-        let to_y = F::new([a.direction.y, b.direction.y, c.direction.y, d.direction.y]);
-        let to_z = F::new([a.direction.z, b.direction.z, c.direction.z, d.direction.z]);
+    pub fn new(proof: F::Proof, [a, b, c, d]: [&Ray; 4]) -> Self {
+        let four = |places| F::new(proof, places);
+        let x = four([a.origin.x, b.origin.x, c.origin.x, d.origin.x]);
+        let y = four([a.origin.y, b.origin.y, c.origin.y, d.origin.y]);
+        let z = four([a.origin.z, b.origin.z, c.origin.z, d.origin.z]);
+        let to_x = four([a.direction.x, b.direction.x, c.direction.x, d.direction.x]);
+        let to_y = four([a.direction.y, b.direction.y, c.direction.y, d.direction.y]);
+        let to_z = four([a.direction.z, b.direction.z, c.direction.z, d.direction.z]);
         Self {
             axes: [Along::new(x, to_x), Along::new(y, to_y), Along::new(z, to_z)],
-            t_min: F::new([a.t_min, b.t_min, c.t_min, d.t_min]),
-            t_max: F::new([a.t_max, b.t_max, c.t_max, d.t_max]),
+            t_min: four([a.t_min, b.t_min, c.t_min, d.t_min]),
+            t_max: four([a.t_max, b.t_max, c.t_max, d.t_max]),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use glam::DVec3;
 use raytracer::caster::Instructions;
 use raytracer::caster::block::{Block, Frame, LANES, Slack};
-use raytracer::caster::filter::{FilterRay, Kernel, Portable, Verdict};
+use raytracer::caster::filter::{self, FilterRay, Verdict};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
@@ -98,12 +98,7 @@ fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) ->
 }
 
 fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
-    let portable = Portable::test(block, ray);
-    #[cfg(target_arch = "x86_64")]
-    if Instructions::available().contains(&Instructions::Avx2) {
-        return vec![portable, raytracer::caster::filter::Avx2::test(block, ray)];
-    }
-    vec![portable]
+    Instructions::available().into_iter().map(|with| filter::test(with, block, ray)).collect()
 }
 
 #[test]
@@ -132,7 +127,7 @@ fn the_filter_is_never_wrong() {
                 counts[1] += u64::from(verdict.possible.count_ones());
                 failures.note(wrong != 0, || format!("seed {SEED}, block {index}, ray {k}: {wrong} lanes"));
             }
-            let textbook = Portable::test(&without_margin, &single);
+            let textbook = filter::test(Instructions::Portable, &without_margin, &single);
             counts[2] += wrong_lanes(&textbook, &without_margin, &hits) as u64;
             counts[3] += hits.iter().flatten().count() as u64;
         }

@@ -132,7 +132,7 @@ fn notable_point(mesh: &Mesh, lattice: &Lattice, rng: &mut Rng) -> DVec3 {
 
 /// Where eight cells meet.
 pub fn lattice_corner(lattice: &Lattice, rng: &mut Rng) -> DVec3 {
-    let index = lattice.cells.map(|n| rng.below(n + 1) as f64);
+    let index = lattice.cells().map(|n| rng.below(n + 1) as f64);
     lattice.bounds.min + lattice.cell_size * DVec3::from_array(index)
 }
 

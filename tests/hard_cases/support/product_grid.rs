@@ -3,9 +3,6 @@
 use raytracer::grid::Lattice;
 use raytracer::grid::build::widened;
 use raytracer::grid::march::{March, drift};
-use raytracer::grid::passage::clip;
-use raytracer::math::four::Plain;
-use raytracer::math::packet::Along;
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 
@@ -24,18 +21,16 @@ pub type Step = ([usize; 3], f64);
 
 /// The t at which the ray enters the lattice, and the cells along it.
 pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
-    let along = Along::<Plain>::all_axes(ray);
-    let Some(passage) = clip(lattice.slab(), along, ray.t_min, ray.t_max) else { return (0.0, vec![]) };
-    let mut march = March::new(lattice, &passage);
+    let Some((mut march, [entry, exit])) = March::of_ray(lattice, ray) else { return (0.0, vec![]) };
     // The whole passage takes 2^29 ticks.
-    let per_tick = (passage.exit - passage.entry) / 2f64.powi(29);
+    let per_tick = (exit - entry) / 2f64.powi(29);
     let mut steps = vec![];
     loop {
         let cell = lattice.cell_of(march.index()).to_array();
-        if (0..3).any(|axis| cell[axis] < 0.0 || cell[axis] >= lattice.cells[axis] as f64) {
-            return (passage.entry, steps);
+        if (0..3).any(|axis| cell[axis] < 0.0 || cell[axis] >= lattice.cells()[axis] as f64) {
+            return (entry, steps);
         }
-        steps.push((cell.map(|i| i as usize), passage.entry + march.exit() as f64 * per_tick));
+        steps.push((cell.map(|i| i as usize), entry + march.exit() as f64 * per_tick));
         march.step();
     }
 }

@@ -25,7 +25,7 @@ pub fn march<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usiz
     let (mut next, mut between) = ([T::infinity(); 3], [T::infinity(); 3]);
     for i in 0..3 {
         let place = (o[i] + entry * d[i] - low[i]) / size[i];
-        cell[i] = place.max(T::zero()).to_usize().unwrap_or(0).min(lattice.cells[i] - 1);
+        cell[i] = place.max(T::zero()).to_usize().unwrap_or(0).min(lattice.cells()[i] - 1);
         if d[i] != T::zero() {
             let face = cell[i] + (d[i] > T::zero()) as usize;
             next[i] = (low[i] + size[i] * float(face as f64) - o[i]) / d[i];
@@ -38,7 +38,7 @@ pub fn march<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usiz
             return;
         }
         let after = if d[axis] > T::zero() { Some(cell[axis] + 1) } else { cell[axis].checked_sub(1) };
-        match after.filter(|&c| c < lattice.cells[axis]) {
+        match after.filter(|&c| c < lattice.cells()[axis]) {
             Some(after) => cell[axis] = after,
             None => return,
         }
@@ -76,7 +76,7 @@ impl<'w> TextbookGrid<'w> {
             let b = Aabb::around(world.corners(i));
             let place = |v: DVec3, axis: usize| {
                 let place = (v[axis] - lattice.bounds.min[axis]) / lattice.cell_size[axis];
-                (place as usize).min(lattice.cells[axis] - 1)
+                (place as usize).min(lattice.cells()[axis] - 1)
             };
             let range = |axis| place(b.min, axis)..=place(b.max, axis);
             for x in range(0) {
