@@ -60,7 +60,7 @@ impl Block {
             longest = std::array::from_fn(|lane| greater(longest[lane], row[lane].abs()));
         }
         let longest = longest.into_iter().fold(0.0, greater);
-        self.slack = Slack::of(longest, farthest as f32);
+        self.slack = Slack::of(longest, farthest);
     }
 
     #[inline(always)]
@@ -78,11 +78,11 @@ impl Block {
 }
 
 /// No corner in a block has a larger coordinate. In the frame of a grid within a cell a triangle may
-/// reach far out; one that reaches farther is left open, for the sake of its neighbours' slack.
+/// reach far out; one that reaches farther is left open, for the sake of its neighbours' error bounds.
 const FARTHEST_CORNER: f64 = 4.0;
 
 /// How far below zero the filter's quantities may come out for the triangles of one block where in truth
-/// they are not negative: minus the bounds that are derived in [`super::filter`].
+/// they are not negative: minus the error bounds that are derived in [`super::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Slack {
@@ -92,13 +92,31 @@ pub struct Slack {
     pub depth: f32,
 }
 
+/// Roundings of u and v together, of numbers as large as an edge times a corner.
+const EDGE_ROUNDINGS: f32 = 114.0;
+
+/// Further ones of w, of numbers as large as an edge squared.
+const AREA_ROUNDINGS: f32 = 27.0;
+
+/// Roundings of n.s - t det, of numbers as large as an edge squared times a corner.
+const DEPTH_ROUNDINGS: f32 = 113.5;
+
+/// More than all that single precision loses where its products underflow, 36 times 2^-150 at most.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE;
+
 impl Slack {
-    /// `longest` is b, the largest absolute coordinate of the block's edges, and `farthest` is c, that
-    /// of its corners but not below 1.
-    pub fn of(longest: f32, farthest: f32) -> Self {
+    /// `longest` is b, the largest absolute coordinate of the block's edges, and `farthest` that of its
+    /// corners, from which c follows: a power of two, so that a division by it rounds nothing.
+    pub fn of(longest: f32, farthest: f64) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
-        let scale = ROUNDING * farthest * longest;
-        Self { edge: -400.0 * scale, depth: -280.0 * scale * longest }
+        let mut corner = 1.0;
+        while f64::from(corner) < farthest {
+            corner *= 2.0;
+        }
+        let edge = EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest;
+        let depth = DEPTH_ROUNDINGS * corner * longest;
+        let scale = ROUNDING * longest;
+        Self { edge: -(edge * scale) - UNDERFLOW, depth: -(depth * scale) - UNDERFLOW }
     }
 }
 

@@ -10,26 +10,30 @@
 //! t = n.s / det.
 //!
 //! *Error bound.* Let r = 2^-24, the relative rounding of single precision, b the largest coordinate
-//! of the block's edges and c that of its corners, but at least 1. In the block's
-//! [`Frame`](super::block::Frame) the ray's origin, which is moved along the ray to where it enters
-//! the box, has coordinates of at most 1, the direction's largest is 1, and b <= 2 c. Stored numbers
-//! are rounded once. To first order, with sums of absolute values for the exact quantities:
+//! of the block's edges and c the least power of two that is no less than 1 and than any coordinate of
+//! its corners. In the block's [`Frame`](super::block::Frame) the ray's origin, which is moved along the
+//! ray to where it enters the box, has coordinates of at most 1, the direction's largest is 1, and
+//! b <= 2 c. Stored numbers are rounded once. A sum of three products is a determinant, and one of rows
+//! whose numbers are at most 1 is at most 4: it is linear in each of its numbers, so that none is larger
+//! than with all of them 1 or -1. So, with the terms below r / 50 left out:
 //!
-//! | quantity | at most | error at most |
-//! |---|---|---|
-//! | s | 2 c | 4 r c: corner and origin r c each, their difference 2 r c |
-//! | n | 2 b^2 | 2 r b^2 |
-//! | det = n.d | 6 b^2 | 30 r b^2: n 6, d 6, rounding 3 * 6 |
-//! | q = d x s | 4 c | 20 r c: d 4, s 8, two products and a difference 8 |
-//! | u = e2.q | 12 b c | 108 r b c: e2 12, q 60, rounding 3 * 12 |
-//! | v = e1.q | 12 b c | 108 r b c |
-//! | w | 24 b c + 6 b^2 | 324 r b c: det 60 (b <= 2 c), u and v 216, rounding 48 |
-//! | n.s | 12 b^2 c | 72 r b^2 c: n 12, s 24, rounding 36 |
-//! | n.s - t det | | 195 r b^2 c for 0 <= t <= 2.5: 72 and 75, rounding 48 |
+//! | quantity | at most | error at most, portable | with fused multiplication and addition |
+//! |---|---|---|---|
+//! | s | 2 c | 2 r c: corner and origin r c / 2 each, their difference r c | |
+//! | n | 2 b^2 | 2 r b^2 | |
+//! | det = n.d | 4 b^2 | 18 r b^2: n 4, d 2, rounding 3 * 4 | 16 |
+//! | q = d x s | 4 c | by its own roundings 4 r c | 3 |
+//! | u = e2.q | 8 b c | 56 r b c: e2 8, d 4, s 8, q 12, rounding 3 * 8 | 49 |
+//! | v = e1.q | 8 b c | 56 r b c | 49 |
+//! | w | 4 b^2 of a hit | 112 r b c of u and v; 26 r b^2: det 18, rounding 8 | 98; 24 |
+//! | n.s | 8 b^2 c | 40 r b^2 c: n 8, s 8, rounding 3 * 8 | 36 |
+//! | n.s - t det | | 113 r b^2 c for 0 <= t <= 2.5, see [`Verdict::depths`] | 104 |
 //!
-//! Second-order terms are below 1e-5 of these. The double-precision test's own error, a few 2^-53 of
-//! the way from the ray's origin, stays below r for origins up to 2^20 boxes away; farther ones do
-//! not come here. [`Slack`] rounds the bounds up to cover both.
+//! `proofs/filter_portable.g` and `proofs/filter_fma.g` have a machine check these sums, the terms of
+//! second order among them, and the double-precision test's own error of a few 2^-53 of the way from the
+//! ray's origin, which stays below 2 r for origins up to 2^20 boxes away; farther ones do not come here.
+//! They also say why a wrong sign of det does no harm. [`Slack`] rounds the bounds up, and adds what may
+//! be lost to underflow.
 
 use super::block::{Block, LANES, Slack};
 use crate::math::four::{Four, Plain};
@@ -67,9 +71,8 @@ impl Verdict {
 
     /// The filter's t where a lane that is certain is hit: not less, and not more than these.
     ///
-    /// The bound of n.s - t det for the right t leaves, divided by a determinant of at most 6 b^2, at
-    /// least 14 r for the roundings of these quotients, 5 r, and of what is made of them in double
-    /// precision, for which r is more than enough.
+    /// Of the bound the error of n.s takes 40 r b^2 c and that of t det 45; the roundings of these
+    /// quotients take 20, and 8 are left for what is made of them in double precision.
     #[inline(always)]
     pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
         let (depth, det, slack) = (self.depth[lane], self.det[lane], block.slack.depth);
