@@ -24,7 +24,7 @@ const DIGITS: usize = 1 + 6400 / 64;
 /// The exponent of the last digit's last bit.
 const LOWEST_EXPONENT: i32 = -3 * 1074 - 64;
 
-/// A float as a sign, a whole number, and the power of two to multiply it by, less the smallest such power.
+/// A finite float taken apart: `significand * 2^(exponent - 1074)`, apart from the sign.
 struct Parts {
     is_negative: bool,
     significand: u64,
@@ -52,25 +52,18 @@ impl ExactSum {
         }
         let bit = a.exponent + b.exponent + c.exponent;
         let first = 1 + bit / 64;
-        let ab = digits_of(u128::from(a.significand) * u128::from(b.significand));
-        let c_shifted = digits_of(u128::from(c.significand) << (bit % 64));
-        let is_negative = a.is_negative ^ b.is_negative ^ c.is_negative;
-        for (i, ab) in ab.into_iter().enumerate() {
-            for (j, c) in c_shifted.into_iter().enumerate() {
-                self.add_digits(first + i + j, digits_of(ab * c), is_negative);
-            }
+        let ab = u128::from(a.significand) * u128::from(b.significand);
+        let product = product(ab, u128::from(c.significand) << (bit % 64));
+        let digits = self.digits[first..first + 4].iter_mut().zip(product.map(i128::from));
+        if a.is_negative ^ b.is_negative ^ c.is_negative {
+            digits.for_each(|(sum, digit)| *sum -= digit);
+        } else {
+            digits.for_each(|(sum, digit)| *sum += digit);
         }
         self.used = [self.used[0].min(first), self.used[1].max(first + 4)];
     }
 
-    fn add_digits(&mut self, at: usize, digits: [u128; 2], is_negative: bool) {
-        for (sum, digit) in self.digits[at..].iter_mut().zip(digits) {
-            let digit = digit as i128;
-            *sum += if is_negative { -digit } else { digit };
-        }
-    }
-
-    /// Adds the determinant of the matrix with these rows, or columns, which must be finite.
+    /// Adds the determinant of the matrix with these finite rows, or columns.
     pub fn add_determinant(&mut self, [p, q, r]: [DVec3; 3]) {
         for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
             self.add_product([p[i], q[j], r[k]]);
@@ -117,8 +110,15 @@ impl ExactSum {
     }
 }
 
-fn digits_of(x: u128) -> [u128; 2] {
-    [x & u128::from(u64::MAX), x >> 64]
+/// The digits of a product of less than 256 bits, the least significant first.
+fn product(a: u128, b: u128) -> [u64; 4] {
+    let halves = |x: u128| [x as u64, (x >> 64) as u64].map(u128::from);
+    let ([a_low, a_high], [b_low, b_high]) = (halves(a), halves(b));
+    let [first, carried] = halves(a_low * b_low);
+    let ([cross, cross_high], [other, other_high]) = (halves(a_low * b_high), halves(a_high * b_low));
+    let [second, carried] = halves(carried + cross + other);
+    let [third, fourth] = halves(a_high * b_high + carried + cross_high + other_high);
+    [first, second, third, fourth].map(|digit| digit as u64)
 }
 
 #[cfg(test)]

@@ -1,42 +1,43 @@
 //! The determinants that decide whether and where a ray meets a triangle, from the coordinates as they are and
 //! without any rounding before the last: right for all finite floats.
 //!
-//! No difference of points is taken. It would have to be rounded, or would overflow; instead determinants are
-//! split: (p - o) x (q - o) is p x q + q x o' + o' x p with o' = o, since o x o is nothing.
+//! No difference of points is taken, which would have to be rounded and might overflow. Instead products are
+//! multiplied out: (p - o) x (q - o) = p x q + q x o + o x p.
 
 use super::exact_sum::ExactSum;
 use super::scaled::Scaled;
 use glam::DVec3;
 
-/// `d . ((p - o) x (q - o))`: the edge function of the edge from `p` to `q` for the ray from `o` along `d`.
-pub fn edge_function([o, d]: [DVec3; 2], [p, q]: [DVec3; 2]) -> Scaled {
-    projected_area(d, [o, p, q])
+/// The edges of a triangle, in turn.
+fn edges<T: Copy>([a, b, c]: [T; 3]) -> [[T; 2]; 3] {
+    [[b, c], [c, a], [a, b]]
+}
+
+/// `d . ((p - o) x (q - o))` for the edges from p to q opposite to each vertex.
+pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
+    edges(triangle).map(|[p, q]| projected_area(d, [o, p, q]))
 }
 
 /// `d . ((b - a) x (c - a))`: twice the area of a triangle seen along `d`, in lengths of `d`.
-pub fn projected_area(d: DVec3, [a, b, c]: [DVec3; 3]) -> Scaled {
+pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let mut sum = ExactSum::new();
-    for [p, q] in [[a, b], [b, c], [c, a]] {
-        sum.add_determinant([d, p, q]);
-    }
+    edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q]));
     sum.value()
 }
 
 /// `(a - o) . ((b - a) x (c - a))`: six times the volume between a point and a triangle.
-pub fn volume(o: DVec3, [a, b, c]: [DVec3; 3]) -> Scaled {
+pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let mut sum = ExactSum::new();
-    sum.add_determinant([a, b, c]);
-    for [p, q] in [[a, b], [b, c], [c, a]] {
-        sum.add_determinant([-o, p, q]);
-    }
+    sum.add_determinant(triangle);
+    edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([-o, p, q]));
     sum.value()
 }
 
-/// `(b - a) x (c - a)`: the normal of a triangle.
-pub fn area_vector([a, b, c]: [DVec3; 3]) -> [Scaled; 3] {
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
+/// `(b - a) x (c - a)`: the normal of a triangle, as long as twice its area.
+pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
+    [[1, 2], [2, 0], [0, 1]].map(|[i, j]| {
         let mut sum = ExactSum::new();
-        for [p, q] in [[a, b], [b, c], [c, a]] {
+        for [p, q] in edges(triangle) {
             sum.add_product([p[i], q[j], 1.0]);
             sum.add_product([-p[j], q[i], 1.0]);
         }
@@ -52,4 +53,34 @@ pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scal
         sum.add_product([-sign, d[j], point[i]]);
     }
     sum.value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_vectors_in_a_plane_span_nothing_and_out_of_it_a_trifle() {
+        let (p, q) = (DVec3::new(0.1, 0.7, -0.3), DVec3::new(1.3, 2.0 / 3.0, 0.9));
+        for scale in [0.5f64.powi(1000), 1.0, 2f64.powi(1000)] {
+            let [p, q] = [scale * p, scale * q];
+            assert_eq!(projected_area(p, [DVec3::ZERO, p, q]), Scaled::ZERO);
+            assert_eq!(volume(p, [DVec3::ZERO, p, q]), Scaled::ZERO);
+            // The next float in z.
+            let beside = p - DVec3::new(0.0, 0.0, scale * 0.5f64.powi(54));
+            assert_ne!(beside, p);
+            // p . (beside x q) = (beside - p) . (q x p)
+            let expected = (q.x * p.y - q.y * p.x) * (beside.z - p.z).signum();
+            let found = projected_area(p, [DVec3::ZERO, beside, q]);
+            assert_eq!(found.sign(), (expected / scale / scale).signum() as i32);
+        }
+    }
+
+    #[test]
+    fn products_that_agree_to_a_hundred_digits_differ() {
+        let tiny = 0.5f64.powi(60);
+        let edge = |x: f64, y: f64| [DVec3::new(tiny, tiny, 0.0), DVec3::new(x, y, 0.0)];
+        assert_eq!(cross_component(DVec3::splat(0.7), edge(0.1, 0.1), [0, 1]), Scaled::ZERO);
+        assert_eq!(cross_component(DVec3::new(0.3, 0.1, 0.0), edge(0.3, 0.1), [0, 1]).sign(), -1);
+    }
 }

@@ -2,16 +2,19 @@
 //! a ray hits a triangle is decided as without any rounding, so that every ray through a closed
 //! mesh's shared edge or vertex hits exactly one triangle there.
 //!
-//! This holds for all finite coordinates and directions, and so does what is said of a hit: its t is right to
-//! within rounding, its normal a unit vector, its point within rounding of the vertices. Only where t itself
-//! is too large for a float the triangle counts as missed.
+//! This holds for all finite coordinates and directions. A hit has a t that is right to within rounding, and
+//! a normal of unit length; only where t itself is too large for a float the triangle counts as missed. Its
+//! point is known as long as no coordinate is above 2^500.
 
 use crate::math::extremes::{greatest, least};
-use crate::math::predicate::{area_vector, cross_component, edge_function, projected_area, volume};
+use crate::math::predicate::{
+    area_vector, cross_component, edge_functions as exact_edge_functions, projected_area, volume,
+};
 use crate::math::ray::Ray;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::math::scaled::on_one_scale;
 use glam::DVec3;
+use std::ops::Range;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
 /// the z axis, and the axes permuted so that z is the one along which the ray is longest.
@@ -28,16 +31,7 @@ pub struct Shear<'r> {
 /// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices,
 /// and never beyond an edge by more, however far away the ray began that crosses it there.
 pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
-    // Scaled by a power of two, which rounds nothing, so that products neither overflow nor underflow.
-    let scale = inverse_power_of_two(u + v + w);
-    let [u, v, w] = [scale * u, scale * v, scale * w];
     (u * a + v * b + w * c) / (u + v + w)
-}
-
-/// The power of two that brings a normal number, below 2^1020 in absolute value, to from 1/4 to 1/2.
-fn inverse_power_of_two(x: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    f64::from_bits((2044u64 << 52).saturating_sub(x.to_bits() & EXPONENT))
 }
 
 impl<'r> Shear<'r> {
@@ -135,15 +129,13 @@ impl<'r> Shear<'r> {
     /// infinitesimal amount, lies on one side of all three edges.
     #[cold]
     fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
-        let ray = [self.ray.origin, self.ray.direction];
-        if !ray.iter().chain(&vertices).all(|v| v.is_finite()) {
+        let Ray { origin, direction, .. } = *self.ray;
+        if ![origin, direction].iter().chain(&vertices).all(|v| v.is_finite()) {
             return None;
         }
-        let [a, b, c] = vertices;
-        let edges = [[b, c], [c, a], [a, b]];
-        let weights = edges.map(|edge| edge_function(ray, edge));
+        let weights = exact_edge_functions(origin, direction, vertices);
         let sides = [0, 1, 2].map(|i| match weights[i].sign() {
-            0 => self.side_of_edge_met(edges[i]),
+            0 => self.side_of_edge_met([vertices[(i + 1) % 3], vertices[(i + 2) % 3]]),
             side => side,
         });
         let inside = sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
@@ -207,35 +199,43 @@ fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 /// the difference (e M): at most 5 e D. Hence an edge function is off by 10 e D M + 50 e^2 D^2, and
 /// its own three roundings add no more than e M^2.
 ///
-/// Products that underflow move it by less than 2^-1070 more. [`LEAST_BOUND`] is far above that, so that
-/// neither does anything underflow that matters where the edge functions are above the bound. And the
-/// bound overflows before any of them, or their sum, does.
+/// Products that underflow move it by less than 2^-1070 more. [`LEAST_EDGE_BOUND`] is far above that, so that
+/// where the edge functions are above the bound nothing underflows that matters; and the bound overflows long
+/// before they do, or what is computed of them.
 #[inline(always)]
 fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
     let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let reach = across + largest(a.z, b.z, c.z);
-    let square = 16.0 * reach * (across + 4.0 * UNIT_ROUNDOFF * reach);
-    UNIT_ROUNDOFF * square + LEAST_BOUND
+    let square = HUGE * reach * (across + 4.0 * UNIT_ROUNDOFF * reach);
+    16.0 * UNIT_ROUNDOFF / HUGE * square + LEAST_EDGE_BOUND
 }
 
-/// 2^-600.
-const LEAST_BOUND: f64 = f64::from_bits((1023 - 600) << 52);
+/// 2^500.
+const HUGE: f64 = power_of_two(500);
 
-/// The sizes of a ray's direction for which its inverse has all digits.
-const USUAL: std::ops::Range<f64> = 1e-300..1e300;
+/// 2^-300.
+const LEAST_EDGE_BOUND: f64 = power_of_two(-300);
+
+const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// The sizes of a ray's direction whose inverse has all its digits.
+const USUAL: Range<f64> = 1e-300..1e300;
 
 /// The outward unit normal: vertices run counter-clockwise seen from outside. Right to 2^-20 for every triangle
 /// with an area, and NaN for one without.
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    /// The square of the sine of the angle at which the rounding of two edges moves the normal by so much.
+    /// The square of the tangent of the angle at which the rounding of two edges moves the normal by so much.
     const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
-    /// The square of a length far above those whose products lose digits to underflow.
-    const SHORT: f64 = 1e-140;
+    /// The squares of lengths at which nothing that matters underflows or overflows.
+    const USUAL: Range<f64> = 1e-280..1e280;
     let (p, q) = (b - a, c - a);
-    let normal = p.cross(q);
-    let square = (p.length_squared() + SHORT) * (q.length_squared() + SHORT);
-    if normal.length_squared() > NEEDLE * square { unit(normal) } else { exact_normal([a, b, c]) }
+    let (normal, along) = (p.cross(q), p.dot(q));
+    let square = normal.length_squared();
+    let is_accurate = square > NEEDLE * (along * along) + USUAL.start && square < USUAL.end;
+    if is_accurate { normal.normalize() } else { exact_normal([a, b, c]) }
 }
 
 #[cold]

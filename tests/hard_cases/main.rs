@@ -23,4 +23,5 @@ mod support;
 mod transforms;
 mod triangles_accuracy;
 mod triangles_degenerate;
+mod triangles_extremes;
 mod triangles_watertight;
