@@ -6,13 +6,13 @@
 //! a normal of unit length; only where t itself is too large for a float the triangle counts as missed. Its
 //! point is known as long as no coordinate is above 2^500.
 
-use crate::math::extremes::{greatest, least};
 use crate::math::predicate::{
     area_vector, cross_component, edge_functions as exact_edge_functions, projected_area, volume,
 };
 use crate::math::ray::Ray;
-use crate::math::robust::{UNIT_ROUNDOFF, unit};
+use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
+use crate::primitive::edge_functions::{Sides, edge_functions, is_well_seen, sides};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -152,75 +152,6 @@ impl<'r> Shear<'r> {
     }
 }
 
-/// Where the ray lies, seen along itself.
-enum Sides {
-    Inside,
-    Outside,
-    Unsure,
-}
-
-/// On which sides of a triangle's edges the ray lies that has these edge functions for these sheared vertices.
-#[inline(always)]
-fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
-    let (lowest, highest) = (least(edge_functions), greatest(edge_functions));
-    let error_bound = edge_error_bound(sheared);
-    if lowest < -error_bound && highest > error_bound {
-        Sides::Outside
-    } else if lowest > error_bound || highest < -error_bound {
-        Sides::Inside
-    } else {
-        Sides::Unsure
-    }
-}
-
-/// Whether the weights give t to within about a hundred roundings. A sheared vertex is off by a few
-/// roundings of its distance D. Over an extent E that changes the area by E roundings of D, and as
-/// t varies by Z over the triangle, t by E Z / area of them: much for a needle, or a triangle seen
-/// nearly edge on.
-#[inline(always)]
-fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
-    // By axis: the vectors' own selections share registers, and become four times as many steps.
-    let extent = |p: f64, q: f64, r: f64| greatest([p, q, r]) - least([p, q, r]);
-    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
-}
-
-/// Of the edges opposite to the vertices: twice the areas that they span with the ray in the sheared plane.
-#[inline(always)]
-fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
-    let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
-    [cross(b, c), cross(c, a), cross(a, b)]
-}
-
-/// How far rounding may have moved an edge function.
-///
-/// Let e be the unit roundoff, M the largest |x| + |y| of a sheared vertex and D = M + |z| then a
-/// bound of the vertex' unsheared coordinates. A sheared x or y carries the roundings of the
-/// subtraction of the origin (e D), of the shear factor, the depth and their product (3 e D) and of
-/// the difference (e M): at most 5 e D. Hence an edge function is off by 10 e D M + 50 e^2 D^2, and
-/// its own three roundings add no more than e M^2.
-///
-/// Products that underflow move it by less than 2^-1070 more. [`LEAST_EDGE_BOUND`] is far above that, so that
-/// where the edge functions are above the bound nothing underflows that matters; and the bound overflows long
-/// before they do, or what is computed of them.
-#[inline(always)]
-fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
-    let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
-    let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
-    let reach = across + largest(a.z, b.z, c.z);
-    let square = HUGE * reach * (across + 4.0 * UNIT_ROUNDOFF * reach);
-    16.0 * UNIT_ROUNDOFF / HUGE * square + LEAST_EDGE_BOUND
-}
-
-/// 2^500.
-const HUGE: f64 = power_of_two(500);
-
-/// 2^-300.
-const LEAST_EDGE_BOUND: f64 = power_of_two(-300);
-
-const fn power_of_two(exponent: i64) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}
-
 /// The sizes of a ray's direction whose inverse has all its digits.
 const USUAL: Range<f64> = 1e-300..1e300;
 
@@ -246,6 +177,7 @@ fn exact_normal(triangle: [DVec3; 3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::primitive::edge_functions::edge_error_bound;
 
     fn test(origin: DVec3, direction: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
         Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref())
@@ -326,5 +258,63 @@ mod tests {
         let ray = Ray::new(DVec3::new(0.25, 0.5, -1e9), DVec3::Z);
         let weights = Shear::new(&ray).weights(t.each_ref());
         assert_eq!(weights.map(|w| point(t, w)), Some(DVec3::new(0.25, 0.5, 0.0)));
+    }
+
+    /// Rays and two points, bit by bit: direction, origin, p and q. The ray is on the other side of the line
+    /// from p to q than its edge function says, which is as large as hill climbing could make it in the time:
+    /// against the bound 0.77, 0.84, 0.73 and 0.86.
+    #[rustfmt::skip]
+    const WORST: [[u64; 12]; 4] = [
+        // Close to the ray, compared with the way to it,
+        [0x3ff462c58f4473e3, 0xbff462c3841b646e, 0x3ff462c58f44750b, 0xbf9b3fd515406c23, 0xbf7f07473e70177b, 0x3fa5aadbc27c8810,
+         0x3ff214a44971a339, 0xbff2a0a9036de5f1, 0x3ff32efa75fa281b, 0x3fefc2872847eff0, 0xbff06d4893ecf834, 0x3ff0fb99cc6d40e1],
+        [0x3ff45ed4a899c19f, 0xbff45ed4335adb09, 0x3ff45ed4a899c2c6, 0x3f41c9cd9afe4c11, 0xbfa84c83c5eb512e, 0x3f8761b2bd743c40,
+         0x3ff0b268385069c3, 0xbff17285bcb7a993, 0x3ff0def37c1dca1e, 0x3ff0135ce8b24de6, 0xbff0d39470bbc60d, 0x3ff03fe5fc7400ba],
+        // as far from it,
+        [0x3ff371ef42ed53df, 0xbff3ee97e4517352, 0x3ff3ee97e4519fe5, 0xbfee4ca3c40e83d8, 0x3fde46a795de4ee7, 0xbfcc3017a5b4ed30,
+         0x3fc2e4a518224cb4, 0xbfe213ee9afceda3, 0x3fecd576874e7d3b, 0x3fc2bd5bf9fc151b, 0xbfe767fedf6a0f8d, 0x3fecd512b61cfb1f],
+        // and as close as rounding leaves them.
+        [0x3ff07312bf37470e, 0x3ff06b597f3fef5c, 0x3ff07313ffa0c5bb, 0x3fe3c84e95f06e43, 0x3feedf2b40d8ffd9, 0xbfd1ca6b47eec18a,
+         0x3ffb2201614a5234, 0x400052aba04015ce, 0x3fe99681285b7b8a, 0x3ffb195c6b31c49c, 0x40004e5b2cc6698f, 0x3fe985373ad99da2],
+    ];
+
+    /// The ray, p and q.
+    fn worst() -> [(Ray, [DVec3; 2]); 4] {
+        WORST.map(|bits| {
+            let vector = |i: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from_bits(bits[3 * i + k])));
+            (Ray::new(vector(1), vector(0)), [vector(2), vector(3)])
+        })
+    }
+
+    #[test]
+    fn the_bound_of_an_edge_function_is_reached_but_for_a_third_and_never_passed() {
+        for (ray, [p, q]) in worst() {
+            let sheared = [p, q, p].map(|v| Shear::new(&ray).apply(&v));
+            let [_, _, found] = edge_functions(sheared);
+            let exact = projected_area(ray.direction, [ray.origin, p, q]).sign();
+            assert!(exact as f64 * found < 0.0, "the case tests nothing: {exact} {found}");
+            let share = found.abs() / edge_error_bound(sheared);
+            assert!((2.0 / 3.0..1.0).contains(&share), "{share}");
+        }
+    }
+
+    #[test]
+    fn a_ray_beside_an_edge_where_rounding_is_worst_hits_one_triangle() {
+        for (ray, [p, q]) in worst() {
+            let shear = Shear::new(&ray);
+            let [x, y, z] = shear.axes;
+            // A point beside the edge, so many times as far from the ray as p is.
+            let beside = |times: f64| {
+                let seen = shear.apply(&p);
+                let mut point = p;
+                point[x] = ray.origin[x] + shear.scale.x * seen.z - times * seen.y;
+                point[y] = ray.origin[y] + shear.scale.y * seen.z + times * seen.x;
+                point[z] = p[z];
+                point
+            };
+            let triangles = [[p, q, beside(0.9)], [q, p, beside(-1e5)]];
+            let hits = triangles.iter().filter(|t| shear.intersect(t.each_ref()).is_some()).count();
+            assert_eq!(hits, 1, "{ray:?}");
+        }
     }
 }

@@ -1,0 +1,85 @@
+//! The edge functions of a triangle that is seen along a ray, and how far rounding may have moved them.
+//!
+//! The vertices are sheared: the ray is the z axis, and x and y are a vertex' distance from it. They, and what
+//! is computed of them, are double precision.
+
+use crate::math::extremes::{greatest, least};
+use crate::math::robust::UNIT_ROUNDOFF;
+use glam::DVec3;
+
+/// Where the ray lies, seen along itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sides {
+    Inside,
+    Outside,
+    Unsure,
+}
+
+/// On which sides of a triangle's edges the ray lies that has these edge functions for these sheared vertices.
+#[inline(always)]
+pub fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
+    let (lowest, highest) = (least(edge_functions), greatest(edge_functions));
+    let error_bound = edge_error_bound(sheared);
+    if lowest < -error_bound && highest > error_bound {
+        Sides::Outside
+    } else if lowest > error_bound || highest < -error_bound {
+        Sides::Inside
+    } else {
+        Sides::Unsure
+    }
+}
+
+/// Of the edges opposite to the vertices: twice the areas that they span with the ray in the sheared plane.
+#[inline(always)]
+pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
+    [cross(b, c), cross(c, a), cross(a, b)]
+}
+
+/// How far rounding may have moved an edge function from that of the vertices and the ray as they are.
+///
+/// Let u be the unit roundoff. A vertex' place across the ray is x = X - s Z, of its distances X and Z from the
+/// ray's origin and the ray's slope s, which is at most 1. X, Z, s, the product and the difference are rounded
+/// by u each, the slope, as a number up to 1, by u / 2. Because X is x + s Z, x is off by 2 u |x| + 3.5 u |Z|. So
+/// with M the most that |x| is, plus the most that |y| is, and Z the most that |z| is, an edge function is off by
+/// 7 u M Z and 2 u M^2 to first order, and by another u M^2 of its own roundings. The second order is less than
+/// 24.5 u^2 Z^2 where M is small. `proofs/edge_functions.g` adds it all up, with the roundings of the bound itself.
+///
+/// Products that underflow move it by less than 2^-1072 (1 + M) more. [`LEAST_EDGE_BOUND`] is far above that, so
+/// that where the edge functions are above the bound nothing underflows that matters; and the bound overflows
+/// long before they do, or what is computed of them.
+#[inline(always)]
+pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
+    let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
+    let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
+    let reach = across + largest(a.z, b.z, c.z);
+    let square = HUGE * reach * (across + SHEAR_ROUNDINGS * UNIT_ROUNDOFF * reach);
+    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * square + LEAST_EDGE_BOUND
+}
+
+/// Roundings of M (M + Z) by which an edge function may be off.
+const EDGE_ROUNDINGS: f64 = 7.0;
+
+/// Roundings of M + Z that count as part of M: where M is less than these, errors are larger than it.
+const SHEAR_ROUNDINGS: f64 = 5.0;
+
+/// 2^500.
+const HUGE: f64 = power_of_two(500);
+
+/// 2^-300.
+const LEAST_EDGE_BOUND: f64 = power_of_two(-300);
+
+const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// Whether the weights give t to within about a hundred roundings. A sheared vertex is off by a few
+/// roundings of its distance D. Over an extent E that changes the area by E roundings of D, and as
+/// t varies by Z over the triangle, t by E Z / area of them: much for a needle, or a triangle seen
+/// nearly edge on.
+#[inline(always)]
+pub fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
+    // By axis: the vectors' own selections share registers, and become four times as many steps.
+    let extent = |p: f64, q: f64, r: f64| greatest([p, q, r]) - least([p, q, r]);
+    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
+}
