@@ -24,10 +24,13 @@ pub struct Camera {
 /// (j - middle.y) up`, before it becomes a unit vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye {
+    /// Where the rays start.
     pub center: DVec3,
+    /// To the picture's middle.
     pub direction: DVec3,
     /// From one pixel's centre to the next.
     pub right: DVec3,
+    /// From one row's centres to the next's.
     pub up: DVec3,
     /// The picture's middle, counted from the centre of its lower left pixel.
     pub middle: DVec2,

@@ -2,8 +2,6 @@
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
-#[cfg(target_os = "linux")]
-mod pages;
 pub mod math;
 pub mod scene;
 pub mod stats;

@@ -1,5 +1,8 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
+#[cfg(target_os = "linux")]
+mod pages;
+
 use raytracer::camera::Camera;
 use raytracer::caster::{Caster, Insertion, Instructions};
 use raytracer::cli::{self, Command, Options};

@@ -1,8 +1,24 @@
-//! Memory in large pages, where the system offers them.
+//! The program's allocator: memory in large pages, where the system offers them. The library leaves the
+//! choice of an allocator to whoever uses it.
 //!
 //! A page of 4 KB that is touched for the first time costs more than filling it and giving it back
 //! costs again, some 1.8 microseconds in all. A large page is 512 times the size and costs 60 times as
 //! much; and reads find their addresses sooner. So every long list stands in large pages.
+//!
+//! Measured on whole commands on one thread, in pairs, medians of seconds of processor time (user +
+//! system) and of peak memory; the rabbit with shadows, of 40,000 faces with `-grid 40 40 33` (25 runs)
+//! and split into 2.56 million with `-grid auto` (7 runs), 200 by 200 pixels:
+//!
+//! | | 40,000 faces | | 2.56 million faces | |
+//! |---|---:|---:|---:|---:|
+//! | the system's allocator | 0.021 | 11.4 MiB | 0.35 + 0.19 | 301 MiB |
+//! | this one | 0.019 | 14.2 MiB | 0.32 + 0.44 | 309 MiB |
+//! | large pages for the grid's lists alone | 0.021 | 11.6 MiB | 0.34 + 0.20 | 301 MiB |
+//! | crate `mimalloc` | 0.020 | 23.1 MiB | 0.31 + 0.56 | 395 MiB |
+//!
+//! So it saves a tenth of the first command. For the second the user's part falls by a tenth, while the
+//! system's part was between 0.05 and 0.78 in large pages and between 0.16 and 0.22 in usual ones: on the virtual
+//! machine that this was measured on, the host first has to find a large page that no guest has touched.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
@@ -37,18 +53,17 @@ fn whole_pages(layout: Layout) -> usize {
 #[cold]
 fn mapped(layout: Layout) -> *mut u8 {
     let size = whole_pages(layout);
-    // SAFETY: a new mapping touches no memory that anybody has, and the advice is on all of it.
-    unsafe {
-        let writable = libc::PROT_READ | libc::PROT_WRITE;
-        let own = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
-        let memory = libc::mmap(ptr::null_mut(), size, writable, own, -1, 0);
-        if memory == libc::MAP_FAILED {
-            return ptr::null_mut();
-        }
-        // A system that cannot do it says so, and its usual pages serve as well.
-        libc::madvise(memory, size, libc::MADV_HUGEPAGE);
-        memory.cast()
+    let writable = libc::PROT_READ | libc::PROT_WRITE;
+    let own = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
+    // SAFETY: a new mapping, at no address asked for, touches no memory that anybody has.
+    let memory = unsafe { libc::mmap(ptr::null_mut(), size, writable, own, -1, 0) };
+    if memory == libc::MAP_FAILED {
+        return ptr::null_mut();
     }
+    // A system that cannot do it says so, and its usual pages serve as well.
+    // SAFETY: all of it is the mapping just made, whose contents the advice leaves alone.
+    unsafe { libc::madvise(memory, size, libc::MADV_HUGEPAGE) };
+    memory.cast()
 }
 
 // SAFETY: what is not long is the system allocator's in all respects. What is long has a mapping of its
@@ -57,21 +72,28 @@ fn mapped(layout: Layout) -> *mut u8 {
 // computes the same size. Nothing here panics.
 unsafe impl GlobalAlloc for LargePages {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are the system allocator's.
-        if is_long(layout) { mapped(layout) } else { unsafe { System.alloc(layout) } }
+        if is_long(layout) {
+            return mapped(layout);
+        }
+        // SAFETY: the caller promises a layout that is not empty, which is what the system asks for.
+        unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: as above.
-        if is_long(layout) { mapped(layout) } else { unsafe { System.alloc_zeroed(layout) } }
+        if is_long(layout) {
+            return mapped(layout);
+        }
+        // SAFETY: the caller promises a layout that is not empty, which is what the system asks for.
+        unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
         if is_long(layout) {
-            // SAFETY: all of it is one mapping of this size, which nobody uses any more.
+            // SAFETY: the caller promises that `memory` came from here with this layout, so it is one mapping of
+            // this size, and that nobody uses it any more.
             unsafe { libc::munmap(memory.cast(), whole_pages(layout)) };
         } else {
-            // SAFETY: as above.
+            // SAFETY: the caller promises that `memory` came from here with this layout, so the system gave it.
             unsafe { System.dealloc(memory, layout) }
         }
     }

@@ -9,7 +9,9 @@ const CHANNELS: usize = 3;
 /// No pixels, or more than there is memory for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadSize {
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
 }
 
@@ -61,10 +63,12 @@ impl Picture {
         Self { width, height, pixels }
     }
 
+    /// In pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
+    /// In pixels.
     pub fn height(&self) -> u32 {
         self.height
     }

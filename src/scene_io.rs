@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 /// A scene with everything that it names.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
+    /// What the file says.
     pub scene: Scene,
     /// By the index in [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
@@ -22,7 +23,9 @@ pub struct LoadedScene {
 /// A scene's text, without a byte order mark, and the file that it comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
+    /// The file, as it was named.
     pub path: PathBuf,
+    /// Its text.
     pub text: String,
 }
 
@@ -37,11 +40,30 @@ impl Source {
 #[derive(Debug)]
 pub enum LoadError {
     /// The scene's file could not be read.
-    Unreadable { path: PathBuf, error: std::io::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        error: std::io::Error,
+    },
     /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
-    NotUtf8 { path: PathBuf, line: usize, column: usize, is_utf16: bool },
+    NotUtf8 {
+        /// The file.
+        path: PathBuf,
+        /// Of the first wrong byte.
+        line: usize,
+        /// Of the first wrong byte.
+        column: usize,
+        /// Whether the file looks like UTF-16.
+        is_utf16: bool,
+    },
     /// Something is wrong with what the scene or one of its meshes says.
-    Scene { source: Source, error: Box<SceneError> },
+    Scene {
+        /// The text.
+        source: Source,
+        /// What is wrong, and where.
+        error: Box<SceneError>,
+    },
 }
 
 impl std::error::Error for LoadError {}

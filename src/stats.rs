@@ -13,6 +13,7 @@ pub trait Probe: Default + Send {
     const COUNTS: bool;
     /// A camera ray, or a reflected or refracted one.
     fn non_shadow_ray(&mut self);
+    /// A ray towards a light.
     fn shadow_ray(&mut self);
     /// Tests of a ray against `count` primitives, whether they hit or not.
     fn intersections(&mut self, count: usize);
@@ -45,9 +46,13 @@ impl Probe for Quiet {
 /// Counts what the course's program counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
+    /// Camera rays, and reflected and refracted ones.
     pub non_shadow_rays: u64,
+    /// Rays towards lights.
     pub shadow_rays: u64,
+    /// Tests of a ray against a primitive.
     pub intersections: u64,
+    /// Steps from cell to cell.
     pub cells_traversed: u64,
 }
 
@@ -81,9 +86,13 @@ impl Probe for Counts {
 /// How long each stage took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timings {
+    /// Reading the scene and its meshes.
     pub reading: Duration,
+    /// Building the world and its grid.
     pub building: Duration,
+    /// Casting the rays.
     pub rendering: Duration,
+    /// Writing the pictures.
     pub writing: Duration,
 }
 
@@ -95,9 +104,13 @@ pub struct Report {
     pub size: [usize; 2],
     /// None where the scene has no finite primitive.
     pub bounds: Option<Aabb>,
+    /// Cells along each axis, where there is a grid.
     pub grid: Option<[usize; 3]>,
+    /// What was counted.
     pub counts: Counts,
+    /// How long it took.
     pub timings: Timings,
+    /// How many threads rendered.
     pub threads: usize,
 }
 

@@ -14,6 +14,7 @@ use glam::DVec3;
 /// What casts shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadows {
+    /// Nothing.
     #[default]
     None,
     /// Everything, transparent or not.
@@ -25,6 +26,7 @@ pub enum Shadows {
 /// What is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effects {
+    /// What casts shadows.
     pub shadows: Shadows,
     /// Light surfaces also from within; without it their inside is black.
     pub shade_back: bool,
@@ -37,7 +39,9 @@ pub struct Effects {
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a> {
+    /// Finds what rays hit.
     pub caster: &'a Caster<'a>,
+    /// What is modelled.
     pub effects: Effects,
 }
 

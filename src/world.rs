@@ -21,16 +21,23 @@ use std::cmp::Ordering;
 /// What the tracer works on.
 #[derive(Clone, Debug)]
 pub struct World {
+    /// The triangles' corners.
     pub vertices: Vec<DVec3>,
     /// Indices into `vertices`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// The spheres, numbered after the triangles.
     pub spheres: Vec<Sphere>,
+    /// The ellipsoids, numbered after the spheres.
     pub ellipsoids: Vec<Ellipsoid>,
+    /// The planes, numbered last.
     pub planes: Vec<Plane>,
+    /// The scene's materials.
     pub materials: Vec<Material>,
     /// Directions are unit vectors.
     pub lights: Vec<Light>,
+    /// Seen where a ray meets nothing.
     pub background: Color,
+    /// The light that reaches every surface.
     pub ambient: Color,
     /// The box of the finite primitives by the course's rule, which is not tight around a rotated
     /// sphere; empty where there are none.
@@ -44,9 +51,13 @@ pub struct World {
 /// A primitive by its kind and its index in the world's list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Primitive {
+    /// Index into [`World::triangles`].
     Triangle(usize),
+    /// Index into [`World::spheres`].
     Sphere(usize),
+    /// Index into [`World::ellipsoids`].
     Ellipsoid(usize),
+    /// Index into [`World::planes`].
     Plane(usize),
 }
 
@@ -57,6 +68,7 @@ pub struct SurfacePoint {
     pub position: DVec3,
     /// Outward unit normal, not turned towards the ray.
     pub normal: DVec3,
+    /// What the surface is made of.
     pub material: MaterialId,
     /// The triangle's number, if it is on one: what leaves a triangle never meets it again.
     pub triangle: Option<u32>,
@@ -65,7 +77,9 @@ pub struct SurfacePoint {
 /// A leaf of the object tree with the matrix that takes it to the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'s> {
+    /// The leaf.
     pub object: &'s Object,
+    /// From the object's space to the world's.
     pub matrix: DAffine3,
     /// The innermost transform around the object; None at the top.
     pub transform: Option<Position>,

@@ -133,6 +133,7 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Of a box that is not empty.
     pub fn new(bounds: &Aabb) -> Self {
         let center = 0.5 * (bounds.min + bounds.max);
         let reach = (bounds.max - center).max(center - bounds.min).max_element();
@@ -157,11 +158,13 @@ impl Frame {
         greatest(box_corners(points)[1].to_array())
     }
 
+    /// A point in these coordinates.
     pub fn point(&self, point: DVec3) -> DVec3 {
         let [x, y, z, _] = self.center;
         (point - DVec3::new(x, y, z)) * self.scale
     }
 
+    /// A vector in these coordinates.
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         vector * self.scale
     }

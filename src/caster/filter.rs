@@ -48,6 +48,7 @@ pub const FARTHEST: f64 = 2.5;
 pub struct FilterRay {
     /// With a spare place, as below.
     pub origin: [f32; 4],
+    /// Its largest absolute coordinate is 1.
     pub direction: [f32; 4],
     /// How far along the ray a hit still counts.
     pub farthest: f32,

@@ -30,7 +30,10 @@ pub enum Insertion {
     /// Those it touches.
     Exact,
     /// Those it touches, and a cell with more than `crowd` is cut into cells of its own.
-    Nested { crowd: usize },
+    Nested {
+        /// More primitives than this in a cell are a crowd.
+        crowd: usize,
+    },
     /// Those that the course's program enters it in, for counters that compare with the course's.
     Course,
 }
@@ -38,6 +41,7 @@ pub enum Insertion {
 /// Casts rays into a world.
 #[derive(Debug)]
 pub struct Caster<'w> {
+    /// What rays are cast into.
     pub world: &'w World,
     instructions: Instructions,
     /// What everything finite lies in; none where nothing is finite.

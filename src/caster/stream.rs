@@ -26,7 +26,9 @@ pub const STREAM: usize = 16;
 
 /// What asks for the nearest hit on a ray.
 pub trait Query {
+    /// The ray.
     fn ray(&self) -> &Ray;
+    /// Takes the nearest hit, as [`Caster::nearest`] gives it; called at least once, and the last call counts.
     fn answer(&mut self, hit: Option<Hit>);
 }
 

@@ -10,59 +10,88 @@ use std::path::PathBuf;
 /// Flags are held without their dash.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CliError {
+    /// No flag has this name.
     UnknownFlag {
+        /// The flag.
         flag: String,
+        /// The flag that may have been meant.
         nearest: Option<String>,
     },
     /// A word that no flag takes.
     UnexpectedWord {
+        /// The word as given.
         word: OsString,
     },
     /// `-flag=value`.
     EqualsForm {
+        /// The flag.
         flag: String,
     },
+    /// A flag that is allowed once.
     GivenTwice {
+        /// The flag.
         flag: String,
     },
+    /// Two flags that exclude each other.
     Conflict {
+        /// The flag.
         flag: String,
+        /// The other flag.
         other: String,
     },
+    /// A flag with too few or too many values.
     WrongCount {
+        /// The flag.
         flag: String,
+        /// How many values the flag takes.
         expected: usize,
+        /// How many it was given.
         given: usize,
     },
+    /// A value that its flag does not take.
     BadValue {
+        /// The flag.
         flag: &'static str,
+        /// The word as given.
         word: OsString,
+        /// What is wrong with the value.
         problem: Problem,
     },
     /// `-depth` with `t0` not below `t1`.
     DepthOrder {
+        /// Shown white.
         t0: f64,
+        /// Shown black.
         t1: f64,
     },
     /// `-depth` with a finite `t0` and `t1` whose difference is not.
     DepthRange,
+    /// A grid whose cells 31 bits cannot number.
     TooManyCells {
+        /// Cells along each axis.
         cells: [u32; 3],
     },
+    /// `-visualize_grid` without `-grid`.
     GridNeeded,
     /// A picture of samples or of the filter with too long a side.
     EnlargedTooMuch {
+        /// The flag.
         flag: &'static str,
     },
+    /// No scene is named.
     InputNeeded,
     /// Two flags name one output file.
     SameFile {
+        /// The flag.
         flag: &'static str,
+        /// The other flag.
         other: &'static str,
+        /// The file that both name.
         file: PathBuf,
     },
     /// A fault that clap reports and this program does not know of.
     Unreadable {
+        /// Clap's words.
         reason: String,
     },
 }
@@ -70,12 +99,24 @@ pub enum CliError {
 /// What is wrong with one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Problem {
+    /// Not a whole number.
     NotWhole,
-    Outside { min: u32, max: u32 },
+    /// Not in the range.
+    Outside {
+        /// The least allowed.
+        min: u32,
+        /// The greatest allowed.
+        max: u32,
+    },
+    /// Not a finite number.
     NotFinite,
+    /// Below zero.
     Negative,
+    /// Not a scene's name.
     NotScene,
+    /// Not a picture's name.
     NotPicture,
+    /// Not a filter's size.
     NotFilterSize,
 }
 

@@ -18,6 +18,7 @@ use std::ffi::OsString;
 /// What the command line asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
+    /// Render as the options say.
     Render(Box<Options>),
     /// Print this text on standard output; it ends with a newline.
     Help(String),

@@ -23,19 +23,25 @@ pub struct Options {
     pub output: Option<PathBuf>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
+    /// The picture of distances.
     pub depth: Option<Depth>,
+    /// The picture of normals.
     pub normals: Option<PathBuf>,
     /// The picture of the samples.
     pub samples: Option<Enlarged>,
     /// The picture of the filter.
     pub filter_picture: Option<Enlarged>,
+    /// What is modelled.
     pub effects: Effects,
+    /// Where the samples of a pixel lie.
     pub sampler: Sampler,
+    /// How samples become pixels.
     pub filter: Filter,
     /// Cells along x, y and z are at least 1 each and below 2^31 together.
     pub grid: Option<Resolution>,
     /// Only with a grid.
     pub visualize_grid: bool,
+    /// Whether statistics are printed.
     pub stats: bool,
     /// The line asks for the course's preview, which this program does not have.
     pub preview: bool,
@@ -50,12 +56,14 @@ pub struct Depth {
     pub t0: f64,
     /// Distance shown black.
     pub t1: f64,
+    /// The picture; ends in `.tga` or `.png`.
     pub file: PathBuf,
 }
 
 /// A picture that shows each pixel as a square of `zoom` by `zoom`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Enlarged {
+    /// The picture; ends in `.tga` or `.png`.
     pub file: PathBuf,
     /// At least 1; the enlarged picture's sides stay below 65536.
     pub zoom: usize,

@@ -24,6 +24,7 @@ use std::ops::Range;
 /// has the index `(i + 1) + sx ((j + 1) + sy (k + 1))` with `sx = nx + 2`, `sy = ny + 2`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
+    /// The box that is cut.
     pub bounds: Aabb,
     cells: [usize; 3],
     /// Edge lengths of a cell.
@@ -93,6 +94,7 @@ impl Ahead {
 }
 
 impl Lattice {
+    /// Cuts a box, which must not be flat, into so many cells along each axis, at least one.
     pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
         let count = DVec3::from_array(cells.map(|n| n as f64));
         let extent = bounds.extent();
@@ -129,6 +131,7 @@ impl Lattice {
         [1, nx + 2, (nx + 2) * (ny + 2)]
     }
 
+    /// The index of a cell.
     pub fn index(&self, cell: [usize; 3]) -> usize {
         let [sx, sy, sz] = self.strides();
         (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz

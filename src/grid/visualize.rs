@@ -28,6 +28,7 @@ const BORDER: u32 = u32::MAX;
 /// The face by which a ray comes upon an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
+    /// Where the ray meets it.
     pub t: f64,
     /// Outward unit normal of the face.
     pub normal: DVec3,

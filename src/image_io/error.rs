@@ -9,27 +9,39 @@ use std::{fmt, io};
 pub enum ImageError {
     /// The name says neither TGA nor PNG.
     Ending {
+        /// The file.
         path: PathBuf,
     },
     /// The name of an output is that of a folder.
     Folder {
+        /// The file.
         path: PathBuf,
     },
+    /// The system failed to read or write a file.
     Io {
+        /// What was tried, such as "open".
         action: &'static str,
+        /// The file.
         path: PathBuf,
+        /// What the reason is.
         error: io::Error,
     },
     /// The file's content is not what its name says, or the picture does not fit the format.
     Coding {
+        /// What was tried, such as "open".
         action: &'static str,
+        /// The file.
         path: PathBuf,
+        /// What the reason is.
         error: Box<image::ImageError>,
     },
     /// A side is too long for the format.
     Sides {
+        /// The file.
         path: PathBuf,
+        /// In pixels.
         width: u32,
+        /// In pixels.
         height: u32,
     },
 }

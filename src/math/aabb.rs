@@ -5,7 +5,9 @@ use glam::DVec3;
 /// A closed axis-aligned box. [`Aabb::EMPTY`] is the identity of [`Aabb::union`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
+    /// The corner of the least coordinates.
     pub min: DVec3,
+    /// The corner of the greatest coordinates.
     pub max: DVec3,
 }
 
@@ -23,6 +25,7 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Whether the box holds no point.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }

@@ -74,6 +74,7 @@ pub fn difference(a: DVec3, b: DVec3) -> [Dd; 3] {
     [Dd::difference(a.x, b.x), Dd::difference(a.y, b.y), Dd::difference(a.z, b.z)]
 }
 
+/// The dot product.
 pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

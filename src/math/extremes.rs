@@ -3,11 +3,13 @@
 
 use glam::DVec3;
 
+/// The lesser of two.
 #[inline(always)]
 pub fn lesser<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
+/// The greater of two.
 #[inline(always)]
 pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }

@@ -8,11 +8,13 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Ray {
+    /// Where t is 0.
     pub origin: DVec3,
     /// 0, or minus infinity for an orthographic camera, which also sees what is behind its plane.
     pub t_min: f64,
     /// Need not be a unit vector: t counts in its length.
     pub direction: DVec3,
+    /// Where the ray ends; infinite where nothing ends it.
     pub t_max: f64,
 }
 
@@ -36,6 +38,7 @@ impl Ray {
         Self { origin: o.extend(o_z.x), t_min: o_z.y, direction: d.extend(d_z.x), t_max: d_z.y }
     }
 
+    /// The point at `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }

@@ -8,6 +8,7 @@ use glam::DVec3;
 pub struct Plane {
     /// Unit length.
     pub normal: DVec3,
+    /// The distance from the origin along the normal.
     pub offset: f64,
 }
 

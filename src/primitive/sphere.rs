@@ -4,13 +4,17 @@ use crate::math::double_double::{Dd, difference, dot};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::DVec3;
 
+/// The points at `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// The centre.
     pub center: DVec3,
+    /// Positive.
     pub radius: f64,
 }
 
 impl Sphere {
+    /// The tight box.
     pub fn bounds(&self) -> Aabb {
         Aabb { min: self.center - self.radius, max: self.center + self.radius }
     }

@@ -35,6 +35,7 @@ pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
 }
 
 impl<'r> Shear<'r> {
+    /// Along a ray. One that leads nowhere, or whose direction is not finite, misses every triangle.
     #[inline(always)]
     pub fn new(ray: &'r Ray) -> Self {
         let d = ray.direction.to_array();

@@ -20,9 +20,13 @@ use row::{Colors, Row};
 /// The pictures that were asked for.
 #[derive(Clone, Debug, Default)]
 pub struct Pictures {
+    /// What is seen.
     pub color: Option<Picture>,
+    /// How far away it is.
     pub depth: Option<Picture>,
+    /// Which way its surface faces.
     pub normals: Option<Picture>,
+    /// Where the samples of each pixel lie, and their colours.
     pub samples: Option<Picture>,
     /// Pixels whose colour is not a number; they are black.
     pub nans: u64,

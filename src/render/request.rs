@@ -13,6 +13,7 @@ use std::ops::Range;
 /// What the colour picture shows.
 #[derive(Clone, Copy, Debug)]
 pub enum View<'a> {
+    /// The scene, with these effects.
     Scene(Effects),
     /// The occupied cells of the grid, lit by the world's lights.
     Cells(&'a Occupancy),
@@ -23,13 +24,17 @@ pub enum View<'a> {
 pub struct Request<'a> {
     /// Width and height in pixels.
     pub size: [usize; 2],
+    /// What the colour picture shows.
     pub view: View<'a>,
+    /// Where the samples of a pixel lie.
     pub sampler: Sampler,
+    /// How samples become pixels.
     pub filter: Filter,
     /// The colour picture.
     pub color: bool,
     /// The depth picture, white and black at these distances.
     pub depth: Option<[f64; 2]>,
+    /// The picture of the normals.
     pub normals: bool,
     /// The picture of the samples, each pixel enlarged so many times.
     pub samples: Option<usize>,

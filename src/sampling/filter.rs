@@ -6,14 +6,26 @@ use glam::DVec2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// 1 within the radius along both axes.
-    Box { radius: f64 },
+    Box {
+        /// Half the width.
+        radius: f64,
+    },
     /// Falls from 1 at the centre to 0 at the radius.
-    Tent { radius: f64 },
+    Tent {
+        /// Half the width.
+        radius: f64,
+    },
     /// exp(-d^2 / 2 sigma^2), not cut off within the pixels of its support.
-    Gaussian { sigma: f64 },
+    Gaussian {
+        /// The standard deviation.
+        sigma: f64,
+    },
     /// Mitchell and Netravali's cubic with B = C = 1/3 ("Reconstruction Filters in Computer
     /// Graphics", SIGGRAPH 1988) along both axes; it ends at the radius.
-    Mitchell { radius: f64 },
+    Mitchell {
+        /// Half the width.
+        radius: f64,
+    },
 }
 
 impl Filter {

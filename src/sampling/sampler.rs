@@ -4,8 +4,10 @@ use super::drand48::Drand48;
 use glam::DVec2;
 use rand::RngExt;
 
+/// Where the samples of a pixel lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
+    /// Anywhere in the pixel.
     Random,
     /// The centres of a grid of strata.
     Uniform,

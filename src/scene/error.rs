@@ -9,7 +9,9 @@ use std::path::Path;
 /// One thing wrong with a scene, and where its text says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
+    /// Where the text says so.
     pub at: Position,
+    /// What is wrong.
     pub problem: Problem,
     /// Advice that goes beyond what is wrong, as one line.
     pub hint: Option<String>,
@@ -19,33 +21,85 @@ pub struct SceneError {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
     /// Something else must stand here. `found` is empty at the end of the text.
-    Expected { what: String, found: String },
+    Expected {
+        /// What must stand here.
+        what: String,
+        /// What stands there, empty at the end of the text.
+        found: String,
+    },
     /// A value that breaks its rule, as in "must be positive".
-    BadValue { field: String, rule: &'static str, found: String },
+    BadValue {
+        /// The word before the value.
+        field: String,
+        /// What the value must be.
+        rule: &'static str,
+        /// What stands there, empty at the end of the text.
+        found: String,
+    },
     /// A number beyond the largest finite one.
-    NumberTooLarge { found: String },
+    NumberTooLarge {
+        /// What stands there, empty at the end of the text.
+        found: String,
+    },
     /// A vector whose direction matters has none.
-    ZeroVector { field: String },
+    ZeroVector {
+        /// The word before the value.
+        field: String,
+    },
     /// The camera's up vector runs along its direction.
     UpAlongDirection,
     /// A list is shorter than its announced length.
-    TooFew { field: &'static str, announced: u64, found: u64 },
+    TooFew {
+        /// The word before the value.
+        field: &'static str,
+        /// The length that the text announces.
+        announced: u64,
+        /// How long the list is.
+        found: u64,
+    },
     /// A list is longer than its announced length.
-    TooMany { field: &'static str, announced: u64 },
+    TooMany {
+        /// The word before the value.
+        field: &'static str,
+        /// The length that the text announces.
+        announced: u64,
+    },
     /// A material index beyond the declared materials.
-    NoSuchMaterial { index: u64, declared: usize },
+    NoSuchMaterial {
+        /// The index that the text gives.
+        index: u64,
+        /// How many materials there are.
+        declared: usize,
+    },
     /// A texture names itself or a later material.
-    NotAnEarlierMaterial { index: u64, own: usize },
+    NotAnEarlierMaterial {
+        /// The index that the text gives.
+        index: u64,
+        /// The texture's own index.
+        own: usize,
+    },
     /// An object before the first choice of a material.
-    NoMaterial { object: String },
+    NoMaterial {
+        /// The word of the object.
+        object: String,
+    },
     /// A choice of material that no object follows.
-    MaterialAfterLastObject { word: String },
+    MaterialAfterLastObject {
+        /// The word as written.
+        word: String,
+    },
     /// `Materials` behind a `Group`, whose indices it would change.
     MaterialsAfterGroup,
     /// A block that every scene needs is absent.
-    Missing { block: &'static str },
+    Missing {
+        /// The word that begins the block.
+        block: &'static str,
+    },
     /// Legal in some edition of the course, but not here.
-    Unsupported { word: String },
+    Unsupported {
+        /// The word as written.
+        word: String,
+    },
     /// The last row of a `Matrix` is not 0 0 0 1.
     NotAffine,
     /// A transform or texture map with a number beyond the largest finite one.
@@ -55,12 +109,23 @@ pub enum Problem {
     /// More primitives than 32 bits can number.
     TooManyPrimitives,
     /// A mesh file that could not be read; each place tried, with the reason.
-    MeshUnreadable { name: String, tried: Vec<(String, String)> },
+    MeshUnreadable {
+        /// The name as written.
+        name: String,
+        /// Each place, and why the file could not be read there.
+        tried: Vec<(String, String)>,
+    },
     /// A mesh file with something wrong inside.
-    BadMesh { file: String, error: MeshError },
+    BadMesh {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        error: MeshError,
+    },
 }
 
 impl SceneError {
+    /// An error without a hint.
     pub fn new(at: Position, problem: Problem) -> Self {
         Self { at, problem, hint: None }
     }

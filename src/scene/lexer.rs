@@ -11,7 +11,9 @@ use super::Position;
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
+    /// The word as written.
     pub text: &'a str,
+    /// Where it stands.
     pub at: Position,
 }
 
@@ -32,6 +34,7 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
+    /// From the start of a text on.
     pub fn new(text: &'a str) -> Self {
         let start = Position { line: 1, column: 1 };
         Self { rest: text, at: start, after_last_word: start }

@@ -3,20 +3,29 @@
 use super::{Color, MaterialId};
 use glam::DAffine3;
 
+/// What a surface is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
+    /// The same everywhere.
     Phong(Phong),
+    /// A mix of two others.
     Texture(Texture),
 }
 
 /// A Blinn-Phong material with its secondary rays' colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
+    /// Scattered in all directions.
     pub diffuse: Color,
+    /// The colour of highlights.
     pub specular: Color,
+    /// How narrow the highlights are.
     pub exponent: f64,
+    /// The share of the mirrored light.
     pub reflective: Color,
+    /// The share of the refracted light.
     pub transparent: Color,
+    /// Of the inside against the outside.
     pub index_of_refraction: f64,
 }
 
@@ -36,6 +45,7 @@ impl Default for Phong {
 /// A solid texture: at every point a mix of two earlier materials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
+    /// How the materials mix.
     pub pattern: Pattern,
     /// Maps a world point to a texture point.
     pub world_to_texture: DAffine3,
@@ -46,8 +56,29 @@ pub struct Texture {
 /// How a texture mixes its two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
+    /// Unit cubes of the one and of the other in turn.
     Checkerboard,
-    Noise { octaves: u32 },
-    Marble { octaves: u32, frequency: f64, amplitude: f64 },
-    Wood { octaves: u32, frequency: f64, amplitude: f64 },
+    /// Perlin noise, summed over octaves.
+    Noise {
+        /// How many octaves of noise are summed.
+        octaves: u32,
+    },
+    /// Stripes along x, bent by noise.
+    Marble {
+        /// How many octaves of noise are summed.
+        octaves: u32,
+        /// By how many radians the pattern's phase advances over one unit.
+        frequency: f64,
+        /// By how many radians a noise of 1 shifts the phase.
+        amplitude: f64,
+    },
+    /// Rings around y, bent by noise.
+    Wood {
+        /// How many octaves of noise are summed.
+        octaves: u32,
+        /// By how many radians the pattern's phase advances over one unit.
+        frequency: f64,
+        /// By how many radians a noise of 1 shifts the phase.
+        amplitude: f64,
+    },
 }

@@ -17,7 +17,9 @@ use std::fmt;
 /// Every coordinate is finite and every index in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
+    /// The corners of the triangles.
     pub vertices: Vec<DVec3>,
+    /// Indices of three corners each, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -27,19 +29,44 @@ pub enum MeshError {
     /// No face at all, so nothing to show.
     NoFaces,
     /// A vertex that is not three numbers and what may follow them.
-    BadVertex { line: usize },
+    BadVertex {
+        /// The line.
+        line: usize,
+    },
     /// A vertex with a coordinate that is not a finite number.
-    NotFinite { line: usize },
+    NotFinite {
+        /// The line.
+        line: usize,
+    },
     /// A face that is not a list of vertex indices.
-    BadFace { line: usize },
+    BadFace {
+        /// The line.
+        line: usize,
+    },
     /// A face of one or two vertices.
-    FewCorners { line: usize },
+    FewCorners {
+        /// The line.
+        line: usize,
+    },
     /// A face that names a vertex which the file does not have.
-    NoSuchVertex { line: usize, vertices: usize },
+    NoSuchVertex {
+        /// The line.
+        line: usize,
+        /// How many vertices the file has.
+        vertices: usize,
+    },
     /// A vertex or face that is not UTF-8 text.
-    NotText { line: usize },
+    NotText {
+        /// The line.
+        line: usize,
+    },
     /// Anything else, in the words of the OBJ reader.
-    Other { line: usize, message: String },
+    Other {
+        /// The line.
+        line: usize,
+        /// The reader's words.
+        message: String,
+    },
 }
 
 impl std::error::Error for MeshError {}

@@ -10,6 +10,7 @@ pub struct Incident {
     pub direction: DVec3,
     /// How far away the light is; infinite for a directional one.
     pub distance: f64,
+    /// What arrives of the light.
     pub color: Color,
 }
 
