@@ -113,3 +113,56 @@ impl Walk<'_> {
         stays
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::passage::{clip, clip_packet};
+    use crate::math::aabb::Aabb;
+    use crate::math::four::Plain;
+    use crate::math::instructions::Portable;
+    use crate::math::packet::{Along, Packet};
+    use crate::math::ray::Ray;
+    use glam::DVec3;
+
+    fn lattice(cells: [usize; 3]) -> Lattice {
+        Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, cells)
+    }
+
+    /// Through the unit box, in directions of all signs.
+    fn rays() -> impl Iterator<Item = Ray> {
+        let coordinate = |k: u32| (f64::from(k) * 0.618_034).fract() * 3.0 - 1.0;
+        let point = move |k: u32| DVec3::from([1, 3, 7].map(|n| coordinate(n * k)));
+        (0..400).map(move |k| Ray::new(point(k), point(k + 50) - point(k)))
+    }
+
+    /// What is given for the border, and how many words are given, makes no difference.
+    #[test]
+    fn a_walk_ends_at_the_border_and_stays_there() {
+        const CELLS: [usize; 3] = [4, 1, 3];
+        let mut entered = 0;
+        for given in [0, 50, lattice(CELLS).index_count(), 1000] {
+            let words = Words::new(lattice(CELLS), vec![EMPTY; given]).unwrap();
+            for ray in rays() {
+                let along = Along::<Plain>::all_axes(Portable, &ray);
+                let slab = words.lattice().slab();
+                let Some(passage) = clip(slab, along, ray.t_min, ray.t_max) else { continue };
+                let mut walk = words.walk(&passage);
+                walk.skip();
+                let end = (walk.word(), walk.march.index(), walk.step(), walk.march.index());
+                assert_eq!(end, (BORDER, end.1, 7, end.1), "{ray:?}");
+                entered += 1;
+            }
+        }
+        assert!(entered > 400, "{entered}");
+    }
+
+    #[test]
+    fn marches_through_another_lattice_lead_nowhere() {
+        let (large, small) = (lattice([1000; 3]), Words::new(lattice([2; 3]), vec![]).unwrap());
+        let [a, b] = [DVec3::splat(0.7), DVec3::splat(0.9)].map(|origin| Ray::new(origin, DVec3::ONE));
+        let packet = Packet::<Plain>::new(Portable, [&a, &b, &a, &b]);
+        let marches = Marches::new(&large, &packet, &clip_packet(large.slab(), &packet));
+        assert_eq!([0, 1, 2, 3].map(|ray| small.walk_of(&marches, ray).word()), [BORDER; 4]);
+    }
+}

@@ -6,7 +6,11 @@ pub struct Portable;
 
 /// Proof that this processor has AVX2, FMA and the bit manipulation that comes with them. Only
 /// [`Avx2::detect`] makes one, and only where that is so; so safe code cannot run these instructions
-/// elsewhere.
+/// elsewhere:
+///
+/// ```compile_fail
+/// let claimed = raytracer::math::instructions::Avx2(());
+/// ```
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Avx2(());
