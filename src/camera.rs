@@ -122,4 +122,48 @@ mod tests {
         assert!(left.direction.dot(right.direction).abs() < 1e-15 && left.direction.x < 0.0);
         assert!((left.direction.length() - 1.0).abs() < 1e-15);
     }
+
+    /// Both kinds from one point in the same direction.
+    fn oblique() -> [scene::Camera; 2] {
+        let (center, direction, up) =
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 3.0, -4.0), DVec3::new(0.0, 1.0, 0.0));
+        let orthographic = scene::Camera::Orthographic { center, direction, up, size: 6.0 };
+        [orthographic, scene::Camera::Perspective { center, direction, up, angle: 90.0 }]
+    }
+
+    #[test]
+    fn rays_through_known_places() {
+        // The axes are +x to the right, and (0, 4, 3) / 5 up.
+        let [orthographic, perspective] = oblique().map(|camera| Camera::new(&camera, [6, 3]));
+        let (pixel, offset) = (DVec2::new(5.0, 0.0), DVec2::new(0.25, -0.25));
+        let (right, up) = (DVec3::X, DVec3::new(0.0, 0.8, 0.6));
+        // 2.75 pixels to the right of the middle and 1.25 below it, where 6 pixels span the screen.
+        let (x, y) = (2.75 / 6.0, -1.25 / 6.0);
+        let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-15;
+        let ray = orthographic.ray(pixel, offset);
+        assert!((ray.origin - (DVec3::new(1.0, 2.0, 3.0) + 6.0 * (x * right + y * up))).length() < 1e-14);
+        assert!(near(ray.direction, DVec3::new(0.0, 0.6, -0.8)));
+        assert_eq!((ray.t_min, ray.t_max), (f64::NEG_INFINITY, f64::INFINITY));
+        let ray = perspective.ray(pixel, offset);
+        let expected = DVec3::new(0.0, 0.6, -0.8) + 2.0 * (x * right + y * up);
+        assert!(near(ray.direction, expected.normalize()));
+        assert_eq!((ray.origin, ray.t_min), (DVec3::new(1.0, 2.0, 3.0), 0.0));
+    }
+
+    #[test]
+    fn the_eye_is_where_the_rays_of_a_perspective_camera_start() {
+        let [orthographic, perspective] = oblique();
+        for size in [[6, 3], [3, 8]] {
+            assert!(Camera::new(&orthographic, size).eye().is_none());
+            let camera = Camera::new(&perspective, size);
+            let eye = camera.eye().unwrap();
+            for pixel in [DVec2::ZERO, DVec2::new(2.0, 1.0), DVec2::new(1.0, 2.0)] {
+                let place = pixel - eye.middle;
+                let along = (eye.direction + place.x * eye.right + place.y * eye.up).normalize();
+                let ray = camera.ray(pixel, DVec2::ZERO);
+                assert!((along - ray.direction).length() < 1e-15, "{pixel}");
+                assert_eq!(ray.origin, eye.center);
+            }
+        }
+    }
 }

@@ -250,15 +250,4 @@ pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn snell() {
-        let incoming = DVec3::new(0.6, -0.8, 0.0);
-        let out = refracted(incoming, DVec3::Y, 1.0 / 1.5).unwrap();
-        assert!((out.x - 0.4).abs() < 1e-15 && out.y < 0.0);
-        assert!((refracted(incoming, DVec3::Y, 1.0).unwrap() - incoming).length() < 1e-15);
-        assert_eq!(refracted(incoming, DVec3::Y, 2.0), None);
-    }
-}
+mod tests;

@@ -82,6 +82,77 @@ pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_rational::BigRational;
+    use num_traits::Signed;
+
+    fn exact(x: f64) -> BigRational {
+        BigRational::from_float(x).unwrap()
+    }
+
+    fn exact_sum(x: Dd) -> BigRational {
+        exact(x.high) + exact(x.low)
+    }
+
+    /// Evenly spread in [-0.5, 0.5), with digits down to the last.
+    fn spread(i: u32, step: f64) -> f64 {
+        (i as f64 * step).fract() - 0.5
+    }
+
+    /// Sums of all signs and of magnitudes from 2^-20 to 2^20, whose parts fill their digits.
+    fn sums() -> impl Iterator<Item = Dd> {
+        (1..400).map(|i| {
+            let high = spread(i, 2f64.sqrt()) * 2f64.powi((i % 41) as i32 - 20);
+            renormalized(high, spread(i, 3f64.sqrt()) * 2f64.powi(-52) * high)
+        })
+    }
+
+    fn assert_accurate(found: Dd, true_value: BigRational, operation: &str) {
+        let error = (exact_sum(found) - &true_value).abs();
+        assert!(error <= true_value.abs() * exact(2f64.powi(-100)), "{operation} off: {found:?}");
+        assert_eq!(found.high, found.high + found.low, "{operation} leaves a part that fits into the first");
+    }
+
+    #[test]
+    fn operations_are_off_by_less_than_two_to_the_minus_100() {
+        for (x, y) in sums().zip(sums().skip(7)) {
+            let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
+            assert_accurate(x + y, &exact_x + &exact_y, "sum");
+            assert_accurate(x - y, &exact_x - &exact_y, "difference");
+            assert_accurate(x * y, &exact_x * &exact_y, "product");
+        }
+    }
+
+    #[test]
+    fn sums_that_cancel_keep_their_digits() {
+        for (x, y) in sums().zip(sums().skip(7)) {
+            let near = Dd { high: x.high, low: 0.3 * x.low };
+            assert_accurate(x - near, exact_sum(x) - exact_sum(near), "difference of neighbours");
+            assert_accurate(x + y - x, exact_sum(x + y) - exact_sum(x), "rest");
+        }
+    }
+
+    #[test]
+    fn the_difference_of_floats_is_exact_whichever_is_larger() {
+        for i in 1..400 {
+            let (a, b) = (spread(i, 2f64.sqrt()), spread(i, 3f64.sqrt()) * 2f64.powi((i % 81) as i32 - 40));
+            let found = Dd::difference(a, b);
+            assert_eq!(exact_sum(found), exact(a) - exact(b));
+            assert_eq!(found.parts(), [found.low, found.high]);
+            assert_eq!(found.value(), a - b);
+        }
+        // Half way between two floats below 1 and above it, the float is the even one.
+        assert_eq!(Dd::difference(1.0, -2f64.powi(-53)).value(), 1.0);
+    }
+
+    #[test]
+    fn products_of_vectors() {
+        let vector = |x: f64, y: f64, z: f64| [x, y, z].map(Dd::from);
+        let (a, b) = (vector(2.0, 3.0, 7.0), vector(11.0, 17.0, 29.0));
+        assert_eq!(dot(a, b).value(), 276.0);
+        assert_eq!(cross(a, b).map(Dd::value), [-32.0, 19.0, 1.0]);
+        let between = difference(DVec3::new(5.0, 7.0, 9.0), DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(between.map(Dd::value), [4.0, 5.0, 6.0]);
+    }
 
     #[test]
     fn what_a_float_loses_is_kept() {

@@ -34,3 +34,31 @@ pub fn box_corners([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
     let (x, y, z) = (axis(0), axis(1), axis(2));
     [DVec3::new(least(x), least(y), least(z)), DVec3::new(greatest(x), greatest(y), greatest(z))]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extremes_of_three_stand_in_any_place() {
+        for numbers in [[1, 2, 3], [1, 3, 2], [2, 1, 3], [2, 3, 1], [3, 1, 2], [3, 2, 1]] {
+            assert_eq!((least(numbers), greatest(numbers)), (1, 3));
+        }
+        assert_eq!((lesser(1, 2), lesser(2, 1), greater(1, 2), greater(2, 1)), (1, 1, 2, 2));
+    }
+
+    /// As the processor's instructions do it: neither of two zeros is the lesser.
+    #[test]
+    fn the_second_is_given_where_neither_is_the_extreme() {
+        for pick in [lesser, greater] {
+            assert!(pick(0.0, f64::NAN).is_nan() && pick(f64::NAN, 0.0) == 0.0);
+            assert!(pick(0.0, -0.0).is_sign_negative() && pick(-0.0, 0.0).is_sign_positive());
+        }
+    }
+
+    #[test]
+    fn a_box_around_three_points_touches_the_outermost() {
+        let points = [DVec3::new(1.0, 6.0, -7.0), DVec3::new(2.0, 5.0, 9.0), DVec3::new(3.0, 4.0, 8.0)];
+        assert_eq!(box_corners(points), [DVec3::new(1.0, 4.0, -7.0), DVec3::new(3.0, 6.0, 9.0)]);
+    }
+}

@@ -57,3 +57,36 @@ pub struct Hit {
     /// The primitive's number in its world.
     pub primitive: u32,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ray() -> Ray {
+        let (origin, direction) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 6.0, 7.0));
+        Ray { origin, t_min: 4.0, direction, t_max: 8.0 }
+    }
+
+    #[test]
+    fn pairs_hold_all_numbers_of_a_ray() {
+        let numbers = [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0]];
+        assert_eq!(ray().pairs(), numbers.map(DVec2::from_array));
+        assert_eq!(Ray::of_pairs(ray().pairs()), ray());
+    }
+
+    #[test]
+    fn a_point_at_t() {
+        assert_eq!(ray().at(2.0), DVec3::new(11.0, 14.0, 17.0));
+    }
+
+    #[test]
+    fn a_ray_covers_its_beginning_and_not_its_end() {
+        let covered = |ray: Ray, ts: [f64; 4]| ts.map(|t| ray.covers(t));
+        assert_eq!(covered(ray(), [3.9, 4.0, 7.9, 8.0]), [false, true, true, false]);
+        let endless = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray() };
+        let ends = [f64::NEG_INFINITY, -1e300, 1e300, f64::INFINITY];
+        assert_eq!(covered(endless, ends), [false, true, true, false]);
+        assert!(!endless.covers(f64::NAN));
+        assert!(Ray::new(ray().origin, ray().direction).covers(0.0));
+    }
+}

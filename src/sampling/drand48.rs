@@ -70,7 +70,7 @@ impl TryRng for Drand48 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::RngExt;
+    use rand::{Rng, RngExt};
 
     #[test]
     fn the_first_numbers_of_an_unseeded_c_program() {
@@ -92,5 +92,27 @@ mod tests {
         let far = 123_456_789_012_345;
         assert_eq!(start.jumped(far).jumped(far), start.jumped(2 * far));
         assert_eq!(start.jumped(1 << 48), start, "the period is 2^48");
+    }
+
+    #[test]
+    fn words_and_bytes_are_the_upper_digits_of_the_state() {
+        let mut states = Drand48::seeded(7);
+        let mut state = || {
+            states = states.jumped(1);
+            states.state
+        };
+        let mut rng = Drand48::seeded(7);
+        assert_eq!(rng.next_u64(), state() << 16);
+        assert_eq!(rng.next_u32(), (state() >> 16) as u32);
+        let mut bytes = [0; 8];
+        rng.fill_bytes(&mut bytes);
+        assert_eq!(bytes[..6], state().to_be_bytes()[2..]);
+        assert_eq!(bytes[6..], state().to_be_bytes()[2..4]);
+    }
+
+    #[test]
+    fn a_seed_fills_the_upper_32_bits() {
+        assert_eq!(Drand48::seeded(1).state, 0x1_330E);
+        assert_eq!(Drand48::seeded(u32::MAX).state, 0xFFFF_FFFF_330E);
     }
 }

@@ -182,4 +182,54 @@ mod tests {
         spread.add(0, DVec2::splat(-0.5), Color::ONE);
         film.add(spread, |_, colors| assert_eq!(colors.next(), Some(Color::ZERO)));
     }
+
+    #[test]
+    fn a_row_is_given_out_with_the_last_that_reaches_it() {
+        let (filter, size) = (Filter::Box { radius: 1.7 }, [2, 6]);
+        let mut film = Film::new(filter, size);
+        let given: Vec<Vec<usize>> = (0..6)
+            .map(|y| {
+                let mut rows = vec![];
+                film.add(Spread::new(filter, y, size), |row, _| rows.push(row));
+                rows
+            })
+            .collect();
+        // Its samples reach two rows each way.
+        assert_eq!(given, [vec![], vec![], vec![0], vec![1], vec![2], vec![3, 4, 5]]);
+    }
+
+    #[test]
+    fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
+        let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
+        let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
+        let mut spread = Spread::new(filter, y, size);
+        spread.add(x, offset, Color::splat(2.0));
+        assert_eq!(spread.reached, 1..=4);
+        for (row, sums) in spread.reached.zip(spread.sums.chunks(5)) {
+            for (column, sum) in sums.iter().enumerate() {
+                let place = DVec2::new(1.0 - column as f64, 3.0 - row as f64) + offset;
+                // Two columns and rows are within reach.
+                let weight = if column <= 3 { filter.weight(place) } else { 0.0 };
+                assert_eq!(*sum, Sum { color: Color::splat(2.0 * weight), weight }, "{column} {row}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sum_takes_no_more_memory_than_was_said() {
+        for (filter, size) in [(Filter::Box { radius: 1.7 }, [3, 9]), (Filter::Box { radius: 9.0 }, [3, 4])] {
+            let most = (0..size[1]).map(|row| size_of_val(&*Spread::new(filter, row, size).sums)).max();
+            assert_eq!(most, Some(Spread::bytes(filter, size)));
+        }
+    }
+
+    #[test]
+    fn a_sample_without_weight_leaves_no_trace() {
+        let mut sum = Sum::default();
+        sum.add(0.0, Color::NAN);
+        assert_eq!(sum.color(), Color::ZERO);
+        sum.add(0.5, Color::ONE);
+        sum.add(1.5, Color::splat(3.0));
+        assert_eq!(sum.color(), Color::splat(2.5));
+    }
 }

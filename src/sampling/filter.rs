@@ -100,4 +100,15 @@ mod tests {
         assert_eq!(supports(|radius| Filter::Tent { radius }), [0, 0, 1, 1, 2, 2]);
         assert_eq!(supports(|sigma| Filter::Gaussian { sigma }), [1, 1, 2, 3, 3, 5]);
     }
+
+    #[test]
+    fn the_cubic_at_known_places() {
+        // (7 x^3 - 12 x^2 + 16/3) / 6 below 1, (-7/3 x^3 + 12 x^2 - 20 x + 32/3) / 6 from there to 2.
+        for (x, value) in [(0.0, 16.0 / 18.0), (0.5, 77.0 / 144.0), (1.0, 1.0 / 18.0), (1.5, -5.0 / 144.0)] {
+            assert!((mitchell(x) - value).abs() < 1e-15, "{x}");
+        }
+        assert_eq!([2.0, 3.0].map(mitchell), [0.0, 0.0]);
+        let wide = Filter::Mitchell { radius: 4.0 };
+        assert_eq!(wide.weight(DVec2::new(-1.0, 3.0)), mitchell(0.5) * mitchell(1.5));
+    }
 }

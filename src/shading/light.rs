@@ -55,4 +55,22 @@ mod tests {
             assert!(at.color.is_finite() && at.direction.is_finite());
         }
     }
+
+    #[test]
+    fn a_light_shines_from_where_it_stands() {
+        let light = Light::Directional { direction: DVec3::NEG_Y, color: Color::X };
+        let at = incident(&light, DVec3::splat(9.0));
+        assert_eq!(at, Incident { direction: DVec3::Y, distance: f64::INFINITY, color: Color::X });
+        let light = Light::Point { position: DVec3::X, color: Color::ONE, attenuation: [0.0, 1.0, 0.0] };
+        let at = incident(&light, DVec3::X * 5.0);
+        assert_eq!(at, Incident { direction: DVec3::NEG_X, distance: 4.0, color: Color::splat(0.25) });
+    }
+
+    #[test]
+    fn a_light_without_falloff_or_with_a_negative_one_is_dark() {
+        for attenuation in [[0.0; 3], [-1.0, 0.0, 0.0], [1.0, 0.0, -1.0]] {
+            let light = Light::Point { position: DVec3::Y * 3.0, color: Color::ONE, attenuation };
+            assert_eq!(incident(&light, DVec3::ZERO).color, Color::ZERO);
+        }
+    }
 }

@@ -106,4 +106,76 @@ mod tests {
         assert_eq!(turbulence(DVec3::splat(0.3), 0), 0.0);
         assert_eq!(turbulence(DVec3::splat(0.3), 1), noise(DVec3::splat(0.3)));
     }
+
+    /// As Perlin lists them: to the edges of a cube, four of them twice.
+    const GRADIENTS: [[f64; 3]; 16] = [
+        [1.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [-1.0, -1.0, 0.0],
+        [1.0, 0.0, 1.0],
+        [-1.0, 0.0, 1.0],
+        [1.0, 0.0, -1.0],
+        [-1.0, 0.0, -1.0],
+        [0.0, 1.0, 1.0],
+        [0.0, -1.0, 1.0],
+        [0.0, 1.0, -1.0],
+        [0.0, -1.0, -1.0],
+        [1.0, 1.0, 0.0],
+        [0.0, -1.0, 1.0],
+        [-1.0, 1.0, 0.0],
+        [0.0, -1.0, -1.0],
+    ];
+
+    #[test]
+    fn gradients_point_to_the_edges_of_a_cube() {
+        let offset = DVec3::new(0.25, 0.5, 0.125);
+        for (hash, direction) in GRADIENTS.into_iter().enumerate() {
+            assert_eq!(gradient(hash, offset), DVec3::from(direction).dot(offset), "{hash}");
+            assert_eq!(gradient(hash + 240, offset), gradient(hash, offset));
+        }
+    }
+
+    #[test]
+    fn noise_blends_the_corners_by_the_fifth_degree_fade() {
+        let fade = |t: f64| 6.0 * t.powi(5) - 15.0 * t.powi(4) + 10.0 * t.powi(3);
+        for p in [
+            DVec3::new(314.0 / 100.0, 42.0, 7.0),
+            DVec3::new(-5.3, 0.7, 254.9),
+            DVec3::new(255.2, -0.4, -300.8),
+        ] {
+            let f = p - p.floor();
+            let mut sum = 0.0;
+            for corner in 0..8 {
+                let at = [corner & 1, corner >> 1 & 1, corner >> 2].map(|bit| bit as f64);
+                let [x, y, z] = [0, 1, 2].map(|axis| (p[axis].floor() + at[axis]).rem_euclid(256.0) as usize);
+                let hash = |i: usize, then: usize| PERMUTATION[i % 256] as usize + then;
+                let direction = GRADIENTS[PERMUTATION[hash(hash(x, y), z) % 256] as usize % 16];
+                let weights = [0, 1, 2].map(|axis| (1.0 - at[axis] - fade(f[axis])).abs());
+                let value = DVec3::from(direction).dot(f - DVec3::from(at));
+                sum += weights.iter().product::<f64>() * value;
+            }
+            assert!((noise(p) - sum).abs() < 1e-13, "{p}: {} {sum}", noise(p));
+        }
+        // As Perlin's own program gives it.
+        assert!((noise(DVec3::new(314.0 / 100.0, 42.0, 7.0)) - 0.136919958784).abs() < 1e-12);
+    }
+
+    #[test]
+    fn octaves_double_the_frequency_and_halve_the_amplitude() {
+        let p = DVec3::new(0.3, 0.45, 0.6);
+        let sum = noise(p) + noise(p * 2.0) / 2.0 + noise(p * 4.0) / 4.0;
+        assert!((turbulence(p, 3) - sum).abs() < 1e-15);
+    }
+
+    #[test]
+    fn whole_numbers_wrap_alike_however_large() {
+        for (cell, wrap) in [(0.0, 0), (255.0, 255), (256.0, 0), (-1.0, 255), (-257.0, 255)] {
+            assert_eq!(wrapped(cell, 256), wrap);
+        }
+        let end = 2f64.powi(53);
+        for (cell, wrap) in [(end - 1.0, 255), (end, 0), (end + 2.0, 2), (-end - 2.0, 254), (2e30, 0)] {
+            assert_eq!(wrapped(cell, 256), wrap, "{cell}");
+        }
+    }
 }

@@ -131,4 +131,51 @@ mod tests {
         let color = PointMaterial::from(&phong).reflect(&light, 1e-9, DVec3::Y, DVec3::Y);
         assert!((color.x - 0.5f64.sqrt()).abs() < 1e-15);
     }
+
+    fn mixed() -> (Phong, Phong) {
+        let one = Phong {
+            diffuse: Color::new(1.0, 0.5, 0.25),
+            specular: Color::new(0.0, 1.0, 0.0),
+            exponent: 2.0,
+            reflective: Color::splat(0.5),
+            transparent: Color::X,
+            index_of_refraction: 1.5,
+        };
+        let other = Phong {
+            diffuse: Color::new(0.0, 1.0, 0.5),
+            specular: Color::new(1.0, 0.0, 0.5),
+            exponent: 4.0,
+            reflective: Color::Z,
+            transparent: Color::splat(0.25),
+            index_of_refraction: 1.25,
+        };
+        (one, other)
+    }
+
+    #[test]
+    fn colours_mix_by_weight_and_highlights_stay_apart() {
+        let (one, other) = mixed();
+        let mix = PointMaterial::part(&one, 0.25).plus(PointMaterial::part(&other, 0.75));
+        assert_eq!(mix.phong.diffuse, 0.25 * one.diffuse + 0.75 * other.diffuse);
+        assert_eq!(mix.phong.reflective, 0.25 * one.reflective + 0.75 * other.reflective);
+        assert_eq!(mix.phong.transparent, 0.25 * one.transparent + 0.75 * other.transparent);
+        assert_eq!(mix.phong.index_of_refraction, 0.25 * 1.5 + 0.75 * 1.25);
+        // Half way between the light and the viewer, whose cosine with the normal is the root of 1/2.
+        let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::new(1.0, 0.5, 2.0) };
+        let color = mix.reflect(&light, 0.5, DVec3::Y, DVec3::Y);
+        let highlights = 0.25 * one.specular * 0.5 + 0.75 * other.specular * 0.25;
+        assert!((color - light.color * (0.5 * mix.phong.diffuse + highlights)).length() < 1e-15, "{color}");
+        assert_eq!(mix.reflect(&light, 0.5, DVec3::NEG_Y, DVec3::Y), light.color * 0.5 * mix.phong.diffuse);
+    }
+
+    #[test]
+    fn a_material_without_diffuse_colour_and_highlight_is_black() {
+        let black = Phong { diffuse: Color::ZERO, ..Phong::default() };
+        let shining = Phong { specular: Color::X, ..black };
+        let is_black = |phong| PointMaterial::from(&phong).is_black();
+        assert_eq!([is_black(black), is_black(shining), is_black(Phong::default())], [true, false, false]);
+        let parts = |other| PointMaterial::part(&black, 0.5).plus(PointMaterial::part(other, 0.5));
+        assert!(parts(&black).is_black() && parts(&black).further.is_empty());
+        assert!(!parts(&shining).is_black());
+    }
 }

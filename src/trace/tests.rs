@@ -1,0 +1,200 @@
+//! Scenes whose colours follow from the laws of optics by hand.
+
+use super::*;
+use crate::scene::parser::parse;
+use crate::stats::{Counts, Quiet};
+
+/// As in the text of [`Setting::new`].
+const BACKGROUND: Color = Color::new(0.25, 0.5, 1.0);
+
+/// A world of these parts of a scene's text, and what the rays in it model.
+struct Setting {
+    world: World,
+    effects: Effects,
+}
+
+impl Setting {
+    fn new(lights: &str, objects: &str, effects: Effects) -> Self {
+        let count: usize = ["Sphere", "Plane", "Box"].map(|word| objects.matches(word).count()).iter().sum();
+        let lights_count = lights.matches("Light ").count();
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Background {{ color .25 .5 1 ambientLight .125 .125 .125 }}
+             Lights {{ numLights {lights_count} {lights} }}
+             Group {{ numObjects {count} {objects} }}"
+        );
+        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+        Self { world, effects }
+    }
+
+    fn seen_by<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Color {
+        let caster = Caster::new(&self.world, None).unwrap();
+        let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, hit));
+        let tracer = Tracer { caster: &caster, effects: self.effects };
+        tracer.color(ray, surface.as_ref(), &mut Pending::default(), probe)
+    }
+
+    /// The colour seen from a point in a direction, which is the same whether or not anything is counted.
+    fn seen(&self, origin: [f64; 3], direction: [f64; 3]) -> Color {
+        let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
+        let color = self.seen_by(&ray, &mut Quiet);
+        assert_eq!(self.seen_by(&ray, &mut Counts::default()), color);
+        color
+    }
+
+    /// The colour that a point of a made-up surface shows to a ray along the negative z axis.
+    fn shown(&self, normal: DVec3) -> Color {
+        let caster = Caster::new(&self.world, None).unwrap();
+        let surface = SurfacePoint { position: DVec3::ZERO, normal, material: 0, triangle: None };
+        let tracer = Tracer { caster: &caster, effects: self.effects };
+        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
+        tracer.color(&ray, Some(&surface), &mut Pending::default(), &mut Quiet)
+    }
+}
+
+fn assert_near(color: Color, expected: Color) {
+    assert!((color - expected).abs().max_element() <= 1e-13, "{color} instead of {expected}");
+}
+
+const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
+const FLOOR: &str = "Material { diffuseColor 1 .5 .25 } Plane { normal 0 1 0 offset 0 }";
+const FLOOR_COLOR: Color = Color::new(1.0, 0.5, 0.25);
+const SUN: &str = "DirectionalLight { direction 0 -1 0 color .5 .5 .5 }";
+
+fn with(shadows: Shadows) -> Effects {
+    Effects { shadows, ..Effects::default() }
+}
+
+fn bounces(bounces: u32) -> Effects {
+    Effects { bounces, ..Effects::default() }
+}
+
+#[test]
+fn a_surface_shows_ambient_light_and_each_light_above_it_by_its_cosine() {
+    let below = "DirectionalLight { direction 0 1 0 color 1 1 1 }";
+    let slanting = "DirectionalLight { direction .6 -.8 0 color 1 1 1 }";
+    let setting = Setting::new(&[SUN, below, slanting].concat(), FLOOR, Effects::default());
+    assert_near(setting.seen([0.0, 1.0, 0.0], DOWN), (0.125 + 0.5 + 0.8) * FLOOR_COLOR);
+    assert_eq!(setting.seen([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]), BACKGROUND);
+}
+
+#[test]
+fn a_light_in_the_plane_of_a_surface_leaves_no_highlight_on_it() {
+    let material = "Material { diffuseColor 0 0 0 specularColor 1 1 1 } Sphere { center 9 9 9 radius 1 }";
+    let beside = "DirectionalLight { direction -1 0 0 color 1 1 1 }";
+    assert_eq!(Setting::new(beside, material, Effects::default()).shown(DVec3::Z), Color::ZERO);
+    let slanting = "DirectionalLight { direction -1 0 -.001 color 1 1 1 }";
+    assert!(Setting::new(slanting, material, Effects::default()).shown(DVec3::Z).x > 0.7);
+}
+
+#[test]
+fn the_inside_of_a_surface_is_black_unless_back_faces_are_lit() {
+    let sphere = "Material { } Sphere { center 0 0 0 radius 1 }";
+    let (front, back) = (Effects::default(), Effects { shade_back: true, ..Effects::default() });
+    assert_eq!(Setting::new(SUN, sphere, front).seen([0.0; 3], DOWN), Color::ZERO);
+    let lit_from_within = Setting::new(SUN, sphere, back);
+    assert_near(lit_from_within.seen([0.0; 3], DOWN), Color::splat(0.625));
+    assert_near(lit_from_within.seen([0.0; 3], [0.0, 1.0, 0.0]), Color::splat(0.125));
+    // Edge on, a surface is seen from its outside.
+    assert_eq!(Setting::new(SUN, sphere, front).shown(DVec3::X), Color::splat(0.125));
+}
+
+#[test]
+fn what_stands_between_casts_a_shadow_and_what_stands_behind_the_light_none() {
+    let lamp = "PointLight { position 0 4 0 color 1 1 1 }";
+    for (height, color) in [(2, 0.125), (6, 1.125)] {
+        let ball = format!("{FLOOR} Sphere {{ center 0 {height} 0 radius .5 }}");
+        let seen = |effects| Setting::new(lamp, &ball, effects).seen([1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]);
+        assert_near(seen(with(Shadows::Opaque)), color * FLOOR_COLOR);
+        assert_near(seen(with(Shadows::Transparent)), color * FLOOR_COLOR);
+        assert_near(seen(Effects::default()), 1.125 * FLOOR_COLOR);
+    }
+}
+
+#[test]
+fn a_transparent_thing_tints_light_by_its_way_inside_up_to_the_lamp() {
+    const GLASS: &str = "Material { transparentColor .5 .25 1 }";
+    let glass = format!(
+        "{FLOOR} {GLASS} Sphere {{ center 0 3 0 radius 1 }} Sphere {{ center 0 7 0 radius .5 }}
+         Sphere {{ center 0 12 0 radius 1 }}"
+    );
+    let lamp = "PointLight { position 0 9 0 color 1 1 1 }";
+    let tint = DVec3::new(0.5f64.powi(3), 0.25f64.powi(3), 1.0);
+    let seen = |shadows| Setting::new(lamp, &glass, with(shadows)).seen([9.0, 9.0, 0.0], [-1.0, -1.0, 0.0]);
+    assert_near(seen(Shadows::Transparent), (0.125 + tint) * FLOOR_COLOR);
+    assert_near(seen(Shadows::Opaque), 0.125 * FLOOR_COLOR);
+}
+
+#[test]
+fn counting_takes_a_shadow_ray_for_every_light_and_hit() {
+    let below = "DirectionalLight { direction 0 1 0 color 1 1 1 }";
+    let mut counts = Counts::default();
+    let ray = Ray::new(DVec3::Y, DVec3::NEG_Y);
+    let setting = Setting::new(&[SUN, below].concat(), FLOOR, with(Shadows::Opaque));
+    setting.seen_by(&ray, &mut counts);
+    assert_eq!((counts.shadow_rays, counts.non_shadow_rays), (2, 0));
+}
+
+#[test]
+fn mirrors_reflect_as_often_as_there_are_bounces_and_the_weight_allows() {
+    // A floor and a ceiling; each bounce is multiplied by the mirrors before it.
+    let hall = "Material { diffuseColor 1 0 0 reflectiveColor .5 0 0 } Plane { normal 0 1 0 offset 0 }
+                Material { diffuseColor 1 0 0 reflectiveColor .25 0 0 } Plane { normal 0 -1 0 offset -4 }";
+    let red = |effects| {
+        let color = Setting::new("", hall, effects).seen([0.0, 1.0, 0.0], [1.0, -1.0, 0.0]);
+        assert_eq!((color.y, color.z), (0.0, 0.0));
+        color.x
+    };
+    let sums = [1.0, 1.5, 1.625, 1.6875];
+    for (n, sum) in sums.into_iter().enumerate() {
+        assert_eq!(red(bounces(n as u32)), sum);
+    }
+    for (min_weight, sum) in [(0.5, 1.0), (0.49, 1.5), (0.125, 1.5), (0.124, 1.625), (0.0624, 1.6875)] {
+        assert_eq!(red(Effects { min_weight, ..bounces(3) }), sum, "{min_weight}");
+    }
+    let mut counts = Counts::default();
+    Setting::new("", hall, bounces(3)).seen_by(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
+    assert_eq!(counts.non_shadow_rays, 3);
+}
+
+#[test]
+fn a_ray_leaves_a_glass_plate_beside_the_line_it_came_on() {
+    let (sine, index) = (0.6f64, 1.5f64);
+    let tangent = |sine: f64| sine / (1.0 - sine * sine).sqrt();
+    // Through a plate from y = 0 down to y = -1, and as far again below it.
+    let x = tangent(sine / index) + tangent(sine);
+    let scene = format!(
+        "Material {{ diffuseColor 0 0 0 transparentColor .5 .25 1 indexOfRefraction {index} }}
+         Box {{ min -9 -1 -9 max 9 0 9 }}
+         Material {{ diffuseColor 1 1 1 }} Sphere {{ center {x} -2 0 radius 1e-9 }}"
+    );
+    let (from, direction) = ([-0.75, 1.0, 0.0], [sine, -0.8, 0.0]);
+    let through_both = DVec3::new(0.25, 0.0625, 1.0);
+    assert_near(Setting::new("", &scene, bounces(2)).seen(from, direction), through_both);
+    assert_near(Setting::new("", &scene, bounces(1)).seen(from, direction), Color::ZERO);
+    let beside = Setting::new("", &scene, bounces(2)).seen([-0.75 + 1e-6, 1.0, 0.0], direction);
+    assert_near(beside, through_both * BACKGROUND);
+}
+
+#[test]
+fn a_mirrored_direction_keeps_its_part_along_the_surface() {
+    let incoming = DVec3::new(0.6, -0.8, 0.0);
+    for normal in [DVec3::Y, DVec3::NEG_Y] {
+        assert!((reflected(incoming, normal) - DVec3::new(0.6, 0.8, 0.0)).length() < 1e-15);
+    }
+}
+
+#[test]
+fn snell() {
+    let incoming = DVec3::new(0.6, -0.8, 0.0);
+    let out = refracted(incoming, DVec3::Y, 1.0 / 1.5).unwrap();
+    assert!((out.x - 0.4).abs() < 1e-15 && out.y < 0.0);
+    assert!((refracted(incoming, DVec3::Y, 1.0).unwrap() - incoming).length() < 1e-15);
+    assert_eq!(refracted(incoming, DVec3::Y, 2.0), None);
+}
+
+#[test]
+fn at_the_critical_angle_light_runs_along_the_surface() {
+    let incoming = DVec3::new(0.5, -0.75f64.sqrt(), 0.0);
+    assert_eq!(refracted(incoming, DVec3::Y, 2.0), Some(DVec3::X));
+}
