@@ -228,4 +228,21 @@ RAY TRACING STATISTICS
         assert_eq!(clock(Duration::from_millis(3_723_004)), "1:02:03.004");
         assert_eq!(clock(Duration::from_secs(36_000)), "10:00:00.000");
     }
+
+    #[test]
+    fn counters_count_and_add_up() {
+        let counted = |rays, shadows, tests, cells| {
+            let mut counts = Counts::default();
+            (0..rays).for_each(|_| counts.non_shadow_ray());
+            (0..shadows).for_each(|_| counts.shadow_ray());
+            counts.intersections(tests);
+            counts.intersections(1);
+            (0..cells).for_each(|_| counts.cell());
+            counts
+        };
+        let expected = Counts { non_shadow_rays: 3, shadow_rays: 4, intersections: 18, cells_traversed: 6 };
+        assert_eq!(counted(3, 4, 17, 6).counts(), expected);
+        assert_eq!(counted(1, 3, 6, 2).merge(counted(2, 1, 10, 4)), expected);
+        assert_eq!(Quiet.merge(Quiet).counts(), Counts::default());
+    }
 }

@@ -171,4 +171,40 @@ mod tests {
         let (before, after) = (m * m.transpose(), axes * axes.transpose());
         assert!(before.abs_diff_eq(after, 1e-14 * 1e6));
     }
+
+    #[test]
+    fn a_ray_beside_the_middle_meets_the_slope_of_the_side() {
+        let e = squashed();
+        // A quarter of the way to the end of the longest axis.
+        let (x, y) = (0.25, (1.0 - 0.25f64 * 0.25).sqrt());
+        for speed in [1.0, 4.0] {
+            let ray = Ray::new(DVec3::new(1.5, 12.0, 3.0), DVec3::NEG_Y * speed);
+            let t = e.intersect(&ray).unwrap();
+            assert!((t * speed - (10.0 - 0.5 * y)).abs() < 1e-14);
+            let (normal, point) = e.surface(&ray, t);
+            assert!((normal - DVec3::new(x / 2.0, y / 0.5, 0.0).normalize()).length() < 1e-15);
+            assert!((point - DVec3::new(1.5, 2.0 + 0.5 * y, 3.0)).length() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn rays_without_a_length_or_with_too_much_of_it_miss() {
+        let e = squashed();
+        for (origin, direction) in [
+            (DVec3::new(1.0, 12.0, 3.0), DVec3::ZERO),
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO),
+            (DVec3::new(1.0, 2.0, 3.0), DVec3::X * 1e200),
+            (DVec3::new(1.0, 12.0, 3.0), DVec3::X),
+        ] {
+            assert_eq!(e.intersect(&Ray::new(origin, direction)), None, "{direction}");
+            assert!(e.crossings(&Ray::new(origin, direction)).is_none(), "{direction}");
+        }
+    }
+
+    #[test]
+    fn where_a_line_misses_by_rounding_the_surface_nearby_is_given() {
+        let ray = Ray::new(DVec3::new(1.0, 12.0, 4.0 + 1e-12), DVec3::NEG_Y);
+        let (normal, point) = squashed().surface(&ray, 10.0);
+        assert!((normal - DVec3::Z).length() < 1e-11 && (point - DVec3::new(1.0, 2.0, 4.0)).length() < 1e-11);
+    }
 }

@@ -46,4 +46,11 @@ mod tests {
         assert_eq!(floor.intersect(&Ray::new(DVec3::splat(-3.0), DVec3::Y)), Some(2.0));
         assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::Y)), None);
     }
+
+    #[test]
+    fn a_point_is_projected_along_the_normal() {
+        let plane = Plane { normal: DVec3::new(0.0, 0.6, 0.8), offset: -1.0 };
+        let projected = plane.project(DVec3::new(7.0, 5.0, 2.5));
+        assert!((projected - DVec3::new(7.0, 1.4, -2.3)).length() < 1e-15, "{projected}");
+    }
 }

@@ -117,4 +117,13 @@ mod tests {
         let ray = Ray { t_min: f64::NEG_INFINITY, ..Ray::new(DVec3::new(0.0, 0.0, -5.0), DVec3::NEG_Z) };
         assert_eq!(sphere.intersect(&ray), Some(-6.0));
     }
+
+    #[test]
+    fn a_line_that_touches_has_one_crossing_twice_and_one_that_misses_none() {
+        let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let from = |y| sphere.roots(DVec3::new(0.0, y, -5.0), DVec3::Z);
+        assert_eq!(from(1.0), Some([5.0, 5.0]));
+        assert_eq!([from(1.0 + f64::EPSILON), from(1.5), from(f64::NAN)], [None; 3]);
+        assert_eq!(sphere.roots(DVec3::new(0.0, 0.0, -5.0), DVec3::ZERO), None);
+    }
 }

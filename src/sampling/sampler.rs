@@ -139,4 +139,22 @@ mod tests {
                 .all(|o| o.min_element() >= -0.5 && o.max_element() < 0.5)
         );
     }
+
+    #[test]
+    fn uniform_samples_of_a_wide_grid() {
+        let expected = [-1.0, 0.0, 1.0].map(|x| x / 3.0);
+        let samples = offsets(Pattern::Uniform, 6, 0);
+        for (s, sample) in samples.into_iter().enumerate() {
+            assert_eq!(sample, DVec2::new(expected[s % 3], if s < 3 { -0.25 } else { 0.25 }));
+        }
+    }
+
+    #[test]
+    fn a_sampler_knows_how_many_samples_it_takes_and_where() {
+        let sampler = |pattern, count| Sampler::new(pattern, count, Drand48::UNSEEDED);
+        let counts = [0, 1, 2, 7].map(|count| sampler(Pattern::Random, count).count());
+        assert_eq!(counts, [1, 1, 2, 7]);
+        assert!(Sampler::CENTER.is_center());
+        assert!(!sampler(Pattern::Uniform, 2).is_center() && !sampler(Pattern::Random, 1).is_center());
+    }
 }

@@ -273,4 +273,18 @@ mod tests {
         let message = Problem::MeshUnreadable { name: "a.obj".into(), tried }.to_string();
         assert_eq!(message, "cannot read the mesh `a.obj`: tried `a.obj` (absent), then `b/a.obj` (absent)");
     }
+
+    #[test]
+    fn the_declared_materials_are_named() {
+        let message = |declared| Problem::NoSuchMaterial { index: 7, declared }.to_string();
+        assert_eq!(message(0), "there is no material 7: none is declared");
+        assert_eq!(message(1), "there is no material 7: only material 0 is declared");
+        assert_eq!(message(3), "there is no material 7: materials 0 to 2 are declared");
+    }
+
+    #[test]
+    fn only_a_word_that_is_too_long_is_cut() {
+        assert_eq!(quoted(&"x".repeat(200)), format!("`{}`", "x".repeat(200)));
+        assert_eq!(quoted(&"x".repeat(201)), format!("`{}...`", "x".repeat(200)));
+    }
 }

@@ -84,4 +84,19 @@ mod tests {
             assert_eq!(nearest(far, &keywords), None);
         }
     }
+
+    #[test]
+    fn a_word_too_long_or_without_a_letter_is_near_to_nothing() {
+        let long = "a".repeat(40);
+        assert_eq!(nearest(&long, &[&long]), Some(long.as_str()));
+        let longer = "a".repeat(41);
+        assert_eq!((nearest(&longer, &[&longer]), nearest("1", &["1"])), (None, None));
+    }
+
+    #[test]
+    fn a_third_of_a_word_may_be_wrong() {
+        assert_eq!((nearest("xy", &["xz"]), nearest("xy", &["wz"])), (Some("xz"), None));
+        assert_eq!(nearest("abcde", &["abcxy"]), Some("abcxy"));
+        assert_eq!(nearest("abcdef", &["abcxyz"]), None);
+    }
 }

@@ -322,4 +322,15 @@ mod tests {
             let _ = parse_obj(&text.as_bytes()[..end]);
         }
     }
+
+    #[test]
+    fn the_first_face_of_a_missing_vertex_is_named_and_no_sound_one_before() {
+        for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
+            let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
+            assert_eq!(refuse(&text), MeshError::NoSuchVertex { line, vertices: 5 }, "{corner}");
+        }
+        // A negative index counts from its face, however many vertices follow.
+        let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
+        assert_eq!(refuse(&text), MeshError::NoSuchVertex { line: 6, vertices: 5 });
+    }
 }

@@ -111,3 +111,19 @@ pub fn keyword(line: &[u8]) -> &[u8] {
 pub fn without_comment(line: &[u8]) -> &[u8] {
     line.split(|&byte| byte == b'#').next().unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lines_that_matter_are_read_alike_by_bytes_and_by_lines() {
+        let text = b"# c\nv 1 2 3 # d\nvn 1 2 3\n\nf 1 2 3\nl 1 2\nv 4 5 6 .1 .2 .3";
+        let (line, mut bytes) = (Cell::new(0), vec![]);
+        RelevantLines::new(text, &line).read_to_end(&mut bytes).unwrap();
+        assert_eq!(bytes, b"v 1 2 3 \nf 1 2 3\nv 4 5 6\n");
+        assert_eq!(line.get(), 7);
+        let lines: Vec<_> = RelevantLines::new(text, &line).lines().map(Result::unwrap).collect();
+        assert_eq!(lines, ["v 1 2 3 ", "f 1 2 3", "v 4 5 6"]);
+    }
+}

@@ -315,4 +315,29 @@ mod tests {
         let error = Reader::new("1#one").number("x").unwrap_err();
         assert!(error.hint.unwrap().contains("comment"));
     }
+
+    #[test]
+    fn where_several_words_are_possible_they_are_named() {
+        let hint = |keywords| Reader::new("0").unexpected("a word", keywords).hint;
+        assert_eq!((hint(&[]), hint(&["center"])), (None, None));
+        assert_eq!(hint(&["center", "radius"]), Some("possible here: center, radius".into()));
+    }
+
+    #[test]
+    fn numbers_that_are_not_whole_are_told_from_negative_ones() {
+        let rule = |word| match Reader::new(word).whole("x").unwrap_err().problem {
+            Problem::BadValue { rule, .. } => rule,
+            _ => "",
+        };
+        assert_eq!(["-1", "-0.5"].map(rule), ["must not be negative"; 2]);
+        assert_eq!(["0.0", "-0", "2.5"].map(rule), ["must be a whole number"; 3]);
+        assert_eq!(rule("x"), "");
+    }
+
+    #[test]
+    fn a_vector_s_hint_is_its_own_only_where_there_is_no_other() {
+        let hint = |text| Reader::new(text).vector("center").unwrap_err().hint.unwrap();
+        assert_eq!(hint("1 2 }"), "`center` takes three numbers");
+        assert!(hint("1 2#3").contains("comment"));
+    }
 }

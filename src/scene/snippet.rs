@@ -123,4 +123,13 @@ mod tests {
     fn harmless_text_cannot_steer_a_terminal() {
         assert_eq!(harmless("a\\'\"é\u{1b}\u{202e}\n"), "a\\'\"é\\u{1b}\\u{202e}\\n");
     }
+
+    #[test]
+    fn the_end_of_a_long_line_is_shown_in_full() {
+        let line = (0..3 * SHOWN).map(|i| (b'a' + (i % 26) as u8) as char).collect::<String>();
+        let (shown, above) = show(&line, 1, 3 * SHOWN as u32);
+        assert_eq!(shown, format!("    1 | ...{}", &line[2 * SHOWN..]));
+        assert_eq!(above, line.chars().last());
+        assert_eq!(show(&line[..SHOWN], 1, 1).0, format!("    1 | {}", &line[..SHOWN]));
+    }
 }

@@ -130,14 +130,14 @@ mod tests {
         for turns in -9..=9_i32 {
             let exact = sine_and_cosine(f64::from(turns) * 90.0);
             assert_eq!(exact, quarter[turns.rem_euclid(4) as usize]);
-            assert!(!(exact.0 == 0.0 && exact.0.is_sign_negative()));
+            assert!(!<[f64; 2]>::from(exact).iter().any(|x| *x == 0.0 && x.is_sign_negative()));
         }
         assert_eq!(read("XRotate -90").matrix3, DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
     }
 
     #[test]
     fn other_angles_are_close() {
-        for angle in [1.0, -30.0, 44.999, 45.0, 45.001, 100.0, 359.0, -721.5, 123_456.789] {
+        for angle in [1.0, -30.0, 44.999, 45.0, 45.001, 100.0, 170.0, 200.0, 359.0, -721.5, 123_456.789] {
             let (sine, cosine) = sine_and_cosine(angle);
             let (s, c) = (angle % 360.0).to_radians().sin_cos();
             assert!((sine - s).abs() < 1e-15 && (cosine - c).abs() < 1e-15, "{angle}");
@@ -200,5 +200,20 @@ mod tests {
     #[test]
     fn a_flat_scale_is_legal() {
         assert_eq!(read("Scale 1 0 1").matrix3.determinant(), 0.0);
+    }
+
+    #[test]
+    fn a_tiny_angle_keeps_its_digits() {
+        let (sine, cosine) = sine_and_cosine(1e-20);
+        assert_eq!((sine, cosine), (1e-20f64.to_radians(), 1.0));
+    }
+
+    #[test]
+    fn a_rotation_around_a_unit_axis_is_the_known_one() {
+        for (axis, degrees) in [(DVec3::new(2.0, 3.0, 6.0), 40.0), (DVec3::new(-6.0, 2.0, 3.0), 250.0)] {
+            let axis = axis / 7.0;
+            let known = DMat3::from_axis_angle(axis, f64::to_radians(degrees));
+            assert!(rotation(axis, degrees).matrix3.abs_diff_eq(known, 1e-15));
+        }
     }
 }

@@ -178,4 +178,11 @@ mod tests {
         assert!(parts(&black).is_black() && parts(&black).further.is_empty());
         assert!(!parts(&shining).is_black());
     }
+
+    #[test]
+    fn the_largest_whole_power_is_still_taken_by_squaring() {
+        for base in [0.9999, 0.99999, 0.999999] {
+            assert_eq!(power(base, 65536.0), (0..16).fold(base, |square, _| square * square));
+        }
+    }
 }

@@ -169,4 +169,82 @@ mod tests {
         }
         assert!((material_at(&materials, 2000, DVec3::splat(0.3)).phong.diffuse.x - 1.0).abs() < 1e-12);
     }
+
+    /// The weight of the first material with this texture point, through a map that is not the identity.
+    fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
+        let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
+        let t = Texture { world_to_texture, ..texture(pattern, [0, 1]) };
+        first_weight(&t, texture_point - DVec3::new(1.0, -2.0, 4.0))
+    }
+
+    #[test]
+    fn noise_is_turbulence_about_a_half() {
+        for p in [DVec3::new(0.25, 0.5, 0.625), DVec3::new(1.25, -0.5, 3.375), DVec3::new(0.5, 0.25, 0.25)] {
+            let expected = (turbulence(p, 3) + 0.5).clamp(0.0, 1.0);
+            assert_eq!(weight(Pattern::Noise { octaves: 3 }, p), expected);
+        }
+    }
+
+    #[test]
+    fn marble_is_a_wave_along_x_that_turbulence_shifts() {
+        let marble =
+            |octaves, amplitude, p| weight(Pattern::Marble { octaves, frequency: 3.0, amplitude }, p);
+        for (x, expected) in [(0.0, 0.5), (0.5, 0.5 + 0.5 * 1.5f64.sin()), (-0.25, 0.5 - 0.5 * 0.75f64.sin())]
+        {
+            assert!((marble(0, 7.0, DVec3::new(x, 9.0, -5.0)) - expected).abs() < 1e-15);
+        }
+        let p = DVec3::new(0.25, 0.5, 0.625);
+        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2)).sin();
+        assert!((marble(2, 7.0, p) - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn wood_is_rings_around_y_that_turbulence_along_the_grain_shifts() {
+        let wood = |octaves, amplitude, p| weight(Pattern::Wood { octaves, frequency: 5.0, amplitude }, p);
+        let ring = |phase: f64| (0.5 + phase.sin()).clamp(0.0, 1.0).powi(2);
+        let p = DVec3::new(0.375, 2.5, 0.5);
+        // Rings grow with the height by a twentieth of it.
+        assert!((wood(0, 7.0, p) - ring(5.0 * (0.625 + 0.05 * 2.5))).abs() < 1e-15);
+        let p = DVec3::new(0.375, 1.25, 0.5);
+        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2);
+        let expected = ring(5.0 * (0.625 + 0.05 * 1.25) + 0.75 * grain);
+        assert!(grain != 0.0 && expected > 0.0 && expected < 1.0);
+        assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
+    }
+
+    /// The colour of a checkerboard so many units of 2^-53 below a boundary.
+    fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
+        let t = Texture { world_to_texture, ..texture(Pattern::Checkerboard, [0, 1]) };
+        first_weight(&t, boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF))
+    }
+
+    #[test]
+    fn a_boundary_is_as_wide_as_a_coordinate_s_rounding() {
+        // Along an axis it is 4 roundings of the coordinate and of the translation.
+        let boundary = DVec3::new(0.5, 3.0, 0.5);
+        for (roundings, first) in [(8.0, 0.0), (16.0, 1.0)] {
+            assert_eq!(below_a_boundary(DAffine3::IDENTITY, boundary, roundings), first);
+        }
+        let moved = DAffine3::from_translation(DVec3::Y * 8.0);
+        for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
+            assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
+        }
+        // Where several coordinates enter it is 16 roundings of their sum.
+        let mut sheared = DAffine3::IDENTITY;
+        sheared.matrix3.x_axis.y = 1.0;
+        for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {
+            assert_eq!(below_a_boundary(sheared, DVec3::new(1.0, 2.0, 0.5), roundings), first);
+        }
+    }
+
+    #[test]
+    fn a_square_of_a_checkerboard_is_its_material_itself() {
+        let phong = |diffuse| Material::Phong(Phong { diffuse, ..Phong::default() });
+        let board = Material::Texture(texture(Pattern::Checkerboard, [0, 1]));
+        let materials = [phong(Color::X), phong(Color::Y), board];
+        for (x, color) in [(0.5, Color::X), (1.5, Color::Y)] {
+            let found = material_at(&materials, 2, DVec3::new(x, 0.5, 0.5)).phong;
+            assert!(matches!(found, std::borrow::Cow::Borrowed(phong) if phong.diffuse == color));
+        }
+    }
 }

@@ -198,3 +198,27 @@ fn at_the_critical_angle_light_runs_along_the_surface() {
     let incoming = DVec3::new(0.5, -0.75f64.sqrt(), 0.0);
     assert_eq!(refracted(incoming, DVec3::Y, 2.0), Some(DVec3::X));
 }
+
+#[test]
+fn light_that_runs_along_a_surface_runs_straight_on() {
+    let scene = "Material { diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }
+                 Sphere { center 9 9 9 radius 1 }
+                 Material { diffuseColor 1 .5 .25 } Sphere { center 0 0 -5 radius .1 }";
+    assert_near(Setting::new("", scene, bounces(1)).shown(DVec3::X), FLOOR_COLOR);
+}
+
+/// Near the critical angle the part inward is small beside what it is computed from.
+#[test]
+fn the_part_inward_keeps_its_digits_near_the_critical_angle() {
+    for ratio in [1.0 + 2f64.powi(-20), 1.125, 2.0] {
+        // 1 - ratio^2 sine^2 = rest, all in numbers that are exact or nearly so.
+        let rest = 2f64.powi(-22);
+        let cosine = (((ratio - 1.0) * (ratio + 1.0) + rest) / (ratio * ratio)).sqrt();
+        let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
+        let refracted = refracted(DVec3::new(sine, -cosine, 0.0), DVec3::Y, ratio).unwrap();
+        // What cannot be had is the rounding of the cosine or sine itself, ratio^2 times as large.
+        let known_to = 4.0 * f64::EPSILON * if ratio < 1.5 { (ratio - 1.0) + rest } else { 1.0 };
+        let inward = refracted.y * refracted.y;
+        assert!((inward - rest).abs() <= known_to, "{ratio}: {inward} {rest}");
+    }
+}

@@ -1,0 +1,154 @@
+//! The fast reader against the full one.
+
+use super::*;
+use crate::scene::mesh::{Mesh, parse_obj_fully};
+
+fn read(text: &str) -> Option<Mesh> {
+    parse(text.as_bytes()).map(|(vertices, triangles)| Mesh { vertices, triangles })
+}
+
+/// That two meshes have the same triangles, bit by bit, and no more vertices than one another.
+fn assert_same(one: &Mesh, other: &Mesh, text: &str) {
+    let bits = |m: &Mesh| {
+        let corners = m.triangles.as_flattened().iter().map(|&corner| m.vertices[corner as usize]);
+        corners.map(|v| v.to_array().map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    assert_eq!((bits(one), one.vertices.len()), (bits(other), other.vertices.len()), "{text}");
+}
+
+#[test]
+fn agrees_with_the_full_reader() {
+    let texts = [
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_owned(),
+        "# a comment\r\nv -0.1 .5 1.\r\nv 1e-3 2E5 -1.25e+2 \r\n\r\nv 0 1 0\r\nf 3 2 1\r\nf  1 2 3"
+            .to_owned(),
+        "v 0.1234567890123456789 12345678901234567890 0.000001\nv 1 -0 3\nv 3 4 5\nf 2 3 1".to_owned(),
+        // Around the largest value that is exact, and the most digits.
+        "v 9007199254740992 9007199254740993 900719925474.0993\nv 0.1234567890123456 0.9007199254740993 -0\n\
+         v 0.000000000000000001 0.0000000000000000001 12345678.12345678\nf 1 2 3"
+            .to_owned(),
+        "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
+        // Some vertices unused: between others and at both ends.
+        "v 9 9 9\nv 1 2 3\nv 8 8 8\nv 2 3 4\nv 3 4 5\nv 7 7 7\nf 5 2 4".to_owned(),
+        "v 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\nv 5 0 0\nf 2 3 1\nf 5 5 2".to_owned(),
+    ];
+    for text in texts {
+        assert_same(&read(&text).unwrap(), &parse_obj_fully(text.as_bytes()).unwrap(), &text);
+    }
+}
+
+#[test]
+fn leaves_to_the_full_reader_what_it_does_not_know() {
+    const GOOD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert!(parse(GOOD.as_bytes()).is_some());
+    for line in [
+        "vn 0 0 1",
+        "vt 0 0",
+        "o x",
+        "g",
+        "f 1/1 2/2 3/3",
+        "f 1 2 -1",
+        "f 1 2 3 1",
+        "f 1 2",
+        "f 1 2 4",
+        "f 1 2 0",
+        "f 1 2 99999999999",
+        "v 1 2",
+        "v 1 2 3 4",
+        "v 1 2 x",
+        "v 1 2 nan",
+        "v 1 2 1e999",
+        "v\t1 2 3",
+        " v 1 2 3",
+        "v 1 2 3 # c",
+        "v - 2 3",
+        "v . 2 3",
+        "v 1..2 2 3",
+        "v 1 2 3x",
+    ] {
+        assert!(parse(format!("{GOOD}{line}\n").as_bytes()).is_none(), "{line}");
+    }
+    assert!(parse(b"").is_none() && parse(b"v 1 2 3\n").is_none());
+}
+
+#[test]
+fn chunks_change_nothing() {
+    let mut text: String = (0..3000).map(|i| format!("v {i} {}.5 -{i}\n", i * 7)).collect();
+    text.extend((1..2999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)));
+    for size in [1, 10, 1000, 1 << 20] {
+        assert_eq!(chunks(text.as_bytes(), size).concat(), text.as_bytes());
+    }
+    assert_same(&read(&text).unwrap(), &parse_obj_fully(text.as_bytes()).unwrap(), "chunks");
+}
+
+#[test]
+fn chunks_end_with_lines_and_are_no_longer_than_needed() {
+    let text = b"v 1\nv 22\nv 333\nv 4";
+    let cut = |size| chunks(text, size).into_iter().map(<[u8]>::len).collect::<Vec<_>>();
+    assert_eq!((cut(3), cut(4), cut(9)), (vec![4, 5, 6, 3], vec![9, 6, 3], vec![15, 3]));
+    assert_eq!((cut(17), cut(18), cut(99)), (vec![18], vec![18], vec![18]));
+}
+
+#[test]
+fn a_chunk_is_a_share_of_the_text_within_bounds() {
+    let size = |threads, length| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| chunk_size(length))
+    };
+    assert_eq!(size(1, 1 << 30), 1 << 30);
+    assert_eq!(size(4, 1 << 23), 1 << 20);
+    assert_eq!((size(4, 1000), size(4, 1 << 30)), (1 << 18, 1 << 22));
+}
+
+#[test]
+fn a_text_of_many_chunks_is_read_whole() {
+    let mut text: String = (0..40_000).map(|i| format!("v {i} 0.5 -{i}\n")).collect();
+    text.extend((1..39_999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let mesh = pool.install(|| read(&text)).unwrap();
+    assert!(text.len() > 4 << 18 && mesh.vertices.len() == 40_000);
+    assert!(mesh.triangles.iter().enumerate().all(|(i, t)| *t == [0, 1, 2].map(|k| i as u32 + k)));
+    assert!(mesh.vertices.iter().enumerate().all(|(i, v)| v.x == i as f64 && v.z == -v.x));
+}
+
+#[test]
+fn runs_of_digits_of_every_length() {
+    let all = b"12345678901234567890123";
+    for behind in [&b""[..], b" ", b".", b" 2345678901"] {
+        for length in 0..=19 {
+            let text = [&all[..length], behind].concat();
+            let value = all[..length].iter().fold(0, |sum: u64, digit| 10 * sum + u64::from(digit - b'0'));
+            assert_eq!(digits(&text, 0), (value, length, behind));
+            assert_eq!(many_digits(&text, 0), (value, length, behind));
+        }
+    }
+    assert_eq!(digits(b"345 7 9 1", 12).0, 12345);
+}
+
+#[test]
+fn digits_end_at_any_other_byte() {
+    for other in (0..=255).filter(|byte: &u8| !byte.is_ascii_digit()) {
+        for place in 0..8 {
+            let mut eight = *b"98765432";
+            eight[place] = other;
+            let value = b"98765432"[..place].iter().fold(0, |sum, digit| 10 * sum + u64::from(digit - b'0'));
+            assert_eq!(leading_digits(u64::from_le_bytes(eight)), (value, place), "{other} at {place}");
+        }
+    }
+}
+
+#[test]
+fn corners_and_numbers_beyond_their_words_are_not_cut() {
+    assert_eq!(corner(b" 123456789\n"), Some((123_456_789, &b"\n"[..])));
+    for text in [&b" 4294967297\n"[..], b" \n", b" x", b" 18446744073709551617\n"] {
+        assert_eq!(corner(text), None);
+    }
+    for (text, value) in [
+        (&b" 18446744073709551617 "[..], 18446744073709551617.0),
+        (b" 18446744073709551617.0 ", 18446744073709551617.0),
+        (b" 0.00018446744073709551617 ", 0.00018446744073709551617),
+        (b" 9007199254740993 ", 9007199254740992.0),
+    ] {
+        assert_eq!(number(text), Some((value, &b" "[..])));
+    }
+}
