@@ -3,17 +3,19 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::grid::resolution::Resolution;
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::{Scene, parser::parse};
-use raytracer::stats::Quiet;
+use raytracer::stats::{Counts, Probe, Quiet};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::Path;
 
-/// Reading, flattening and rendering end without a panic, in time; a grid changes no byte.
+/// Reading, flattening and rendering end without a panic, in time; neither a grid nor counting changes a byte,
+/// and all colours, depths and normals are numbers.
 pub fn check_scene(text: &str) {
     let scene = match parse(text) {
         Ok(scene) => scene,
@@ -26,7 +28,8 @@ pub fn check_scene(text: &str) {
     if !is_small {
         return;
     }
-    let meshes = vec![tetrahedron(); scene.meshes.len()];
+    let meshes: Vec<Mesh> =
+        (0..scene.meshes.len()).map(|i| if i % 2 == 0 { tetrahedron() } else { flat() }).collect();
     match World::new(&scene, &meshes) {
         Ok(world) => check_pictures(&scene, &world),
         Err(error) => drop(error.render(Path::new("scene.txt"), text)),
@@ -34,21 +37,35 @@ pub fn check_scene(text: &str) {
 }
 
 fn check_pictures(scene: &Scene, world: &World) {
-    let [plain, gridded] = [None, Some([3, 2, 4])].map(|cells| tiny_picture(scene, world, cells));
-    // Beyond these sizes squares of coordinates leave the range of floats; then only that
-    // everything ends is demanded.
-    let is_ordinary = |x: f64| x == 0.0 || (1e-60..1e60).contains(&x.abs());
-    let vertices = world.vertices.iter().flat_map(|v| v.to_array());
-    let spheres = world.spheres.iter().flat_map(|s| [s.radius, s.center.x, s.center.y, s.center.z]);
-    if world.ellipsoids.is_empty() && vertices.chain(spheres).all(is_ordinary) {
-        assert!(plain == gridded, "the grid changes the picture");
+    let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
+    let some = Some([3, 2, 4]);
+    let automatic = Some(Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 20));
+    let plain = tiny_picture::<Quiet>(scene, world, None, Insertion::Exact, fastest);
+    for (cells, insertion, instructions) in [
+        (some, Insertion::Exact, fastest),
+        (some, Insertion::Exact, portable),
+        (automatic, Insertion::Nested { crowd: 2 }, fastest),
+        (None, Insertion::Exact, portable),
+    ] {
+        let picture = tiny_picture::<Quiet>(scene, world, cells, insertion, instructions);
+        assert!(plain == picture, "the picture differs with {cells:?}, {insertion:?}, {instructions:?}");
+    }
+    for cells in [None, some] {
+        let counted = tiny_picture::<Counts>(scene, world, cells, Insertion::Course, fastest);
+        assert!(plain == counted, "counting changes the picture");
     }
 }
 
 /// Sixteen pixels with every effect, without a grid or with one of so many cells.
-fn tiny_picture(scene: &Scene, world: &World, cells: Option<[usize; 3]>) -> Vec<u8> {
+fn tiny_picture<P: Probe>(
+    scene: &Scene,
+    world: &World,
+    cells: Option<[usize; 3]>,
+    insertion: Insertion,
+    instructions: Instructions,
+) -> Vec<u8> {
     let size = [4, 4];
-    let caster = Caster::new(world, cells).expect("a small grid");
+    let caster = Caster::with(world, cells, insertion, instructions).expect("a small grid");
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let request = Request {
         size,
@@ -61,7 +78,8 @@ fn tiny_picture(scene: &Scene, world: &World, cells: Option<[usize; 3]>) -> Vec<
         samples: None,
     };
     let (pictures, _) =
-        render::<Quiet>(&Camera::new(&scene.camera, size), &caster, &request).expect("a small picture");
+        render::<P>(&Camera::new(&scene.camera, size), &caster, &request).expect("a small picture");
+    assert_eq!(pictures.nans, 0, "colours that are not numbers");
     [pictures.color, pictures.depth, pictures.normals]
         .into_iter()
         .flatten()
@@ -69,7 +87,15 @@ fn tiny_picture(scene: &Scene, world: &World, cells: Option<[usize; 3]>) -> Vec<
         .collect()
 }
 
-/// Stands in for every mesh that a scene names.
+/// Stands in for every second mesh that a scene names: triangles without area, and one with.
+fn flat() -> Mesh {
+    Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, 0.5 * DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2], [0, 0, 3], [3, 3, 3], [0, 1, 3]],
+    }
+}
+
+/// Stands in for the others.
 fn tetrahedron() -> Mesh {
     Mesh {
         vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],

@@ -1,7 +1,7 @@
 //! Camera rays.
 
 use crate::math::ray::Ray;
-use crate::math::robust::unit;
+use crate::math::robust::{rescaled, unit};
 use crate::scene;
 use glam::{DVec2, DVec3};
 
@@ -58,7 +58,7 @@ impl Camera {
             }
         };
         let direction = unit(direction);
-        let right = unit(direction.cross(up));
+        let right = unit(direction.cross(rescaled(up)));
         Self {
             center,
             direction,

@@ -4,6 +4,7 @@ use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
+use crate::scene::limits::{BRIGHTEST, LARGEST};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
@@ -189,7 +190,7 @@ impl Tracer<'_> {
                 return Color::ZERO;
             }
             if surface.normal.dot(ray.direction) >= 0.0 {
-                passed *= DVec3::from_array(tint.to_array().map(|c| libm::pow(c, hit.t)));
+                passed = (passed * tint_over(tint, hit.t)).min(Color::splat(LARGEST));
             }
             ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
         }
@@ -222,8 +223,15 @@ impl Tracer<'_> {
     /// The filter and weight of a secondary ray, if it weighs enough to be followed.
     fn passes(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
         let weight = path.weight * color.length();
-        (weight > self.effects.min_weight).then(|| (path.filter * color, weight))
+        let bound = Color::splat(BRIGHTEST);
+        (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
     }
+}
+
+/// What is left of light after so long a way through a transparent thing: its colour to the power of the
+/// way. A negative colour lets nothing through, as it has no such power.
+fn tint_over(tint: Color, way: f64) -> Color {
+    Color::from_array(tint.to_array().map(|channel| libm::pow(channel.max(0.0), way)))
 }
 
 /// The direction of a mirrored ray, a unit vector; the normal may point to either side.

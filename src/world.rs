@@ -9,8 +9,9 @@ use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust;
-use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
+use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sliver, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
+use crate::scene::limits;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Object, ObjectId, Position, Scene, material::Material};
 use builder::Builder;
@@ -137,6 +138,7 @@ impl World {
     }
 
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
+        limits::check(scene)?;
         let mut builder = Builder::new(Self::without_objects(scene), scene, meshes);
         placements(scene).try_for_each(|placement| builder.place(&placement))?;
         builder.finish()
@@ -257,7 +259,7 @@ impl World {
         let along = ray.at(hit.t);
         let (normal, position) = match self.primitive(hit.primitive) {
             Primitive::Triangle(i) => self.triangle_surface(ray, i, along),
-            Primitive::Sphere(i) => self.spheres[i].surface(along),
+            Primitive::Sphere(i) => self.spheres[i].surface(ray, along),
             Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, hit.t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
@@ -268,7 +270,11 @@ impl World {
     fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
         let weights = triangle::Shear::new(ray).weights(self.corners_in_place(i));
-        (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
+        let mut normal = triangle::normal(corners);
+        if normal.is_nan() {
+            normal = sliver::normal(corners).unwrap_or(-ray.direction);
+        }
+        (normal, weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
     fn material_of(&self, primitive: u32) -> MaterialId {

@@ -69,7 +69,7 @@ const WORDS: [&str; 58] = [
     "indexOfRefraction",
     "octaves",
 ];
-const NUMBERS: [&str; 26] = [
+const NUMBERS: [&str; 34] = [
     "0",
     "1",
     "-1",
@@ -83,6 +83,14 @@ const NUMBERS: [&str; 26] = [
     "1e-160",
     "1e160",
     "1e-300",
+    "1e-150",
+    "1e-105",
+    "1e-100",
+    "1e-77",
+    "1e-20",
+    "1e20",
+    "1e77",
+    "1e100",
     "1e300",
     "1e-323",
     "1.7e308",

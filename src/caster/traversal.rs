@@ -182,10 +182,14 @@ impl Structure {
         search.best != before
     }
 
-    /// Without filter and march: every primitive by itself.
+    /// Without filter and march: every primitive by itself, unless the ray surely misses them all.
     #[cold]
     fn run_all<P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        for i in 0..self.items.count(search.world) {
+        let count = self.items.count(search.world);
+        if self.slab.is_surely_missed(search.ray) {
+            return probe.intersections(count);
+        }
+        for i in 0..count {
             probe.intersections(1);
             if search.test(self.items.number(i)) && ANY {
                 return;

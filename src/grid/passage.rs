@@ -5,6 +5,8 @@ use crate::math::aabb::Aabb;
 use crate::math::extremes::greater;
 use crate::math::four::Four;
 use crate::math::packet::{Along, Packet};
+use crate::math::ray::Ray;
+use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
 /// A box: two corners with a spare place each.
@@ -18,6 +20,28 @@ impl Slab {
     pub fn new(bounds: &Aabb) -> Self {
         let corner = |v: DVec3| [v.x, v.y, v.z, 0.0];
         Self { low: corner(bounds.min), high: corner(bounds.max) }
+    }
+
+    /// Whether a ray's line surely misses the box, from however far away it comes.
+    ///
+    /// A crossing is off by three roundings of the way to it, which may be many times the box. The box is
+    /// widened by more than that.
+    pub fn is_surely_missed(&self, ray: &Ray) -> bool {
+        let corners = self.low.iter().chain(&self.high).fold(0.0, |most: f64, x| most.max(x.abs()));
+        let largest = ray.origin.abs().max_element() + corners;
+        let widening = 128.0 * UNIT_ROUNDOFF * largest + f64::MIN_POSITIVE;
+        let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (from, speed) = (ray.origin[axis], ray.direction[axis]);
+            let ways = [self.low[axis] - widening - from, self.high[axis] + widening - from];
+            if speed == 0.0 && ways[0] * ways[1] > 0.0 {
+                return true;
+            } else if speed != 0.0 {
+                let [one, other] = ways.map(|way| way / speed);
+                (entry, exit) = (entry.max(one.min(other)), exit.min(one.max(other)));
+            }
+        }
+        entry > exit
     }
 
     /// The faces along all axes.

@@ -35,7 +35,7 @@ pub fn unit(v: DVec3) -> DVec3 {
 
 #[cold]
 fn unit_of_extreme(v: DVec3) -> DVec3 {
-    (v / v.abs().max_element()).normalize()
+    rescaled(v).normalize()
 }
 
 /// A point under an affine map, each coordinate rounded but once. In plain arithmetic it may be off by
@@ -48,22 +48,84 @@ pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
     DVec3::new(coordinate(rows.x_axis, x), coordinate(rows.y_axis, y), coordinate(rows.z_axis, z))
 }
 
+/// `v` scaled by a power of two, which rounds nothing, so that its largest coordinate is about 1; and
+/// the exponent of what it was scaled by. Zero stays as it is.
+fn scaled_to_unit(v: DVec3) -> (DVec3, i32) {
+    let exponent = libm::frexp(v.abs().max_element()).1;
+    (DVec3::from_array(v.to_array().map(|x| libm::ldexp(x, -exponent))), -exponent)
+}
+
+/// `v` scaled by a power of two so that no product of its coordinates leaves the range of numbers.
+pub fn rescaled(v: DVec3) -> DVec3 {
+    scaled_to_unit(v).0
+}
+
+/// The matrix with each column scaled by a power of two of its own, and their exponents. This changes
+/// neither a determinant's sign nor its share of Hadamard's bound, and keeps products in range.
+fn with_unit_columns(m: DMat3) -> (DMat3, [i32; 3]) {
+    let [(x, i), (y, j), (z, k)] = [m.x_axis, m.y_axis, m.z_axis].map(scaled_to_unit);
+    (DMat3::from_cols(x, y, z), [i, j, k])
+}
+
+/// The image of a plane's normal under a matrix that is not singular, outward as before; of any length.
+///
+/// It is the cofactor matrix, the inverse transpose times the determinant, that maps normals. A factor of
+/// a column is one over that factor of the normal's coordinate.
+pub fn transformed_normal(m: DMat3, normal: DVec3) -> DVec3 {
+    let (m, exponents) = with_unit_columns(m);
+    let largest = exponents.into_iter().max().unwrap_or(0);
+    let normal = rescaled(normal);
+    let shrunk: [f64; 3] = std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest));
+    cofactor(m) * DVec3::from_array(shrunk) * m.determinant().signum()
+}
+
 /// The cofactor matrix: the inverse transpose times the determinant. It maps normals, and unlike
 /// the inverse transpose it stays finite when the matrix is singular.
-pub fn cofactor(m: DMat3) -> DMat3 {
+fn cofactor(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// Whether the determinant is zero up to the rounding of the matrix' own entries.
+/// Whether a matrix turns a left hand into a right one.
+pub fn is_mirroring(m: DMat3) -> bool {
+    with_unit_columns(m).0.determinant() < 0.0
+}
+
+/// The factor by which a matrix scales every length, if it does so within rounding.
+pub fn similarity_scale(m: DMat3) -> Option<f64> {
+    let largest = m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let exponent = libm::frexp(largest).1;
+    let m = DMat3::from_cols_array(&m.to_cols_array().map(|x| libm::ldexp(x, -exponent)));
+    let square = m.x_axis.length_squared();
+    let gram = m.transpose() * m;
+    let off = (gram - DMat3::from_diagonal(DVec3::splat(square))).to_cols_array();
+    off.iter().all(|x| x.abs() <= 1e-12 * square).then(|| libm::ldexp(square.sqrt(), exponent))
+}
+
+/// Whether the determinant is zero up to its rounding and that of the matrix' own entries.
 ///
-/// The determinant is compared with the largest that rows, or columns, of these lengths allow
-/// (Hadamard's bound), so a matrix that only scales, however little, is never taken for singular.
+/// The determinant is compared with the largest that columns, or rows, of these lengths allow
+/// (Hadamard's bound), so a matrix that only scales, however little, is never taken for singular. The
+/// computed one is off by at most [`DETERMINANT_ROUNDINGS`] of that bound, as
+/// `proofs/determinant.g` proves; the rest is for [`ENTRY_ROUNDINGS`] of the entries.
 pub fn is_singular(m: DMat3) -> bool {
-    let lengths = |m: DMat3| m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    let allowed = lengths(m).min(lengths(m.transpose()));
-    let determinant = m.determinant().abs();
+    is_singular_by_columns(m) && is_singular_by_columns(m.transpose())
+}
+
+/// The share of Hadamard's bound, in roundings, up to which a determinant counts as zero.
+pub const SINGULAR_ROUNDINGS: f64 = 16.0;
+
+/// How far a computed determinant may be off, in roundings of Hadamard's bound.
+pub const DETERMINANT_ROUNDINGS: f64 = 6.0;
+
+/// How far all entries of a matrix may be off, in roundings of each, so that one with a determinant of zero is
+/// still taken for singular.
+pub const ENTRY_ROUNDINGS: f64 = 2.5;
+
+fn is_singular_by_columns(m: DMat3) -> bool {
+    let (m, _) = with_unit_columns(m);
+    let allowed = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
     // The comparison is negated so that a NaN counts as singular.
-    !(determinant > 16.0 * UNIT_ROUNDOFF * allowed && determinant.is_finite())
+    !(m.determinant().abs() > SINGULAR_ROUNDINGS * UNIT_ROUNDOFF * allowed)
 }
 
 #[cfg(test)]
@@ -98,12 +160,30 @@ mod tests {
     }
 
     #[test]
+    fn normals_and_scales_are_right_at_any_scale() {
+        let r = DMat3::from_cols_array(&[0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0]);
+        let uneven = DMat3::from_diagonal(DVec3::new(1.0, 4.0, -2.0));
+        let expected = unit(transformed_normal(r * uneven, DVec3::ONE));
+        for exponent in [-1000, -500, 0, 500, 1000] {
+            let far = libm::ldexp(1.0, exponent);
+            assert_eq!(unit(transformed_normal(r * uneven * far, DVec3::ONE)), expected);
+            assert!(is_mirroring(uneven * far) && !is_mirroring(uneven * -far));
+            assert_eq!(similarity_scale(r * far), similarity_scale(r).map(|scale| scale * far));
+        }
+        assert_eq!(similarity_scale(uneven), None);
+        let flat = DMat3::from_diagonal(DVec3::new(1.0, 1e-250, 1e-250));
+        assert_eq!(unit(transformed_normal(flat, DVec3::X)), DVec3::X);
+    }
+
+    #[test]
     fn only_truly_singular_matrices_are_singular() {
         let r = DMat3::from_cols_array(&[0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0]);
         let scale = |s: f64| DMat3::from_diagonal(DVec3::new(1.0, s, 1.0));
         assert!(!is_singular(scale(1e-30)));
         assert!(!is_singular(r * scale(1e-30)));
-        assert!(!is_singular(r * 1e-40));
+        for far in [1e-300, 1e-160, 1e-110, 1e103, 1e160, 1e300] {
+            assert!(!is_singular(r * far) && !is_singular(r * scale(far)) && !is_singular(scale(far) * r));
+        }
         assert!(is_singular(scale(0.0)));
         assert!(is_singular(r * scale(0.0) * r));
         assert!(is_singular(DMat3::NAN));

@@ -37,6 +37,12 @@ impl Ellipsoid {
         Aabb { min: self.center - reach, max: self.center + reach }
     }
 
+    /// The length of the shortest half axis.
+    pub fn thinnest(&self) -> f64 {
+        let DMat3 { x_axis, y_axis, z_axis } = self.linear;
+        x_axis.length().min(y_axis.length()).min(z_axis.length())
+    }
+
     /// The nearest crossing on the ray. The direction is not renormalised in the unit sphere's
     /// space, so t is the world's.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {

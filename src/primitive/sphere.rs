@@ -81,9 +81,13 @@ impl Sphere {
         (dot(f, f) - r * r).value()
     }
 
-    /// The outward unit normal, and the surface point nearest to `point`.
-    pub fn surface(&self, point: DVec3) -> (DVec3, DVec3) {
-        let normal = unit(point - self.center);
+    /// The outward unit normal, and the surface point nearest to `point`, where `ray` meets it.
+    ///
+    /// Where the radius is below the rounding of the centre, the point may be the centre itself. Then
+    /// the sphere is a point, and shows its front.
+    pub fn surface(&self, ray: &Ray, point: DVec3) -> (DVec3, DVec3) {
+        let outward = point - self.center;
+        let normal = unit(if outward == DVec3::ZERO { -ray.direction } else { outward });
         (normal, self.center + self.radius * normal)
     }
 }

@@ -36,7 +36,7 @@ pub enum Problem {
         /// What stands there, empty at the end of the text.
         found: String,
     },
-    /// A number beyond the largest finite one.
+    /// A number beyond [`limits::LARGEST`](super::limits::LARGEST).
     NumberTooLarge {
         /// What stands there, empty at the end of the text.
         found: String,
@@ -104,6 +104,15 @@ pub enum Problem {
     NotAffine,
     /// A transform or texture map with a number beyond the largest finite one.
     TransformOverflow,
+    /// An object with a coordinate beyond [`limits::LARGEST`](super::limits::LARGEST) in the world.
+    CoordinatesTooLarge,
+    /// A sphere or ellipsoid that is thinner than [`limits::SMALLEST_RADIUS`](super::limits::SMALLEST_RADIUS)
+    /// in the world.
+    RadiusTooSmall,
+    /// A plane without a normal.
+    NoNormal,
+    /// A number beyond the bounds in [`limits`](super::limits), in a scene that comes from no text.
+    NumbersOutOfRange,
     /// A transform that squeezes an object flat where the object needs its inverse.
     SingularTransform,
     /// More primitives than 32 bits can number.
@@ -162,7 +171,9 @@ impl fmt::Display for Problem {
         match self {
             Self::Expected { what, found } => write!(f, "expected {what}, found {}", quoted(found)),
             Self::BadValue { field, rule, found } => write!(f, "`{field}` {rule}, found {}", quoted(found)),
-            Self::NumberTooLarge { found } => write!(f, "the number {} is too large", quoted(found)),
+            Self::NumberTooLarge { found } => {
+                write!(f, "the number {} is too large: the largest is 1e100", quoted(found))
+            }
             Self::ZeroVector { field } => write!(f, "`{field}` must not be the zero vector"),
             Self::UpAlongDirection => write!(f, "`up` must not be parallel to `direction`"),
             Self::TooFew { field, announced, found } => {
@@ -190,6 +201,10 @@ impl fmt::Display for Problem {
             Self::Unsupported { word } => write!(f, "the object `{word}` is not supported"),
             Self::NotAffine => write!(f, "the last row of a `Matrix` must be 0 0 0 1"),
             Self::TransformOverflow => write!(f, "the transformation's numbers grow too large"),
+            Self::CoordinatesTooLarge => write!(f, "the object reaches beyond coordinates of 1e100"),
+            Self::RadiusTooSmall => write!(f, "the object is thinner than a radius of 1e-100"),
+            Self::NoNormal => write!(f, "the plane has no normal"),
+            Self::NumbersOutOfRange => write!(f, "a number of the scene is beyond its bounds"),
             Self::SingularTransform => {
                 write!(f, "the transformation is singular: it squeezes the object flat")
             }

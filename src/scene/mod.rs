@@ -6,6 +6,7 @@
 pub mod error;
 mod keyword;
 pub mod lexer;
+pub mod limits;
 pub mod material;
 pub mod mesh;
 mod obj_lines;

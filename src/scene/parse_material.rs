@@ -54,10 +54,10 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
 
 fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) -> Parsed<()> {
     match field {
-        "diffuseColor" => phong.diffuse = reader.vector(field)?,
-        "specularColor" => phong.specular = reader.vector(field)?,
-        "reflectiveColor" => phong.reflective = reader.vector(field)?,
-        "transparentColor" => phong.transparent = reader.vector(field)?,
+        "diffuseColor" => phong.diffuse = reader.color(field)?,
+        "specularColor" => phong.specular = reader.color(field)?,
+        "reflectiveColor" => phong.reflective = reader.color(field)?,
+        "transparentColor" => phong.transparent = reader.color(field)?,
         "exponent" => {
             phong.exponent = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
         }

@@ -1,6 +1,7 @@
 //! Reads groups and the objects in them, however deep they nest, without recursion.
 
 use super::error::{Problem, SceneError};
+use super::limits::SMALLEST_RADIUS;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::reader::{Parsed, Reader, bad_value, end_of_list};
@@ -241,7 +242,9 @@ fn unsupported_grid(reader: &Reader<'_>) -> SceneError {
 
 fn parse_sphere(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
     let center = reader.vector_field("center")?;
-    let radius = reader.positive_field("radius")?;
+    reader.keyword("radius")?;
+    let rule = "must be positive, and at least 1e-100";
+    let radius = reader.number_that("radius", rule, |radius| radius >= SMALLEST_RADIUS)?;
     Ok(Object::Sphere { center, radius, material })
 }
 

@@ -129,9 +129,9 @@ fn parse_background(reader: &mut Reader<'_>) -> Parsed<Background> {
     let mut background = Background::default();
     loop {
         if reader.accept("color") {
-            background.color = reader.vector("color")?;
+            background.color = reader.color("color")?;
         } else if reader.accept("ambientLight") {
-            background.ambient = reader.vector("ambientLight")?;
+            background.ambient = reader.color("ambientLight")?;
         } else if reader.is_at("}") {
             reader.close(name)?;
             return Ok(background);
@@ -157,7 +157,7 @@ fn parse_light(reader: &mut Reader<'_>) -> Parsed<Light> {
 fn parse_directional_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     let name = reader.open()?.text;
     let direction = reader.direction_field("direction")?;
-    let color = reader.vector_field("color")?;
+    let color = reader.color_field("color")?;
     reader.close(name)?;
     Ok(Light::Directional { direction, color })
 }
@@ -165,7 +165,7 @@ fn parse_directional_light(reader: &mut Reader<'_>) -> Parsed<Light> {
 fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     let name = reader.open()?.text;
     let position = reader.vector_field("position")?;
-    let color = reader.vector_field("color")?;
+    let color = reader.color_field("color")?;
     let constant = DVec3::X;
     let has_attenuation = reader.accept("attenuation");
     let attenuation = if has_attenuation { reader.vector("attenuation")? } else { constant };

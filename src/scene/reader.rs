@@ -1,8 +1,10 @@
 //! The grammar's small parts, each read with its check: braces, keywords, numbers, lists.
 
+use super::Color;
 use super::error::{Problem, SceneError};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
+use super::limits::{BRIGHTEST, LARGEST};
 use glam::DVec3;
 
 pub type Parsed<T> = Result<T, SceneError>;
@@ -86,18 +88,18 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Takes a finite number, the value of `field`.
+    /// Takes a number that is not too large, the value of `field`.
     pub fn number(&mut self, field: &str) -> Parsed<f64> {
         let word = self.ahead;
         let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
-        if !number.is_finite() {
+        if number.abs() > LARGEST {
             return Err(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
         }
         self.take();
         Ok(number)
     }
 
-    /// Takes a finite number for which `holds` is true; `rule` says that in words, as in "must be positive".
+    /// Takes a number for which `holds` is true; `rule` says that in words, as in "must be positive".
     pub fn number_that(
         &mut self,
         field: &str,
@@ -129,6 +131,16 @@ impl<'a> Reader<'a> {
         Ok(DVec3::new(self.component(field)?, self.component(field)?, self.component(field)?))
     }
 
+    /// Takes a colour's three channels.
+    pub fn color(&mut self, field: &str) -> Parsed<Color> {
+        let at = self.ahead;
+        let color = self.vector(field)?;
+        if color.abs().max_element() > BRIGHTEST {
+            return Err(bad_value(at, field, "must be at most 1e30 in each channel"));
+        }
+        Ok(color)
+    }
+
     /// Takes three numbers that are not all zero.
     pub fn nonzero_vector(&mut self, field: &str) -> Parsed<DVec3> {
         let at = self.ahead.at;
@@ -143,6 +155,12 @@ impl<'a> Reader<'a> {
     pub fn vector_field(&mut self, field: &str) -> Parsed<DVec3> {
         self.keyword(field)?;
         self.vector(field)
+    }
+
+    /// Takes `field` and a colour's three channels.
+    pub fn color_field(&mut self, field: &str) -> Parsed<Color> {
+        self.keyword(field)?;
+        self.color(field)
     }
 
     /// Takes `field` and its three numbers, not all zero.
@@ -283,10 +301,11 @@ mod tests {
 
     #[test]
     fn numbers_beyond_the_largest_are_refused() {
-        for word in ["1e999", "-1e999"] {
+        for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
             let error = Reader::new(word).number("x").unwrap_err();
             assert_eq!(error.problem, Problem::NumberTooLarge { found: word.into() });
         }
+        assert_eq!(Reader::new("1e100").number("x").unwrap(), 1e100);
         assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
     }
 

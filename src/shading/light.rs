@@ -1,5 +1,6 @@
 //! What a light source sends to a point.
 
+use crate::scene::limits::LARGEST;
 use crate::scene::{Color, Light};
 use glam::DVec3;
 
@@ -26,7 +27,7 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
             let direction = to_light.try_normalize().unwrap_or(DVec3::ZERO);
             let falloff = a0 + a1 * distance + a2 * distance * distance;
             // The course clamps a negative factor, and nothing is lit infinitely.
-            let factor = if falloff > 0.0 { 1.0 / falloff } else { 0.0 };
+            let factor = if falloff > 0.0 { (1.0 / falloff).min(LARGEST) } else { 0.0 };
             (direction, distance, factor)
         }
     };

@@ -97,7 +97,8 @@ fn power(base: f64, exponent: f64) -> f64 {
     const LARGEST: u32 = 65536;
     let mut left = exponent as u32;
     if left as f64 != exponent || left > LARGEST {
-        return libm::pow(base, exponent);
+        // By rounding a base may be above 1, whose powers have no bound.
+        return libm::pow(base.min(1.0), exponent);
     }
     let (mut square, mut product) = (base, 1.0);
     while left > 0 {

@@ -4,6 +4,7 @@ use super::perlin::{turbulence, wrapped};
 use super::phong::PointMaterial;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::MaterialId;
+use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
 
@@ -63,21 +64,25 @@ pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
         Pattern::Checkerboard => checkerboard(map, point),
-        Pattern::Noise { octaves } => {
-            (turbulence(map.transform_point3(point), octaves) + 0.5).clamp(0.0, 1.0)
-        }
+        Pattern::Noise { octaves } => (turbulence(place(map, point), octaves) + 0.5).clamp(0.0, 1.0),
         Pattern::Marble { octaves, frequency, amplitude } => {
-            let q = map.transform_point3(point);
+            let q = place(map, point);
             (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves))) / 2.0
         }
         Pattern::Wood { octaves, frequency, amplitude } => {
-            let q = map.transform_point3(point);
+            let q = place(map, point);
             let radius = (q.x * q.x + q.z * q.z).sqrt() + 0.05 * q.y;
             let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves);
             let ring = (0.5 + libm::sin(frequency * radius + amplitude * grain)).clamp(0.0, 1.0);
             ring * ring
         }
     }
+}
+
+/// A world point in a texture's space, held within the numbers that its pattern can compute with.
+fn place(map: &DAffine3, point: DVec3) -> DVec3 {
+    let bound = DVec3::splat(LARGEST);
+    map.transform_point3(point).clamp(-bound, bound)
 }
 
 /// 1 in the cells whose indices have an even sum. Cells are half open: a boundary belongs to the

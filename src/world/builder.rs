@@ -5,8 +5,9 @@ use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere};
 use crate::scene::error::{Problem, SceneError};
+use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::Mesh;
-use crate::scene::{MaterialId, Object, Scene};
+use crate::scene::{MaterialId, MeshFile, Object, Scene};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::mem;
@@ -14,6 +15,7 @@ use std::mem;
 /// A world in the making: materials per list until the numbers are known.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
+    files: &'a [MeshFile],
     /// How many objects are still to be placed that name each mesh.
     uses: Vec<usize>,
     world: World,
@@ -23,17 +25,20 @@ pub struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// Of a world without objects. `meshes` are those that the scene names, in its order.
-    pub fn new(world: World, scene: &Scene, meshes: Vec<Cow<'a, Mesh>>) -> Self {
+    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Self {
         let mut uses = vec![0; meshes.len()];
         for object in &scene.objects {
             if let Object::Mesh { mesh, .. } = object {
                 uses[*mesh] += 1;
             }
         }
-        Self { meshes, uses, world, materials: Default::default() }
+        Self { meshes, files: &scene.meshes, uses, world, materials: Default::default() }
     }
 
     pub fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
+        if !placement.matrix.is_finite() {
+            return Err(placement.error(Problem::TransformOverflow));
+        }
         let map = |p: DVec3| placement.place(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
@@ -43,12 +48,20 @@ impl<'a> Builder<'a> {
                 let corners = Aabb { min, max }.corners().map(map);
                 self.triangles(corners, &BOX_FACES, placement, material)
             }
-            Object::Mesh { mesh, material } => self.mesh(mesh, placement, material),
+            Object::Mesh { mesh, material } => {
+                self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))
+            }
             Object::Sphere { center, radius, material } => self.sphere(center, radius, placement, material),
             Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
         if self.fits() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
+    }
+
+    /// An error of a mesh that no transform stands around, at the place where the scene names it.
+    fn at_mesh(&self, error: SceneError, mesh: usize, placement: &Placement) -> SceneError {
+        let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
+        file.map_or(error.clone(), |file| SceneError { at: file.at, ..error })
     }
 
     fn fits(&self) -> bool {
@@ -104,7 +117,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         note_run(&mut self.materials[0], first, material);
         // A mirroring matrix turns the winding; two swapped vertices turn it back.
-        if placement.matrix.matrix3.determinant() < 0.0 {
+        if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let new = &self.world.vertices[first_vertex..];
@@ -126,14 +139,19 @@ impl<'a> Builder<'a> {
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
-        if let Some(scale) = similarity_scale(linear) {
+        self.grow(course_sphere_box(center, radius, placement), placement)?;
+        let thinnest = if let Some(scale) = robust::similarity_scale(linear) {
             note_run(&mut self.materials[1], self.world.spheres.len(), material);
             self.world.spheres.push(Sphere { center: middle, radius: scale * radius });
+            scale * radius
         } else {
             note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
-            self.world.ellipsoids.push(Ellipsoid::new(middle, reach));
-        }
-        self.grow(course_sphere_box(center, radius, placement), placement)
+            let ellipsoid = Ellipsoid::new(middle, reach);
+            self.world.ellipsoids.push(ellipsoid);
+            ellipsoid.thinnest()
+        };
+        let is_thick = thinnest >= SMALLEST_RADIUS;
+        if is_thick { Ok(()) } else { Err(placement.error(Problem::RadiusTooSmall)) }
     }
 
     fn plane(
@@ -145,30 +163,23 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let normal = robust::unit(normal);
         note_run(&mut self.materials[3], self.world.planes.len(), material);
-        if placement.transform.is_none() {
-            self.world.planes.push(Plane { normal, offset });
-            return Ok(());
+        let plane = match placement.transform {
+            None => Plane { normal, offset },
+            Some(_) => transformed_plane(normal, offset, placement)?,
+        };
+        self.world.planes.push(plane);
+        if !plane.normal.is_finite() {
+            return Err(placement.error(Problem::NoNormal));
         }
-        let linear = placement.matrix.matrix3;
-        if robust::is_singular(linear) {
-            return Err(placement.error(Problem::SingularTransform));
-        }
-        let outward = robust::cofactor(linear) * normal * linear.determinant().signum();
-        let normal_there = robust::unit(outward);
-        let point = placement.place(offset * normal);
-        self.world.planes.push(Plane { normal: normal_there, offset: normal_there.dot(point) });
-        if point.is_finite() && normal_there.is_finite() {
-            Ok(())
-        } else {
-            Err(placement.error(Problem::TransformOverflow))
-        }
+        let is_near = plane.offset.abs() <= LARGEST;
+        if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 
     fn grow(&mut self, bounds: Aabb, placement: &Placement) -> Result<(), SceneError> {
         self.world.bounds = self.world.bounds.union(bounds);
         // An empty group of triangles has an empty, infinite box, which is no fault.
-        let sound = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
-        if sound { Ok(()) } else { Err(placement.error(Problem::TransformOverflow)) }
+        let is_near = bounds.is_empty() || (are_in_range(bounds.min) && are_in_range(bounds.max));
+        if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 
     pub fn finish(self) -> Result<World, SceneError> {
@@ -184,6 +195,16 @@ impl<'a> Builder<'a> {
         }
         Ok(world)
     }
+}
+
+/// A plane under the transforms around it.
+fn transformed_plane(normal: DVec3, offset: f64, placement: &Placement) -> Result<Plane, SceneError> {
+    let linear = placement.matrix.matrix3;
+    if robust::is_singular(linear) {
+        return Err(placement.error(Problem::SingularTransform));
+    }
+    let there = robust::unit(robust::transformed_normal(linear, normal));
+    Ok(Plane { normal: there, offset: there.dot(placement.place(offset * normal)) })
 }
 
 /// The box of something whose coordinates overflowed.
@@ -209,14 +230,6 @@ fn note_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
     if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
         runs.push((first as u32, material as u32));
     }
-}
-
-/// The factor by which a matrix scales every length, if it does so within rounding.
-fn similarity_scale(m: glam::DMat3) -> Option<f64> {
-    let square = m.x_axis.length_squared();
-    let gram = m.transpose() * m;
-    let off = (gram - glam::DMat3::from_diagonal(DVec3::splat(square))).to_cols_array();
-    off.iter().all(|x| x.abs() <= 1e-12 * square).then(|| square.sqrt())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Random small scenes: a grid of any resolution gives every ray the very hit that testing
-//! everything gives, pictures are the same to the byte, and no colour is NaN.
+//! everything gives, pictures are the same to the byte, and no colour, depth or normal is NaN. Some scenes
+//! are ordinary, in others any number may be as small or as large as a scene allows.
 //!
 //! `PROPTEST_CASES` sets how many scenes are tried.
 
@@ -7,29 +8,60 @@ use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use raytracer::camera::Camera;
 use raytracer::caster::{Caster, Insertion, Instructions};
-use raytracer::math::ray::Ray;
+use raytracer::grid::resolution::Resolution;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::robust::{rescaled, unit};
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
+use raytracer::scene::limits::SMALLEST_RADIUS;
 use raytracer::scene::material::{Material, Pattern, Phong, Texture};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, ObjectId, Position, Scene};
-use raytracer::stats::Quiet;
+use raytracer::stats::{Counts, Probe, Quiet};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
 const AT: Position = Position { line: 1, column: 1 };
 
+/// What numbers a scene may be made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Range {
+    Ordinary,
+    /// Any size, zero included.
+    Extreme,
+}
+
+/// The sizes of extreme numbers. Some are where squares or cubes leave the range of numbers, or come
+/// near to its end; the largest are those that a scene allows.
+const SIZES: [f64; 11] = [1e-46, 1e-38, 1e-20, 1e-16, 1e-9, 1e9, 1e20, 1e50, 1e77, 1e99, 0.0];
+
+fn extreme() -> impl Strategy<Value = f64> {
+    (prop::sample::select(&SIZES[..]), -9.0..9.0).prop_map(|(size, factor): (f64, f64)| size * factor)
+}
+
+/// A number that is extreme now and then, where the range has such.
+fn sometimes_extreme(range: Range, usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
+    match range {
+        Range::Ordinary => usual.boxed(),
+        Range::Extreme => prop_oneof![7 => usual, 1 => extreme()].boxed(),
+    }
+}
+
 /// Any coordinate, or a multiple of a quarter, so that things touch and coincide.
-fn coordinate() -> impl Strategy<Value = f64> {
-    prop_oneof![-2.0..2.0, (-8..=8i32).prop_map(|n| f64::from(n) / 4.0)]
+fn coordinate(range: Range) -> BoxedStrategy<f64> {
+    let usual = prop_oneof![-2.0..2.0, (-8..=8i32).prop_map(|n| f64::from(n) / 4.0)];
+    sometimes_extreme(range, usual)
 }
 
-fn point() -> impl Strategy<Value = DVec3> {
-    [coordinate(), coordinate(), coordinate()].prop_map(DVec3::from_array)
+fn point(range: Range) -> impl Strategy<Value = DVec3> {
+    [coordinate(range), coordinate(range), coordinate(range)].prop_map(DVec3::from_array)
 }
 
-fn direction() -> impl Strategy<Value = DVec3> {
-    point().prop_filter("a direction has a length", |v| v.length() > 0.1)
+fn direction(range: Range) -> impl Strategy<Value = DVec3> {
+    point(range).prop_filter("a direction has a length", move |v| match range {
+        Range::Ordinary => v.length() > 0.1,
+        Range::Extreme => *v != DVec3::ZERO,
+    })
 }
 
 fn color() -> impl Strategy<Value = DVec3> {
@@ -62,45 +94,52 @@ fn pattern() -> impl Strategy<Value = Pattern> {
 }
 
 /// Two plain materials, a texture of them, and one of that texture and another.
-fn materials() -> impl Strategy<Value = Vec<Material>> {
-    (phong(), phong(), pattern(), affine(), pattern(), affine()).prop_map(|(a, b, p, p_map, q, q_map)| {
-        let texture = |pattern, world_to_texture, children| {
-            Material::Texture(Texture { pattern, world_to_texture, children })
-        };
-        vec![a, b, texture(p, p_map, [0, 1]), texture(q, q_map, [2, 0])]
-    })
+fn materials(range: Range) -> impl Strategy<Value = Vec<Material>> {
+    (phong(), phong(), pattern(), affine(range), pattern(), affine(range)).prop_map(
+        |(a, b, p, p_map, q, q_map)| {
+            let texture = |pattern, world_to_texture, children| {
+                Material::Texture(Texture { pattern, world_to_texture, children })
+            };
+            vec![a, b, texture(p, p_map, [0, 1]), texture(q, q_map, [2, 0])]
+        },
+    )
 }
 
-fn scale() -> impl Strategy<Value = DVec3> {
-    let factor = || prop_oneof![0.2..2.0, -2.0..-0.2, Just(1.0)];
+fn scale(range: Range) -> impl Strategy<Value = DVec3> {
+    let factor = || sometimes_extreme(range, prop_oneof![0.2..2.0, -2.0..-0.2, Just(1.0)]);
     prop_oneof![factor().prop_map(DVec3::splat), [factor(), factor(), factor()].prop_map(DVec3::from_array)]
 }
 
-fn affine() -> impl Strategy<Value = DAffine3> {
-    (scale(), direction(), -4.0..4.0, point()).prop_map(|(scale, axis, angle, shift)| {
-        let turn = DQuat::from_axis_angle(axis.normalize(), angle);
-        DAffine3::from_scale_rotation_translation(scale, turn, shift)
-    })
+fn affine(range: Range) -> impl Strategy<Value = DAffine3> {
+    (scale(range), direction(Range::Ordinary), -4.0..4.0, point(range)).prop_map(
+        |(scale, axis, angle, shift)| {
+            let turn = DQuat::from_axis_angle(axis.normalize(), angle);
+            DAffine3::from_scale_rotation_translation(scale, turn, shift)
+        },
+    )
 }
 
 /// A primitive, material not chosen yet.
-fn primitive() -> impl Strategy<Value = Object> {
+fn primitive(range: Range) -> impl Strategy<Value = Object> {
+    let point = || point(range);
+    let radius = sometimes_extreme(range, 0.05..1.5).prop_map(|radius| radius.abs().max(SMALLEST_RADIUS));
     let sphere =
-        (point(), 0.05..1.5).prop_map(|(center, radius)| Object::Sphere { center, radius, material: 0 });
-    let plane = (direction(), coordinate()).prop_map(|(normal, offset)| Object::Plane {
+        (point(), radius).prop_map(|(center, radius)| Object::Sphere { center, radius, material: 0 });
+    let plane = (direction(range), coordinate(range)).prop_map(|(normal, offset)| Object::Plane {
         normal,
         offset,
         material: 0,
     });
     let corner_box =
         (point(), point()).prop_map(|(a, b)| Object::Box { min: a.min(b), max: a.max(b), material: 0 });
-    let mesh = Just(Object::Mesh { mesh: 0, material: 0 });
-    prop_oneof![4 => sphere, 1 => plane, 4 => triangle(), 1 => corner_box, 1 => mesh]
+    let mesh = (0..2usize).prop_map(|mesh| Object::Mesh { mesh, material: 0 });
+    prop_oneof![4 => sphere, 1 => plane, 4 => triangle(range), 1 => corner_box, 1 => mesh]
 }
 
 /// A triangle, every fourth without an area: a vertex twice, or three in a row.
-fn triangle() -> impl Strategy<Value = Object> {
-    (point(), point(), point(), 0..8, coordinate()).prop_map(|(a, b, c, kind, along)| {
+fn triangle(range: Range) -> impl Strategy<Value = Object> {
+    let point = || point(range);
+    (point(), point(), point(), 0..8, coordinate(Range::Ordinary)).prop_map(|(a, b, c, kind, along)| {
         let vertices = match kind {
             0 => [a, a, b],
             1 => [a, b, a + along * (b - a)],
@@ -110,17 +149,18 @@ fn triangle() -> impl Strategy<Value = Object> {
     })
 }
 
-fn light() -> impl Strategy<Value = Light> {
+fn light(range: Range) -> impl Strategy<Value = Light> {
+    let attenuation = || sometimes_extreme(range, 0.0..1.0);
     prop_oneof![
-        (direction(), color()).prop_map(|(direction, color)| Light::Directional { direction, color }),
-        (point(), color(), [0.0..1.0, 0.0..1.0, 0.0..1.0])
+        (direction(range), color()).prop_map(|(direction, color)| Light::Directional { direction, color }),
+        (point(range), color(), [attenuation(), attenuation(), attenuation()])
             .prop_map(|(position, color, attenuation)| Light::Point { position, color, attenuation }),
     ]
 }
 
-fn camera() -> impl Strategy<Value = scene::Camera> {
-    let view = (point(), direction(), direction())
-        .prop_filter("up is not along the view", |(_, d, up)| d.cross(*up).length() > 0.1);
+fn camera(range: Range) -> impl Strategy<Value = scene::Camera> {
+    let view = (point(range), direction(range), direction(range))
+        .prop_filter("up is not along the view", |(_, d, up)| unit(*d).cross(unit(*up)).length() > 0.02);
     (view, any::<bool>(), 0.5..6.0).prop_map(|((center, direction, up), orthographic, size)| {
         if orthographic {
             scene::Camera::Orthographic { center, direction, up, size }
@@ -131,18 +171,19 @@ fn camera() -> impl Strategy<Value = scene::Camera> {
 }
 
 /// Each object with its material and up to three transforms around it.
-fn scene() -> impl Strategy<Value = Scene> {
-    let object = (primitive(), 0..4usize, prop::collection::vec(affine(), 0..3));
+fn scene(range: Range) -> impl Strategy<Value = Scene> {
+    let object = (primitive(range), 0..4usize, prop::collection::vec(affine(range), 0..3));
     let objects = prop::collection::vec(object, 1..14);
     let background = (color(), color()).prop_map(|(color, ambient)| Background { color, ambient });
-    (objects, prop::collection::vec(light(), 0..3), materials(), camera(), background).prop_map(
+    let lights = prop::collection::vec(light(range), 0..3);
+    (objects, lights, materials(range), camera(range), background).prop_map(
         |(placed, lights, materials, camera, background)| {
             let (mut objects, mut children) = (vec![], vec![]);
             for (object, material, transforms) in placed {
                 children.push(add(&mut objects, with_material(object, material), &transforms));
             }
             objects.push(Object::Group(children));
-            let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT }];
+            let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT }; 2];
             Scene { camera, background, lights, materials, root: objects.len() - 1, objects, meshes }
         },
     )
@@ -168,16 +209,22 @@ fn with_material(mut object: Object, chosen: usize) -> Object {
     object
 }
 
-fn tetrahedron() -> Mesh {
-    Mesh {
+/// A tetrahedron, and a mesh of which only one triangle has an area.
+fn meshes() -> [Mesh; 2] {
+    let solid = Mesh {
         vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-    }
+    };
+    let flat = Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, 0.5 * DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2], [0, 0, 3], [3, 3, 3], [0, 1, 3]],
+    };
+    [solid, flat]
 }
 
 /// Rays from anywhere: to random points, to vertices, along axes, from within; unit vectors or not.
-fn rays() -> impl Strategy<Value = Vec<Ray>> {
-    let ray = (point(), point(), 0..4, 0..3usize, any::<bool>(), 0.01..10.0).prop_map(
+fn rays(range: Range) -> impl Strategy<Value = Vec<Ray>> {
+    let ray = (point(range), point(range), 0..4, 0..3usize, any::<bool>(), 0.01..10.0).prop_map(
         |(origin, target, kind, axis, backwards, length)| {
             let mut direction = length * (target - origin);
             if kind == 0 {
@@ -187,7 +234,14 @@ fn rays() -> impl Strategy<Value = Vec<Ray>> {
             Ray { t_min, ..Ray::new(if kind == 1 { 5.0 * origin } else { origin }, direction) }
         },
     );
-    prop::collection::vec(ray.prop_filter("a ray has a direction", |r| r.direction != DVec3::ZERO), 600)
+    let count = if range == Range::Ordinary { 600 } else { 100 };
+    prop::collection::vec(ray.prop_filter("a ray has a direction", |r| r.direction != DVec3::ZERO), count)
+}
+
+/// The same rays with their directions scaled by a power of two to a length of about one, as all of the
+/// renderer's are.
+fn of_unit_length(rays: Vec<Ray>) -> Vec<Ray> {
+    rays.into_iter().map(|ray| Ray { direction: rescaled(ray.direction), ..ray }).collect()
 }
 
 /// The same rays aimed at what the world is made of, where decisions are close.
@@ -201,8 +255,8 @@ fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
     rays.iter().zip(0..).filter_map(aim).collect()
 }
 
-/// The colour picture of every effect, and how many of its colours are NaN.
-fn picture(scene: &Scene, caster: &Caster) -> (Vec<u8>, u64) {
+/// The pictures of every effect, and how many of their colours are NaN.
+fn pictures<P: Probe>(scene: &Scene, caster: &Caster) -> (Vec<u8>, u64) {
     let size = [12, 9];
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let request = Request {
@@ -211,45 +265,97 @@ fn picture(scene: &Scene, caster: &Caster) -> (Vec<u8>, u64) {
         sampler: Sampler::CENTER,
         filter: Filter::PIXEL,
         color: true,
-        depth: None,
+        depth: Some([0.5, 6.0]),
         normals: true,
         samples: None,
     };
     let camera = Camera::new(&scene.camera, size);
-    let (pictures, _) = render::<Quiet>(&camera, caster, &request).expect("a small picture");
-    let bytes = [pictures.color, pictures.normals].into_iter().flatten().flat_map(|p| p.pixels().to_vec());
-    (bytes.collect(), pictures.nans)
+    let (pictures, _) = render::<P>(&camera, caster, &request).expect("a small picture");
+    let all = [pictures.color, pictures.depth, pictures.normals];
+    (all.into_iter().flatten().flat_map(|p| p.pixels().to_vec()).collect(), pictures.nans)
+}
+
+/// A ray's nearest hit; an error where asking for any hit says something else.
+fn hit<P: Probe>(caster: &Caster, ray: &Ray) -> Result<Option<Hit>, TestCaseError> {
+    let hit = caster.closest(ray, &mut P::default());
+    prop_assert_eq!(hit.is_some(), caster.any(ray, &mut P::default()), "{:?}: any", ray);
+    Ok(hit)
+}
+
+/// Whether every way to find hits finds the same in a scene, by these rays and in pictures.
+fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseError> {
+    let Ok(world) = World::new(scene, &meshes()) else { return Ok(()) };
+    let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
+    let plain = Caster::new(&world, None).expect("no grid");
+    let automatic = Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 20);
+    // Nearly every cell is a crowd then.
+    let nested = Insertion::Nested { crowd: 2 };
+    let ways = [
+        (Some(cells), Insertion::Exact, fastest),
+        (Some(cells), Insertion::Exact, portable),
+        (Some(cells.map(|n| n.div_ceil(3))), nested, fastest),
+        (Some(automatic), nested, portable),
+        (None, Insertion::Exact, portable),
+    ];
+    let casters = ways.map(|(cells, insertion, instructions)| {
+        Caster::with(&world, cells, insertion, instructions).expect("small grids")
+    });
+    let counted = [None, Some(cells)]
+        .map(|cells| Caster::with(&world, cells, Insertion::Course, fastest).expect("a small grid"));
+    let aimed = aimed(rays, &world);
+    for ray in rays.iter().chain(&of_unit_length(aimed)) {
+        let expected = hit::<Quiet>(&plain, ray)?;
+        prop_assert!(expected.is_none_or(|hit| hit.t.is_finite()), "{ray:?}: {expected:?}");
+        for (caster, way) in casters.iter().zip(&ways) {
+            let found = hit::<Quiet>(caster, ray)?;
+            prop_assert!(found == expected, "{ray:?}: {way:?} {found:?}, without a grid {expected:?}");
+        }
+        for caster in &counted {
+            let found = hit::<Counts>(caster, ray)?;
+            prop_assert!(found == expected, "{ray:?}: counting {found:?}, without {expected:?}");
+        }
+    }
+    let expected = pictures::<Quiet>(scene, &plain);
+    prop_assert_eq!(expected.1, 0, "colours that are not numbers");
+    for (caster, way) in casters.iter().zip(&ways) {
+        prop_assert!(pictures::<Quiet>(scene, caster) == expected, "the pictures differ: {way:?}");
+    }
+    for caster in &counted {
+        prop_assert!(pictures::<Counts>(scene, caster) == expected, "counting changes the pictures");
+    }
+    Ok(())
 }
 
 /// About five seconds' worth of scenes, where nobody asks for another number.
-fn config() -> ProptestConfig {
+fn config(usual: u32) -> ProptestConfig {
     let default = ProptestConfig::default();
-    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { 1500 };
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { usual };
     ProptestConfig { cases, ..default }
 }
 
+fn cells() -> impl Strategy<Value = [usize; 3]> {
+    [1..9usize, 1..9usize, 1..9usize]
+}
+
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(config(500))]
 
     #[test]
-    fn a_grid_changes_nothing(scene in scene(), rays in rays(), cells in [1..9usize, 1..9usize, 1..9usize]) {
-        let world = World::new(&scene, &[tetrahedron()]).expect("its transforms are not singular");
-        let plain = Caster::new(&world, None).expect("no grid");
-        let gridded = Caster::new(&world, Some(cells)).expect("a small grid");
-        // Nearly every cell is a crowd then.
-        let insertion = Insertion::Nested { crowd: 2 };
-        let nested = Caster::with(&world, Some(cells.map(|n| n.div_ceil(3))), insertion, Instructions::available()[0]);
-        let nested = nested.expect("small grids");
-        for ray in rays.iter().chain(&aimed(&rays, &world)) {
-            let hit = plain.closest(ray, &mut Quiet);
-            prop_assert!(hit == gridded.closest(ray, &mut Quiet), "{ray:?}: without a grid {hit:?}");
-            prop_assert!(hit == nested.closest(ray, &mut Quiet), "{ray:?}: without grids in cells {hit:?}");
-            prop_assert_eq!(hit.is_some(), plain.any(ray, &mut Quiet));
-            prop_assert_eq!(hit.is_some(), nested.any(ray, &mut Quiet));
-            prop_assert_eq!(hit.is_some(), gridded.any(ray, &mut Quiet));
-        }
-        let (one, other) = (picture(&scene, &plain), picture(&scene, &gridded));
-        prop_assert!(one.0 == other.0, "the pictures differ");
-        prop_assert_eq!((one.1, other.1), (0, 0));
+    fn a_grid_changes_nothing(scene in scene(Range::Ordinary), rays in rays(Range::Ordinary), cells in cells()) {
+        prop_assert!(World::new(&scene, &meshes()).is_ok(), "its transforms are not singular");
+        check(&scene, &rays, cells)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(config(1500))]
+
+    #[test]
+    fn a_grid_changes_nothing_at_any_scale(
+        scene in scene(Range::Extreme),
+        rays in rays(Range::Extreme),
+        cells in cells(),
+    ) {
+        check(&scene, &of_unit_length(rays), cells)?;
     }
 }

@@ -53,7 +53,7 @@ const WHOLE: &[(&str, &str)] = &[
         "PerspectiveCamera { center 0 0 0 direction 0 0 1 up 0 1 0 angle @wide }",
         "expected a number for `angle`",
     ),
-    ("PerspectiveCamera { center @1e999 0 0", "the number `1e999` is too large"),
+    ("PerspectiveCamera { center @1e999 0 0", "the number `1e999` is too large: the largest is 1e100"),
     ("PerspectiveCamera { center @nan 0 0", "expected a number for `center`, found `nan`"),
     ("PerspectiveCamera { center @-inf 0 0", "expected a number for `center`, found `-inf`"),
     ("PerspectiveCamera { center 1 @0x10 0", "expected a number for `center`, found `0x10`"),
@@ -88,6 +88,11 @@ const WITH_CAMERA: &[(&str, &str)] = &[
     (
         "Lights { numLights 1 PointLight { position 0 0 0 color 1 1 1 @atenuation 1 0 0 } }",
         "expected `attenuation` or `}`",
+    ),
+    ("Background { color @0 2e30 0 }", "`color` must be at most 1e30 in each channel, found `0`"),
+    (
+        "Materials { numMaterials 1 Material { diffuseColor @2e30 0 0 } }",
+        "`diffuseColor` must be at most 1e30",
     ),
     ("Materials { numMaterials 2 Material { } @}", "`numMaterials` announces 2, but only 1 found"),
     (
@@ -211,7 +216,12 @@ const OBJECTS: &[(&str, &str)] = &[
     ("Transform { Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 0 @1 0 1 }", "the last row of a `Matrix` must be 0 0 0 1"),
     ("Transform { Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 @}", "expected a number for `Matrix`, found `}`"),
     ("Transform { Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 @1 }", "expected `}` at the end of `Matrix`"),
-    ("Transform { Scale 1e200 1 1 @Scale 1e200 1 1 Sphere", "the transformation's numbers grow too large"),
+    ("Sphere { center 0 0 0 radius @1e-101 }", "`radius` must be positive, and at least 1e-100"),
+    ("Sphere { center 0 @-1.1e100 0 radius 1 }", "the number `-1.1e100` is too large"),
+    (
+        "Transform { Scale 1e99 1 1 Scale 1e99 1 1 Scale 1e99 1 1 @Scale 1e99 1 1 Sphere",
+        "the transformation's numbers grow too large",
+    ),
 ];
 
 /// What the error at `@` in `marked` must be, and the text without the mark.
