@@ -33,7 +33,10 @@ enum Range {
 
 /// The sizes of extreme numbers. Some are where squares or cubes leave the range of numbers, or come
 /// near to its end; the largest are those that a scene allows.
-const SIZES: [f64; 11] = [1e-46, 1e-38, 1e-20, 1e-16, 1e-9, 1e9, 1e20, 1e50, 1e77, 1e99, 0.0];
+const SIZES: [f64; 18] = [
+    5e-324, 1e-300, 1e-200, 1e-150, 1e-108, 1e-100, 1e-77, 1e-46, 1e-38, 1e-20, 1e-16, 1e-9, 1e9, 1e20, 1e50,
+    1e77, 1e99, 0.0,
+];
 
 fn extreme() -> impl Strategy<Value = f64> {
     (prop::sample::select(&SIZES[..]), -9.0..9.0).prop_map(|(size, factor): (f64, f64)| size * factor)
