@@ -9,7 +9,7 @@ use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust;
-use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sliver, sphere::Sphere, triangle};
+use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits;
 use crate::scene::mesh::Mesh;
@@ -270,11 +270,7 @@ impl World {
     fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
         let weights = triangle::Shear::new(ray).weights(self.corners_in_place(i));
-        let mut normal = triangle::normal(corners);
-        if normal.is_nan() {
-            normal = sliver::normal(corners).unwrap_or(-ray.direction);
-        }
-        (normal, weights.map_or(along, |weights| triangle::point(corners, weights)))
+        (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
     fn material_of(&self, primitive: u32) -> MaterialId {

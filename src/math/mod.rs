@@ -2,7 +2,7 @@
 
 pub mod aabb;
 pub mod double_double;
-pub mod exact_sum;
+pub(crate) mod exact_sum;
 pub mod extremes;
 pub(crate) mod four;
 pub mod instructions;

@@ -124,8 +124,8 @@ pub const ENTRY_ROUNDINGS: f64 = 2.5;
 fn is_singular_by_columns(m: DMat3) -> bool {
     let (m, _) = with_unit_columns(m);
     let allowed = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    // The comparison is negated so that a NaN counts as singular.
-    !(m.determinant().abs() > SINGULAR_ROUNDINGS * UNIT_ROUNDOFF * allowed)
+    let determinant = m.determinant().abs();
+    determinant.is_nan() || allowed.is_nan() || determinant <= SINGULAR_ROUNDINGS * UNIT_ROUNDOFF * allowed
 }
 
 #[cfg(test)]

@@ -3,11 +3,14 @@
 /// `significand * 2^exponent`; the significand is from 0.5 to 1, apart from its sign, or it is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaled {
+    /// From 0.5 to 1, apart from its sign, or zero.
     pub significand: f64,
+    /// Of two.
     pub exponent: i32,
 }
 
 impl Scaled {
+    /// Zero, below every other exponent.
     pub const ZERO: Self = Self { significand: 0.0, exponent: i32::MIN / 2 };
 
     /// -1, 0 or 1.

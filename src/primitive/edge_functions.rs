@@ -10,8 +10,11 @@ use glam::DVec3;
 /// Where the ray lies, seen along itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides {
+    /// It surely passes within the triangle.
     Inside,
+    /// It surely passes beside the triangle.
     Outside,
+    /// Rounding leaves a doubt.
     Unsure,
 }
 

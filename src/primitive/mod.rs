@@ -3,6 +3,5 @@
 pub mod edge_functions;
 pub mod ellipsoid;
 pub mod plane;
-pub mod sliver;
 pub mod sphere;
 pub mod triangle;

@@ -110,8 +110,7 @@ impl Stage {
             Kind::Sphere => vec![Object::Sphere { center, radius: size + gap, material }],
             Kind::Ellipsoid => {
                 let shortest = axes.transpose().determinant().abs().min(0.3);
-                let matrix =
-                    DAffine3::from_mat3_translation((size + gap / shortest) * axes, center);
+                let matrix = DAffine3::from_mat3_translation((size + gap / shortest) * axes, center);
                 let at = Position { line: 1, column: 1 };
                 vec![
                     Object::Sphere { center: DVec3::ZERO, radius: 1.0, material },
@@ -120,9 +119,8 @@ impl Stage {
             }
             Kind::Plane => vec![Object::Plane { normal, offset: normal.dot(center) + gap, material }],
             Kind::Square => {
-                let corner = |i: f64, j: f64| {
-                    center + size * (i * axes.x_axis + j * axes.y_axis) + gap * normal
-                };
+                let corner =
+                    |i: f64, j: f64| center + size * (i * axes.x_axis + j * axes.y_axis) + gap * normal;
                 let [a, b, c, d] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
                 [[a, b, c], [a, c, d]].map(|vertices| Object::Triangle { vertices, material }).into()
             }

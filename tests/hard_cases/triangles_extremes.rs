@@ -155,7 +155,8 @@ fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 4], f64) {
     let largest = triangle.iter().fold(0.0, |largest: f64, v| largest.max(v.abs().max_element()));
     let [low, high] = [DVec3::min, DVec3::max].map(|pick| pick(pick(triangle[0], triangle[1]), triangle[2]));
     let outside = (position - high).max(low - position).max_element();
-    let lost = largest < 2f64.powi(500) && !(outside <= 4.0 * f64::EPSILON * largest);
+    let is_near = outside <= 4.0 * f64::EPSILON * largest;
+    let lost = largest < 2f64.powi(500) && !is_near;
     let error = t.map_or(0.0, |t| error_of_t(ray, triangle, t, &true_t));
     ([1, wrong as u64, !bent as u64, lost as u64], error)
 }
@@ -205,7 +206,8 @@ fn case_20_normals_of_needles() {
         if exact == DVec3::ZERO {
             return ([found.is_finite() as u64, 0], []);
         }
-        let wrong = |normal: DVec3| !(normal.distance(exact.normalize()) < 1e-6) as u64;
+        let is_right = |normal: DVec3| normal.distance(exact.normalize()) < 1e-6;
+        let wrong = |normal: DVec3| u64::from(!is_right(normal));
         ([wrong(found), wrong(textbook)], [])
     };
     let n = rays(20_000, 2_000_000);

@@ -1,10 +1,10 @@
 //! The course's own scenes and pictures, where they are at hand: `COURSE_DIR` names a folder with them in `scenes/`
 //! and `pictures/`. They are no part of this project, and without them these tests say that they are skipped.
 
+use crate::support::{Folder, course, finish, program};
 use raytracer::scene_io::load;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use crate::support::{Folder, course, finish, program};
 
 fn scenes(course: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(course.join("scenes")).expect("COURSE_DIR has scenes");

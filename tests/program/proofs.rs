@@ -9,7 +9,8 @@ fn root() -> PathBuf {
 
 /// The proofs, by name and text.
 fn scripts() -> Vec<(String, String)> {
-    let entries = fs::read_dir(root().join("proofs")).expect("the proofs").map(|entry| entry.expect("a file"));
+    let entries =
+        fs::read_dir(root().join("proofs")).expect("the proofs").map(|entry| entry.expect("a file"));
     let scripts = entries.filter(|entry| entry.path().extension().is_some_and(|end| end == "g"));
     let read = |path: PathBuf| fs::read_to_string(path).expect("a readable proof");
     scripts.map(|entry| (entry.file_name().to_string_lossy().into_owned(), read(entry.path()))).collect()

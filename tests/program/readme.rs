@@ -1,10 +1,10 @@
 //! The README says what the program does.
 
+use crate::support::Folder;
 use raytracer::cli::{self, Command};
 use raytracer::grid::resolution::Resolution;
 use std::ffi::OsString;
 use std::path::Path;
-use crate::support::Folder;
 
 const README: &str = include_str!("../../README.md");
 

@@ -1,7 +1,7 @@
 //! The program as a user meets it: what it prints where, how it ends, and what it leaves on disk.
 
-use raytracer::image_io;
 use crate::support::{Folder, finish, nobody, program};
+use raytracer::image_io;
 
 const CAMERA: &str = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }\n";
 const LIGHT: &str = "Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }\n";

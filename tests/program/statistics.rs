@@ -1,7 +1,7 @@
 //! The counters of `-stats` against counts made by hand, and the layout of the block.
 
-use std::path::Path;
 use crate::support::{Folder, Run, course, finish, program};
+use std::path::Path;
 
 /// The counters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
