@@ -6,18 +6,21 @@ use glam::{DAffine3, DMat3, DVec3};
 /// The largest relative error of one rounded f64 operation, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
+/// How far a secondary ray starts from the surface it leaves, in roundings of the numbers around.
+const OFFSET_ROUNDINGS: f64 = 32.0;
+
 /// Where a secondary ray along the unit vector `direction` starts, so that it neither meets the
 /// surface it leaves nor skips what stands close by.
 ///
 /// A point computed on a surface is off it by a few roundings of its coordinates and of those of
-/// the primitives around it, the largest of which is `reach`. 32 roundings cover both that error
-/// and the intersection test's own: measured 0 false and 0 missed shadows at scales 1e-6 to 1e6.
+/// the primitives around it, the largest of which is `reach`. [`OFFSET_ROUNDINGS`] cover both that error
+/// and the intersection test's own (`proofs/offset.g`): measured 0 false and 0 missed shadows at scales 1e-6 to 1e6.
 ///
 /// The point moves that far from the surface along the direction, so that it stays on its line and
 /// a path's error does not grow with its bounces; along the normal where that would be a long way.
 pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, reach: f64) -> DVec3 {
     const STEEP: f64 = 0.25;
-    let distance = 32.0 * UNIT_ROUNDOFF * (point.abs().max_element() + reach);
+    let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * (point.abs().max_element() + reach);
     let slope = direction.dot(unit_normal);
     if slope.abs() > STEEP {
         return point + (distance / slope.abs()) * direction;

@@ -22,8 +22,14 @@ impl Plane {
     /// alongside that it crosses too far away for what is computed from there on.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let speed = self.normal.dot(ray.direction);
-        let t = (self.offset - self.normal.dot(ray.origin)) / speed;
+        let t = self.ahead_of(ray.origin) / speed;
         (ray.covers(t) && t.abs() <= FARTHEST && speed.is_finite()).then_some(t)
+    }
+
+    /// How far the plane lies ahead of a point, along the normal.
+    #[inline]
+    pub fn ahead_of(&self, point: DVec3) -> f64 {
+        self.offset - self.normal.dot(point)
     }
 
     /// The point of the plane nearest to `point`. It removes the error that `origin + t * direction`

@@ -3,7 +3,7 @@
 //! Eight pixels side by side, in single precision around the first of them, and without a branch: where
 //! triangles are small, a wrong guess would cost more than a pixel.
 
-use super::outline::{Layer, Outline};
+use super::outline::{ErrorBound, Layer, Outline};
 use super::sprite::Sprite;
 use super::{Affine, BAND, Canvas, UNSURE};
 use crate::math::extremes::{greatest, least};
@@ -35,15 +35,16 @@ struct Ramp {
 }
 
 impl Ramp {
-    /// `margin` and `share` are how far the function may be off by itself, and by its value.
-    fn new(function: Affine, corner: [f64; 2], extent: [usize; 2], margin: f64, share: f64) -> Self {
-        // Single precision is off by r for the first value, 2 r for what is added and r for the sum;
-        // another two are for a sum of the margin.
-        const SINGLE: f64 = 6.0 / (1u32 << 24) as f64;
+    /// `error_bound` is that of the function in double precision.
+    fn new(function: Affine, corner: [f64; 2], extent: [usize; 2], error_bound: ErrorBound) -> Self {
+        /// How far single precision may be off, in roundings of the largest value: 3 for the value, and
+        /// one for the sum of it and the error bound (`proofs/projection_single.g`).
+        const SINGLE_ROUNDINGS: f64 = 5.0;
+        const SINGLE_UNIT_ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
         let [x, y] = corner;
         let [columns, rows] = extent.map(|n| n as f64);
         let most = function.at(x, y).abs() + function.per_x.abs() * columns + function.per_y.abs() * rows;
-        let margin = margin + (share + SINGLE) * most;
+        let margin = error_bound.at(most) + SINGLE_ROUNDINGS * SINGLE_UNIT_ROUNDOFF * most;
         Self { function, slope: function.per_x as f32, margin: margin as f32 }
     }
 
@@ -84,9 +85,9 @@ impl<'c> Band<'c> {
         let middle = self.canvas.eye.middle;
         let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
         let extent = [columns.len() + LANES, rows.len()];
-        let edges = outline.edges.map(|edge| Ramp::new(edge, corner, extent, outline.margin, 0.0));
-        let layer = &outline.layer;
-        let nearness = Ramp::new(layer.nearness, corner, extent, layer.margin, layer.share);
+        let of_edges = ErrorBound([outline.edge_error_bound, 0.0, 0.0]);
+        let edges = outline.edges.map(|edge| Ramp::new(edge, corner, extent, of_edges));
+        let nearness = Ramp::new(outline.layer.nearness, corner, extent, outline.layer.error_bound);
         let margin = greatest(edges.map(|edge| edge.margin));
         for j in rows {
             let y = j as f64 - middle.y;
@@ -104,7 +105,7 @@ impl<'c> Band<'c> {
         let (middle, width) = (self.canvas.eye.middle, self.canvas.width);
         let corner = [-middle.x, self.rows.start as f64 - middle.y];
         let extent = [width + LANES, self.rows.len()];
-        let nearness = Ramp::new(plane.nearness, corner, extent, plane.margin, plane.share);
+        let nearness = Ramp::new(plane.nearness, corner, extent, plane.error_bound);
         for j in self.rows.clone() {
             let y = j as f64 - middle.y;
             for i in (0..width).step_by(LANES) {

@@ -7,9 +7,12 @@
 mod band;
 mod outline;
 mod sprite;
+#[cfg(test)]
+mod worst_cases;
 
 use crate::camera::{Camera, Eye};
 use crate::caster::Caster;
+use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::world::{Primitive, World};
 use band::Band;
@@ -54,7 +57,7 @@ impl Projection {
         if !is_possible || count > most {
             return None;
         }
-        let canvas = Canvas::new(camera.eye()?, world, width, rows.clone())?;
+        let canvas = Canvas::new(camera.eye()?, world.bounds, width, rows.clone())?;
         let piles = piles(&canvas, world);
         let work = piles.iter().flatten().fold(0usize, |work, pile| work.saturating_add(pile.pixels));
         if work > PIXELS_PER_RAY * pixels {
@@ -142,19 +145,18 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// None where numbers are too large or too small to compute with, or the view so narrow that rounding
-    /// moves a place by more than a small part of a pixel.
-    fn new(eye: Eye, world: &World, width: usize, rows: Range<usize>) -> Option<Self> {
+    /// None where numbers are too large or too small to compute with, or the view so narrow or so skew that
+    /// a place is off by more than a small part of a pixel.
+    fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>) -> Option<Self> {
         let distance = |corner: DVec3| (corner - eye.center).length();
-        let farthest = world.bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
+        let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
         let scale = libm::ldexp(1.0, -libm::frexp(farthest).1);
         let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
         let [across, along] = [(eye.middle.x, eye.right), (eye.middle.y, eye.up)]
             .map(|(middle, axis)| (middle + 0.5) * axis.length());
         let reach = eye.direction.length() + across + along;
-        // A place is off by a dozen roundings of its distance from the eye, in pixels.
-        let is_wide = axes.iter().all(|axis| axis.length() < 1e11);
-        let is_usual = (1e-60..1e60).contains(&scale) && reach < 1e12 && is_wide;
+        let off = sprite::place_error_bound(&eye, axes, reach);
+        let is_usual = (1e-60..1e60).contains(&scale) && reach < 1e12 && off < sprite::MOST_OFF;
         is_usual.then_some(Self { eye, scale, axes, reach, width, rows })
     }
 

@@ -1,6 +1,6 @@
 //! Triangles in the picture: which pixels' rays may hit them.
 
-use super::Canvas;
+use super::{Canvas, Eye};
 use crate::math::extremes::{greatest, least};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::World;
@@ -24,9 +24,30 @@ const ASIDE: f32 = 0.0;
 /// Of a point that surely is behind the eye.
 const BEHIND: f32 = -1.0;
 
+/// Of a direction that runs farther than this for each unit ahead, no place is computed.
+const STEEP: f64 = 1024.0;
+
+/// How many roundings of a point's distance over its depth, times the length of an axis, a place is off: for
+/// the axis, the products and the division.
+const PLACE_ROUNDINGS: f64 = 8.0;
+
+/// How far a place may be off, in pixels: half of what [`Span::around`] allows; the other half is for cutting.
+pub const MOST_OFF: f64 = 1.0 / PARTS as f64;
+
+/// How far the places in this view may be off, in pixels, by rounding and because the eye's vectors are not
+/// quite at right angles: by much where it looks almost along the upward direction.
+///
+/// A place along the one axis is at most `reach` times the axis' length, or far outside the picture, and along
+/// the other [`STEEP`] times. The depth changes by a cosine's part of both, and the place with it.
+pub fn place_error_bound(eye: &Eye, axes: [DVec3; 2], reach: f64) -> f64 {
+    let [right, up] = [eye.right, eye.up].map(DVec3::normalize);
+    let cosines = DVec3::new(right.dot(up), right.dot(eye.direction), up.dot(eye.direction));
+    let skew = cosines.abs().element_sum() + PLACE_ROUNDINGS * UNIT_ROUNDOFF;
+    skew * (STEEP + reach) * reach * axes[0].length().max(axes[1].length())
+}
+
 impl Place {
     pub fn of(point: DVec3, canvas: &Canvas) -> Self {
-        const STEEP: f64 = 1024.0;
         let point = canvas.seen(point);
         let (depth, distance) = (point.dot(canvas.eye.direction), point.length());
         if STEEP * depth > distance {
@@ -79,15 +100,20 @@ impl Sprite {
     }
 }
 
+/// How many roundings of a point's distance, times the numbers it is multiplied by, its distance from a plane
+/// through the eye is off.
+const SIDE_ROUNDINGS: f64 = 6.0;
+
 /// Whether a triangle surely lies beyond one of the planes through the eye and the picture's sides.
 fn is_beyond_a_side(canvas: &Canvas, corners: [DVec3; 3]) -> bool {
     let points = corners.map(|corner| canvas.seen(corner));
     (0..2).any(|k| {
         let axis = canvas.axes[k];
+        // A pixel and a half beyond the last centre, so that a pixel's own error does not count.
+        let border = canvas.eye.middle[k] + 1.5;
+        let off = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (axis.length() + border);
         let beyond = |point: DVec3, sign: f64| {
-            // A pixel more than there are, and far more than any rounding.
-            let within = (canvas.eye.middle[k] + 1.5) * point.dot(canvas.eye.direction);
-            sign * point.dot(axis) > within + 1e-9 * point.length() * axis.length()
+            sign * point.dot(axis) > border * point.dot(canvas.eye.direction) + off * point.length()
         };
         [1.0, -1.0].into_iter().any(|sign| points.into_iter().all(|point| beyond(point, sign)))
     })

@@ -76,7 +76,11 @@ impl Stage {
                 (center + size * (axes * on_unit_sphere), normal.normalize())
             }
             Kind::Plane => (center, normal),
-            Kind::Square => (center + size * (rng.unit() * edge + rng.unit() * other), normal),
+            // At times near the edge that the two triangles share.
+            Kind::Square => {
+                let (x, aside) = (rng.range(0.1, 0.9), f64::powf(10.0, rng.range(-6.0, -1.0)));
+                (center + size * (x * edge + (x + aside) * other), normal)
+            }
         };
         let magnitude = target.abs().max_element() + center.abs().max_element() + size;
         Self { kind, center, size, axes, normal, target, outward, magnitude }
@@ -154,6 +158,7 @@ fn direction(stage: &Stage, surface: &SurfacePoint, cosine: f64, rng: &mut Rng) 
 
 /// Runs `one` for every kind; it gives whether ours is wrong, and whether the textbook is.
 fn every_kind(inputs: u64, one: impl Fn(Kind, &mut Rng) -> Option<[bool; 2]> + Sync) {
+    let mut wrong_kinds = vec![];
     for (seed, kind) in (SEED..).zip(KINDS) {
         let failures = Failures::default();
         let ([wrong, textbook, decided], []) = measure(inputs, |index| {
@@ -162,9 +167,10 @@ fn every_kind(inputs: u64, one: impl Fn(Kind, &mut Rng) -> Option<[bool; 2]> + S
             ([wrong[0] as u64, wrong[1] as u64, 1], [])
         });
         println!("{kind:?}: {decided} rays, wrong: {wrong}, textbook {textbook}");
-        assert_eq!(wrong, 0, "{kind:?}");
         assert!(textbook > 0 && decided > inputs / 2, "the test tests nothing: {kind:?}");
+        wrong_kinds.extend((wrong > 0).then_some(kind));
     }
+    assert!(wrong_kinds.is_empty(), "wrong: {wrong_kinds:?}");
 }
 
 #[test]
@@ -173,7 +179,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
         let stage = Stage::new(kind, rng);
         let world = stage.world(None);
         let surface = surface(&stage, &world, rng)?;
-        let cosine = f64::powf(10.0, rng.range(-9.0, 0.0));
+        let cosine = f64::powf(10.0, rng.range(-12.0, 0.0));
         let direction = direction(&stage, &surface, cosine, rng);
         let caster = Caster::new(&world, None).expect("no grid");
         let single = Ray::new(surface.position.as_vec3().as_dvec3(), direction);
