@@ -18,6 +18,7 @@ pub mod textbook;
 pub mod textbook_grid;
 pub mod textbook_noise;
 pub mod textbook_offsets;
+pub mod views;
 
 /// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second in
 /// the long one. A number instead of the word cuts the long tier to so many.
