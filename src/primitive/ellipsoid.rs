@@ -213,4 +213,28 @@ mod tests {
         let (normal, point) = squashed().surface(&ray, 10.0);
         assert!((normal - DVec3::Z).length() < 1e-11 && (point - DVec3::new(1.0, 2.0, 4.0)).length() < 1e-11);
     }
+
+    #[test]
+    fn a_ray_from_close_to_the_surface_meets_the_far_side_exactly() {
+        let e = squashed();
+        for depth in [1e-3, 1e-6, 1e-9] {
+            let from = DVec3::new(1.0 + 2.0 * (1.0 - depth), 2.0, 3.0);
+            let t = e.intersect(&Ray::new(from, DVec3::NEG_X)).unwrap();
+            assert!((t - (from.x + 1.0)).abs() < 1e-15 * t, "{depth}: {t}");
+        }
+    }
+
+    #[test]
+    fn half_axes_are_found_at_every_scale_and_between_equal_lengths() {
+        for scale in [1e-100, 1e-8, 1.0, 1e8, 1e100] {
+            let (p, q) = (DVec3::new(scale, 0.0, 0.0), DVec3::new(0.6 * scale, 0.8 * scale, 0.0));
+            let axes = half_axes(DMat3::from_cols(p, q, DVec3::Z * scale));
+            let cosine = axes.x_axis.normalize().dot(axes.y_axis.normalize());
+            assert!(cosine.abs() < 1e-15, "{scale}: {cosine}");
+            // The lengths are the roots of 1 + 0.6 and 1 - 0.6.
+            let lengths = [axes.x_axis, axes.y_axis].map(|axis| axis.length() / scale);
+            let (short, long) = (lengths[0].min(lengths[1]), lengths[0].max(lengths[1]));
+            assert!((short - 0.4f64.sqrt()).abs() < 1e-15 && (long - 1.6f64.sqrt()).abs() < 1e-15);
+        }
+    }
 }

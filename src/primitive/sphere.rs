@@ -100,6 +100,8 @@ pub fn first_on_ray(roots: [f64; 2], ray: &Ray) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_rational::BigRational;
+    use num_traits::{Signed, ToPrimitive};
 
     #[test]
     fn the_nearer_root_outside_and_the_farther_inside() {
@@ -129,5 +131,82 @@ mod tests {
         assert_eq!(from(1.0), Some([5.0, 5.0]));
         assert_eq!([from(1.0 + f64::EPSILON), from(1.5), from(f64::NAN)], [None; 3]);
         assert_eq!(sphere.roots(DVec3::new(0.0, 0.0, -5.0), DVec3::ZERO), None);
+    }
+
+    fn exact(x: f64) -> BigRational {
+        BigRational::from_float(x).unwrap()
+    }
+
+    fn float(x: &BigRational) -> f64 {
+        x.to_f64().unwrap()
+    }
+
+    /// The quadratic's numbers, exactly: the direction's square, what its product with the way to the centre is,
+    /// the origin's power, and the discriminant.
+    fn quadratic(sphere: &Sphere, origin: DVec3, direction: DVec3) -> [BigRational; 4] {
+        let f = [0, 1, 2].map(|i| exact(origin[i]) - exact(sphere.center[i]));
+        let d = direction.to_array().map(exact);
+        let dot = |a: &[BigRational; 3], b: &[BigRational; 3]| {
+            a.iter().zip(b).map(|(a, b)| a * b).fold(exact(0.0), |sum, product| sum + product)
+        };
+        let (a, b) = (dot(&d, &d), -dot(&f, &d));
+        let power = dot(&f, &f) - exact(sphere.radius) * exact(sphere.radius);
+        let discriminant = &b * &b - &a * &power;
+        [a, b, power, discriminant]
+    }
+
+    /// Lines from `away` radii off that pass the centre at nearly the radius: `inside` of it less, relatively.
+    fn grazing(i: u32, radius: f64, away: f64, inside: f64) -> (Sphere, DVec3, DVec3) {
+        let spread = |step: f64| (i as f64 * step).fract() - 0.5;
+        let along = DVec3::new(spread(2f64.sqrt()), spread(3f64.sqrt()), 0.75);
+        let normal = along.cross(DVec3::new(spread(5f64.sqrt()), 1.0, spread(7f64.sqrt()))).normalize();
+        let sphere = Sphere { center: radius * DVec3::new(0.1, 0.7, -0.3), radius };
+        let touched = sphere.center + radius * (1.0 - inside) * normal;
+        (sphere, touched - away * radius * along.normalize(), along)
+    }
+
+    #[test]
+    fn whether_a_line_meets_a_sphere_is_decided_exactly() {
+        let (mut met, mut missed) = (0, 0);
+        for (i, radius) in (1..600).zip([1e-3, 1.0, 1e3].into_iter().cycle()) {
+            let away = [3.0, 1e3, 1e6, 1e10][i as usize % 4];
+            let inside = (i as f64 * 2f64.sqrt()).fract() - 0.5;
+            let (sphere, origin, along) = grazing(i, radius, away, inside * away * 4.0 * UNIT_ROUNDOFF);
+            let [.., discriminant] = quadratic(&sphere, origin, along);
+            let meets = !discriminant.is_negative();
+            assert_eq!(sphere.roots(origin, along).is_some(), meets, "{i}");
+            if meets { met += 1 } else { missed += 1 }
+        }
+        assert!(met > 100 && missed > 100, "{met} {missed}");
+    }
+
+    #[test]
+    fn a_short_chord_keeps_half_of_its_digits() {
+        for (i, radius) in (1..400).zip([1e-3, 1.0, 1e3].into_iter().cycle()) {
+            let inside = 2f64.powi(-10 - (i as i32 % 30));
+            let (sphere, origin, along) = grazing(i, radius, 2.0, inside);
+            let [a, _, _, discriminant] = quadratic(&sphere, origin, along);
+            let chord = 2.0 * float(&discriminant).sqrt() / float(&a);
+            let [near, far] = sphere.roots(origin, along).unwrap();
+            assert!((far - near - chord).abs() < 2f64.powi(-26) * chord, "{i}: {} {chord}", far - near);
+        }
+    }
+
+    #[test]
+    fn both_crossings_are_right_from_however_close_to_the_surface() {
+        for (i, radius) in (1..400).zip([1e-3, 1.0, 1e3].into_iter().cycle()) {
+            let (sphere, start, along) = grazing(i, radius, 2.0, 0.5);
+            let near = sphere.roots(start, along).unwrap()[0];
+            let height = (i as f64 * 3f64.sqrt()).fract() * 10f64.powi(-(i as i32 % 14));
+            let origin = start + (near - height * radius) * along;
+            let [a, b, power, discriminant] = quadratic(&sphere, origin, along);
+            let q = float(&b) + float(&discriminant).sqrt();
+            let [found, other] = sphere.roots(origin, along).unwrap();
+            let (near, far) = (float(&power) / q, q / float(&a));
+            // The power cancels by ten bits before it is computed with twice the digits.
+            let bits = 2f64.powi(12);
+            assert!((found - near).abs() <= bits * UNIT_ROUNDOFF * near.abs(), "{i}: {found} {near}");
+            assert!((other - far).abs() <= 16.0 * UNIT_ROUNDOFF * far, "{i}: {other} {far}");
+        }
     }
 }
