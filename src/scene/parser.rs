@@ -312,4 +312,10 @@ mod tests {
         assert!(are_parallel(DVec3::ONE * 1e-300, DVec3::ONE * 1e300));
         assert!(!are_parallel(DVec3::Y, DVec3::new(1e-6, 1.0, 0.0)));
     }
+
+    #[test]
+    fn vectors_are_parallel_within_less_than_1e_12() {
+        let parallel = |angle: f64| are_parallel(DVec3::X * 3.0, DVec3::new(-1.0, angle, 0.0));
+        assert_eq!([0.0, 0.99e-12, 1e-12, 1e-9].map(parallel), [true, true, false, false]);
+    }
 }
