@@ -109,3 +109,30 @@ pub fn clip_packet<F: Four>(slab: &Slab, packet: &Packet<F>) -> Passages<F> {
     let ends = exit.at_most(exit.all(f64::MAX));
     Passages { set: precedes & entry.at_most(exit) & entry.at_most(packet.t_max) & ends, entry, exit }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_ray_at_a_box_surely_misses_it_from_however_far() {
+        let bounds = Aabb { min: DVec3::new(-1.0, 2.0, 3.0), max: DVec3::new(0.5, 2.5, 3.0) };
+        let slab = Slab::new(&bounds);
+        let mut missed = 0;
+        for i in 0..20_000 {
+            let part = |k: f64| libm::fmod(k * f64::from(i), 1.0);
+            let target = bounds.min + DVec3::new(part(0.618), part(0.754), part(0.569)) * bounds.extent();
+            let far = libm::exp2(60.0 * part(0.819));
+            let origin = far * DVec3::new(part(0.137) - 0.5, part(0.273) - 0.5, part(0.391) - 0.5);
+            // Rounded, the line may truly miss the box; by how little is what the widening is for.
+            assert!(!slab.is_surely_missed(&Ray::new(origin, target - origin)), "{origin} {target}");
+            assert!(!slab.is_surely_missed(&Ray::new(origin, (target - origin) * libm::exp2(-900.0))));
+            let beside = Ray::new(origin, target + DVec3::splat(1e-9 * far + 3.0) - origin);
+            missed += usize::from(slab.is_surely_missed(&beside));
+        }
+        assert!(missed > 19_000, "{missed}");
+        let along = Ray::new(DVec3::new(0.0, 2.25, -9.0), DVec3::Z);
+        assert!(!slab.is_surely_missed(&along));
+        assert!(slab.is_surely_missed(&Ray { origin: along.origin + DVec3::Y, ..along }));
+    }
+}

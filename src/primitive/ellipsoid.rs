@@ -37,10 +37,10 @@ impl Ellipsoid {
         Aabb { min: self.center - reach, max: self.center + reach }
     }
 
-    /// The length of the shortest half axis.
-    pub fn thinnest(&self) -> f64 {
+    /// The lengths of the half axes.
+    pub fn half_lengths(&self) -> [f64; 3] {
         let DMat3 { x_axis, y_axis, z_axis } = self.linear;
-        x_axis.length().min(y_axis.length()).min(z_axis.length())
+        [x_axis, y_axis, z_axis].map(DVec3::length)
     }
 
     /// The nearest crossing on the ray. The direction is not renormalised in the unit sphere's

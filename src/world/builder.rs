@@ -123,7 +123,9 @@ impl<'a> Builder<'a> {
         let new = &self.world.vertices[first_vertex..];
         let bounds =
             if new.iter().all(|v| v.is_finite()) { Aabb::around(new.iter().copied()) } else { BROKEN };
-        self.grow(bounds, placement)
+        // An empty group of triangles has an empty, infinite box, which is no fault.
+        let is_near = bounds.is_empty() || (are_in_range(bounds.min) && are_in_range(bounds.max));
+        self.grow(bounds, is_near, placement)
     }
 
     fn sphere(
@@ -139,19 +141,21 @@ impl<'a> Builder<'a> {
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
-        self.grow(course_sphere_box(center, radius, placement), placement)?;
-        let thinnest = if let Some(scale) = robust::similarity_scale(linear) {
+        let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
             note_run(&mut self.materials[1], self.world.spheres.len(), material);
             self.world.spheres.push(Sphere { center: middle, radius: scale * radius });
-            scale * radius
+            [scale * radius; 3]
         } else {
             note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
             let ellipsoid = Ellipsoid::new(middle, reach);
             self.world.ellipsoids.push(ellipsoid);
-            ellipsoid.thinnest()
+            ellipsoid.half_lengths()
         };
-        let is_thick = thinnest >= SMALLEST_RADIUS;
-        if is_thick { Ok(()) } else { Err(placement.error(Problem::RadiusTooSmall)) }
+        if half_lengths.iter().any(|&length| length < SMALLEST_RADIUS) {
+            return Err(placement.error(Problem::RadiusTooSmall));
+        }
+        let is_near = are_in_range(middle) && are_in_range(half_lengths.into());
+        self.grow(course_sphere_box(center, radius, placement), is_near, placement)
     }
 
     fn plane(
@@ -175,10 +179,9 @@ impl<'a> Builder<'a> {
         if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 
-    fn grow(&mut self, bounds: Aabb, placement: &Placement) -> Result<(), SceneError> {
+    /// Takes the box of a new object, which is refused unless its coordinates are in range.
+    fn grow(&mut self, bounds: Aabb, is_near: bool, placement: &Placement) -> Result<(), SceneError> {
         self.world.bounds = self.world.bounds.union(bounds);
-        // An empty group of triangles has an empty, infinite box, which is no fault.
-        let is_near = bounds.is_empty() || (are_in_range(bounds.min) && are_in_range(bounds.max));
         if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 

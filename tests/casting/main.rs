@@ -4,4 +4,5 @@
 mod fuzz_findings;
 mod instructions;
 mod random_scenes;
+mod strategies;
 mod uneven_scenes;

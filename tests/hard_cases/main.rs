@@ -18,6 +18,7 @@ mod secondary_rays;
 mod shading;
 mod shading_output;
 mod shading_textures;
+mod singular_transforms;
 mod spheres_planes;
 mod support;
 mod transforms;
