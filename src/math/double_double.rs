@@ -79,6 +79,12 @@ pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The cross product, for oracles.
+#[cfg(test)]
+pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
