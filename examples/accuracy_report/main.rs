@@ -1,49 +1,70 @@
-//! Writes `docs/accuracy.md` and its pictures from the records of the hard cases.
+//! Measures the hard cases and writes `docs/accuracy.md` and its pictures.
 //!
-//! The argument is the folder of the records: `ACCURACY_DIR` of the test run that measured them.
+//! `cargo run --release --example accuracy_report` does all of it in the ordinary tier; `HARD_CASES=long` or
+//! `HARD_CASES=1000000` before it chooses another tier, for all rows alike.
 
 mod acne;
 mod edge_map;
+mod proofs;
 mod table;
 
 use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let Some(records) = std::env::args_os().nth(1).map(PathBuf::from) else {
-        eprintln!("usage: accuracy_report <folder of the records>");
-        return ExitCode::FAILURE;
-    };
-    match write_report(&records) {
-        Ok(missing) => {
-            println!("docs/accuracy.md is written; {missing} cases have no record");
+    match write_report() {
+        Ok(()) => {
+            println!("docs/accuracy.md is written");
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{error}");
+            eprintln!("error: {error}");
             ExitCode::FAILURE
         }
     }
 }
 
-/// Writes the document, and returns how many cases have no record.
-fn write_report(records: &Path) -> Result<usize, Box<dyn std::error::Error>> {
+fn write_report() -> Result<(), Failure> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
-    std::fs::create_dir_all(&docs)?;
+    let records = measured()?;
     let map = edge_map::draw();
     let acne = acne::draw()?;
     for (name, picture) in [("edge_map.png", &map.picture), ("acne.png", &acne.picture)] {
-        write_picture(&docs.join(name), picture)?;
+        OutputFile::prepare(&docs.join(name))?.write(picture)?;
     }
-    let table = table::read(records)?;
-    std::fs::write(docs.join("accuracy.md"), table.document(&map.caption, &acne.caption))?;
-    Ok(table.missing().len())
+    let table = table::read(records.path())?;
+    let origin = table::Origin { commit: commit()?, tier: std::env::var("HARD_CASES").ok() };
+    let text = table.document(&origin, &proofs::section()?, &map.caption, &acne.caption)?;
+    std::fs::write(docs.join("accuracy.md"), text)?;
+    Ok(())
 }
 
-fn write_picture(path: &Path, picture: &Picture) -> Result<(), Box<dyn std::error::Error>> {
-    Ok(OutputFile::prepare(path)?.write(picture)?)
+/// Runs every hard case once; gives the folder of their records.
+fn measured() -> Result<tempfile::TempDir, Failure> {
+    let folder = tempfile::tempdir()?;
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["test", "--test", "hard_cases"]).env("ACCURACY_DIR", folder.path());
+    let status = cargo.current_dir(env!("CARGO_MANIFEST_DIR")).status()?;
+    if status.success() {
+        Ok(folder)
+    } else {
+        Err("a hard case failed, so that there is nothing to report".into())
+    }
+}
+
+/// The commit that is measured, and whether the files differ from it.
+fn commit() -> Result<String, Failure> {
+    let git = |words: &[&str]| -> Result<String, Failure> {
+        let output = Command::new("git").args(words).current_dir(env!("CARGO_MANIFEST_DIR")).output()?;
+        Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+    };
+    let sources = ["status", "--porcelain", "--untracked-files=no", "src", "tests", "proofs", "Cargo.toml"];
+    let changed = if git(&sources)?.is_empty() { "" } else { ", with changes that are not committed" };
+    Ok(format!("{}{changed}", git(&["rev-parse", "--short", "HEAD"])?))
 }
 
 /// A picture with what was counted in it.

@@ -23,7 +23,8 @@ pub fn section() -> Result<String, Failure> {
     let mut text = format!("{INTRO}| proof | of | checked |\n|---|---|---|\n");
     for script in scripts {
         let source = std::fs::read_to_string(&script)?;
-        let claim = source.lines().next().unwrap_or_default().trim_start_matches('#').trim().replace('|', "\\|");
+        let claim =
+            source.lines().next().unwrap_or_default().trim_start_matches('#').trim().replace('|', "\\|");
         let name = script.file_stem().unwrap_or_default().to_string_lossy();
         let _ = writeln!(text, "| `{name}` | {claim} | {} |", verdict(&script));
     }

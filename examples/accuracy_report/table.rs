@@ -1,8 +1,8 @@
 //! The records of the hard cases as a document.
 
+use crate::Failure;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io;
 use std::path::Path;
 
 /// The sections of the hard cases: what they are about and the numbers of their cases.
@@ -15,92 +15,77 @@ const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 6] = [
     ("Shading, textures, output", 53..=64),
 ];
 
-const INTRO: &str = "\
-# Accuracy
+const INTRO: &str = include_str!("introduction.md");
 
-A ray tracer decides, millions of times a picture, whether a ray meets a surface, on which side of an \
-edge it passes, and what stands in the way of the light. Where rounding decides wrongly, the picture shows \
-it: holes between triangles, speckles in the shade, shadows that vanish, textures that flicker. Such errors \
-hide in ordinary scenes and come out in small, large or far-away ones.
+const HEAD: &str =
+    "| | case | basis | inputs | measured | textbook | ours | target |\n|---|---|---|---|---|---|---|---|\n";
 
-So the hard cases are tested one by one, against an oracle that does not round: exact rational arithmetic, \
-arithmetic with twice the digits, closed forms, brute force, or a second render that must be identical. \
-Beside the program, the textbook's method runs on the same input. It must fail there; a case in which it \
-does not would test nothing.
+/// Where the numbers come from.
+pub struct Origin {
+    pub commit: String,
+    /// As `HARD_CASES` says; none for the ordinary tier.
+    pub tier: Option<String>,
+}
 
-The numbers below are measured, not claimed. This file and its pictures are written by a program:
+/// The fields of a record after the number of its case, as the tests write them.
+const FIELDS: usize = 7;
 
-```
-mkdir -p target/accuracy
-ACCURACY_DIR=target/accuracy cargo test --test hard_cases
-cargo run --release --example accuracy_report -- target/accuracy
-```
-
-`HARD_CASES=long` before the second command takes a hundred times as many inputs. A rounding is 2^-53 of the \
-number's size; an ulp32 is the distance of neighbouring 32-bit floats. The sources of the cases are in \
-`tests/hard_cases`.
-";
-
-const HEAD: &str = "| | case | measured | textbook | ours | target |\n|---|---|---|---|---|---|\n";
-
-/// The fields of each record by the number of its case: name, inputs, measure, textbook, ours, target.
-pub struct Table(BTreeMap<u32, Vec<String>>);
+/// The records by the number of their case: basis, name, inputs, measure, textbook, ours, target.
+pub struct Table(BTreeMap<u32, [String; FIELDS]>);
 
 /// Reads every record in a folder.
-pub fn read(folder: &Path) -> io::Result<Table> {
+pub fn read(folder: &Path) -> Result<Table, Failure> {
     let mut records = BTreeMap::new();
     for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|e| e == "tsv") {
-            for line in std::fs::read_to_string(path)?.lines() {
-                let mut fields = line.split('\t').map(String::from);
-                let number = fields.next().and_then(|n| n.parse().ok());
-                records.extend(number.map(|n| (n, fields.collect())));
-            }
-        }
+        let text = std::fs::read_to_string(entry?.path())?;
+        let mut fields = text.trim_end().split('\t').map(String::from);
+        let case = fields.next().unwrap_or_default().parse()?;
+        let rest: Vec<String> = fields.collect();
+        let rest = rest.try_into().map_err(|_| format!("the record of case {case} has other fields"))?;
+        records.insert(case, rest);
     }
     Ok(Table(records))
 }
 
 impl Table {
-    /// The numbers of the cases without a record.
-    pub fn missing(&self) -> Vec<u32> {
-        SECTIONS.iter().flat_map(|(_, cases)| cases.clone()).filter(|n| !self.0.contains_key(n)).collect()
-    }
-
-    pub fn document(&self, edge_map: &str, acne: &str) -> String {
-        let mut text = INTRO.to_string();
+    /// The whole document; an error where a case has no record.
+    pub fn document(
+        &self,
+        origin: &Origin,
+        proofs: &str,
+        edge_map: &str,
+        acne: &str,
+    ) -> Result<String, Failure> {
+        let mut text = INTRO.replace("ORIGIN", &sentence(origin, self.0.len()));
         for (title, cases) in &SECTIONS {
-            let _ = writeln!(text, "\n## {title}\n");
-            let rows: String = cases.clone().filter_map(|n| Some(row(n, self.0.get(&n)?))).collect();
-            text += if rows.is_empty() { "Not measured.\n" } else { HEAD };
-            text += &rows;
-            self.picture_of(title, edge_map, acne, &mut text);
-        }
-        let missing: Vec<String> = self.missing().iter().map(u32::to_string).collect();
-        if !missing.is_empty() {
-            let _ = writeln!(text, "\n## Missing\n\nNo record of the cases {}.", missing.join(", "));
-        }
-        text
-    }
-
-    fn picture_of(&self, title: &str, edge_map: &str, acne: &str, text: &mut String) {
-        let figure = match title {
-            _ if title.starts_with("Triangles") => {
-                Some(("edge_map.png", "The decision at an edge", edge_map))
+            let _ = write!(text, "\n## {title}\n\n{HEAD}");
+            for case in cases.clone() {
+                let fields = self.0.get(&case).ok_or_else(|| format!("case {case} has no record"))?;
+                text += &row(case, fields);
             }
-            _ if title.starts_with("Secondary") => Some(("acne.png", "Shadows at three scales", acne)),
-            _ => None,
-        };
-        if let Some((file, name, caption)) = figure {
-            let _ = write!(text, "\n![{name}]({file})\n\n{caption}\n");
+            match cases.start() {
+                1 => text += &format!("\n![The decision at an edge](edge_map.png)\n\n{edge_map}\n"),
+                40 => text += &format!("\n![Shadows at three scales](acne.png)\n\n{acne}\n"),
+                _ => {}
+            }
         }
+        Ok(text + proofs)
     }
 }
 
+/// The sentence that says where the numbers come from.
+fn sentence(Origin { commit, tier }: &Origin, rows: usize) -> String {
+    let tier = match tier.as_deref() {
+        None => "the ordinary tier".to_owned(),
+        Some("long") => "the long tier".to_owned(),
+        Some(most) => format!("the long tier cut to {most} inputs a case"),
+    };
+    format!("All {rows} rows were measured together, in {tier}, at commit {commit}.")
+}
+
 /// A row of the table. Bars would end a column.
-fn row(number: u32, fields: &[String]) -> String {
-    let field = |i: usize| fields.get(i).map_or(String::new(), |f| f.replace('|', "\\|"));
-    let case = format!("{}: {}", field(0), field(1));
-    format!("| {number} | {case} | {} | {} | **{}** | {} |\n", field(2), field(3), field(4), field(5))
+fn row(case: u32, fields: &[String; FIELDS]) -> String {
+    let [basis, name, inputs, measure, textbook, ours, target] =
+        fields.each_ref().map(|field| field.replace('|', "\\|"));
+    format!("| {case} | {name} | {basis} | {inputs} | {measure} | {textbook} | **{ours}** | {target} |\n")
 }

@@ -5,7 +5,7 @@ use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, bunny, middle_and_reach, rounded, world_of};
 use crate::support::product_grid::lattice;
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook_grid::TextbookGrid;
 use crate::support::{failed_ray, rays};
@@ -76,6 +76,7 @@ fn in_stream(caster: &Caster, ray: &Ray) -> Option<Hit> {
 pub fn conclude(case: u32, name: &str, n: u64, [ours, in_f64, in_f32, hits]: Counts) {
     Record {
         case,
+        basis: Basis::Sampled,
         name,
         inputs: format!("{n} rays, {hits} of which hit"),
         measure: "rays whose hit differs from brute force",
@@ -281,6 +282,7 @@ fn case_19_no_rejection_is_wrong() {
     let [ours, textbook, hits] = sum(counts);
     Record {
         case: 19,
+        basis: Basis::Proved,
         name: "no hit is rejected before the exact test",
         inputs: format!("{n} rays at the edges and vertices of rings of triangles, {hits} of which hit"),
         measure: "hits that are lost",

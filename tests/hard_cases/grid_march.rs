@@ -3,7 +3,7 @@
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{bunny, world_of};
 use crate::support::product_grid::{Step, lattice, margin, steps};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook_grid::{TextbookGrid, march};
 use crate::support::{failed_ray, rays};
@@ -87,6 +87,7 @@ fn case_26_the_cells_along_a_ray() {
     }
     Record {
         case: 26,
+        basis: Basis::Proved,
         name: "cells along a ray, 64 to 4096 a side",
         inputs: format!("{inputs} rays"),
         measure: "how far a cell is from where the ray is, in cells",
@@ -143,6 +144,7 @@ fn case_27_objects_at_cell_corners() {
     }
     Record {
         case: 27,
+        basis: Basis::Sampled,
         name: "objects near cell corners",
         inputs: format!("{} rays at objects 1e-2 to 1e-4 cells from a corner", total[0]),
         measure: "objects missed",

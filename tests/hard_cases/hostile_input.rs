@@ -1,7 +1,7 @@
 //! Section F, hostile input: numbers that are none, vectors without length, pictures without size.
 
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::{color_request, icosphere, mesh, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
@@ -236,6 +236,7 @@ fn case_61_hostile_input() {
     let work = extra_work();
     Record {
         case: 61,
+        basis: Basis::Sampled,
         name: "hostile input: NaN, infinities, zero directions, extreme lengths",
         inputs: format!("{inputs} rays, {broken} of them no rays; {scenes} scenes"),
         measure: "hits at no finite t / of rays that are none; pictures changed by the length of directions; panics; \

@@ -2,7 +2,7 @@
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::{icosphere, scene_of};
 use crate::support::{failed_ray, rays};
@@ -111,6 +111,7 @@ fn case_44_lights_at_surfaces() {
     let [unlit, in_plane, outside, textbook] = counts;
     Record {
         case: 44,
+        basis: Basis::Sampled,
         name: "light 1e-9 above a plane, in a plane, inside a sphere",
         inputs: format!("{} points", 4 * inputs),
         measure: "points wrongly dark / wrongly lit or NaN; errors of the lit ones' cosine above the plane, in the sphere",
@@ -186,6 +187,7 @@ fn case_45_terminator() {
     let [hits, ours, smooth, hanika] = counts;
     Record {
         case: 45,
+        basis: Basis::Sampled,
         name: "terminator of an icosahedron divided once",
         inputs: format!("{hits} points"),
         measure: "points that face the light and are dark",

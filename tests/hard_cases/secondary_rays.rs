@@ -4,7 +4,7 @@
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};
 use crate::support::occlusion::Occluders;
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::{mesh, scene_of, world_of};
 use crate::support::secondary::{blocked, secondary};
@@ -134,6 +134,7 @@ fn case_40_shadows_at_every_scale() {
     }
     Record {
         case: 40,
+        basis: Basis::Proved,
         name: "acne, scale sweep",
         inputs: format!("{} shadow rays at 5 scales", total[0]),
         measure: "false/missed shadows",
@@ -161,6 +162,7 @@ fn case_41_shadows_far_from_the_origin() {
     }
     Record {
         case: 41,
+        basis: Basis::Proved,
         name: "acne, translated",
         inputs: format!("{} shadow rays at 2 places", total[0]),
         measure: "false/missed shadows",
@@ -218,6 +220,7 @@ fn case_42_contact_gaps() {
     }
     Record {
         case: 42,
+        basis: Basis::Sampled,
         name: "contact gap, 1e-2 to 1e-12 under a sheet",
         inputs: format!("{} shadow rays at 11 gaps", 44 * inputs),
         measure: "lost or false shadows",
@@ -343,6 +346,7 @@ fn case_43_shells_of_glass() {
     }
     Record {
         case: 43,
+        basis: Basis::Sampled,
         name: "nested shells of glass, 1e-6 and 1e-9 thick",
         inputs: format!("{} refracted paths", 2 * inputs),
         measure: "paths that meet other surfaces, or in another order, than the closed form",
@@ -400,6 +404,7 @@ fn case_46_mirror_hall() {
         measure(inputs, |index| mirror_drift(&mut Rng::at(46, index), BOUNCES));
     Record {
         case: 46,
+        basis: Basis::Sampled,
         name: "two parallel mirrors, 10000 bounces",
         inputs: format!("{} bounces", inputs * BOUNCES),
         measure: "largest drift, the mirrors being 1 apart; over the path's length for all slopes up to 45 degrees",

@@ -2,7 +2,7 @@
 
 use crate::support::double_double::{self as dd, Dd, Dd3};
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::{render_picture, scene_of};
 use crate::support::{failed_ray, rays};
@@ -64,6 +64,7 @@ fn case_53_critical_angle() {
     let [false_reflection, false_passage, textbook_reflection, textbook_passage, tried] = counts;
     Record {
         case: 53,
+        basis: Basis::Sampled,
         name: "critical angle of glass and of ratios 1.001 to 3, from 1e-2 to 4 roundings away",
         inputs: format!("{tried} directions"),
         measure: "false total reflections / false passages; length of the refracted direction off 1, in roundings",
@@ -124,6 +125,7 @@ fn case_54_glass_of_index_one() {
     let pixels = with.chunks(3).zip(without.chunks(3)).filter(|(a, b)| a != b).count();
     Record {
         case: 54,
+        basis: Basis::Sampled,
         name: "glass of index 1",
         inputs: format!("{inputs} directions, {} pixels", with.len() / 3),
         measure: "directions lost; largest change of a direction in roundings; pixels that a ball of it changes",
@@ -186,6 +188,7 @@ fn case_55_normal_and_grazing_incidence() {
     });
     Record {
         case: 55,
+        basis: Basis::Sampled,
         name: "normal and grazing incidence on glass",
         inputs: format!("{inputs} directions with cosines 2^-k and 1 - 2^-k"),
         measure: "directions lost or NaN; largest error of the refracted direction in roundings (reflected and \

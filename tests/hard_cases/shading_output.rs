@@ -2,7 +2,7 @@
 
 use crate::support::double_double::Dd;
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::{color_request, scene_of};
 use crate::support::{hex, rays};
@@ -64,6 +64,7 @@ fn case_62_bytes_of_colours() {
     let meant = (0..=255u8).filter(|&b| exact_byte(f64::from(b) / 255.0) != b).count();
     Record {
         case: 62,
+        basis: Basis::Sampled,
         name: "bytes of colours",
         inputs: format!("{} colours of a ramp, their neighbours, values from -10 to 10, NaN, infinities", 4 * (STEPS + 1)),
         measure: "bytes other than 255 c cut and clamped (not rounded: the course's rule); NaN not counted",
@@ -145,6 +146,7 @@ fn case_63_threads() {
     let textbook = shuffled_sums(sums, 256);
     Record {
         case: 63,
+        basis: Basis::Sampled,
         name: "1, 2, 3, 7 and 64 threads, 1 to 4096 samples a pixel",
         inputs: format!("{tried} samples"),
         measure: "bytes that differ from one thread's",
@@ -185,6 +187,7 @@ fn case_64_long_sums() {
     });
     Record {
         case: 64,
+        basis: Basis::Sampled,
         name: "mean of 4095 samples of 1e-4 and one of 1e4",
         inputs: format!("{inputs} means of {SAMPLES} samples"),
         measure: "largest relative error of the mean",

@@ -2,7 +2,7 @@
 //! zero and far away.
 
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of;
 use crate::support::textbook_noise::{noise32, truncated_noise};
@@ -87,6 +87,7 @@ fn case_56_checkerboard_on_its_own_plane() {
     let [pixels, ours, textbook] = counts;
     Record {
         case: 56,
+        basis: Basis::Sampled,
         name: "checkerboard on its own plane",
         inputs: format!("{pixels} pixels from {eyes} eyes"),
         measure: "pixels of the wrong colour",
@@ -134,6 +135,7 @@ fn case_57_checkerboard_far_away() {
     let [tried, ours, textbook] = counts;
     Record {
         case: 57,
+        basis: Basis::Sampled,
         name: "checkerboard far away, up to 1e15",
         inputs: format!("{tried} points farther than 4 roundings from the lines"),
         measure: "points of the wrong colour",
@@ -164,6 +166,7 @@ fn case_58_noise_at_its_lattice() {
     });
     Record {
         case: 58,
+        basis: Basis::Sampled,
         name: "noise at whole numbers, up to 2^52",
         inputs: format!("{inputs} points, and all from -5 to 5"),
         measure: "points where it is not 0",
@@ -205,6 +208,7 @@ fn case_59_noise_below_zero() {
     // steps. A bound of 2 steps, a slope of 1, does not hold: the largest change shows a slope of 2.6.
     Record {
         case: 59,
+        basis: Basis::Sampled,
         name: "noise below zero",
         inputs: format!("{inputs} points in [-4, 0]^3"),
         measure: "points unlike those 256 farther; largest change over 1e-9 to both sides; largest value",
@@ -242,6 +246,7 @@ fn case_60_noise_far_away() {
     }
     Record {
         case: 60,
+        basis: Basis::Sampled,
         name: "noise far away, 1e2 to 1e7",
         inputs: format!("{inputs} points at each of 4 distances"),
         measure: "largest change by whole periods, with the point's own rounding and without",

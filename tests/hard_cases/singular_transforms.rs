@@ -3,7 +3,7 @@
 use crate::support::double_double::{self as dd, Dd, Dd3};
 use crate::support::exact::{dot, exact3};
 use crate::support::measure::{Failures, measure};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::{failed_ray, rays};
 use crate::transforms::{ROUNDING, length, nested, rotation};
@@ -261,6 +261,7 @@ fn case_48_nearly_singular_scales() {
     let ([hits, missed, textbook, unclear, wrong_spheres], [angle, t]) = flattened_ellipsoids(n);
     Record {
         case: 48,
+        basis: Basis::Proved,
         name: "planes and ellipsoids scaled by 1e-2 to 1e-30 along one axis, and by 0",
         inputs: format!(
             "{n} planes, {refused} refused as singular; {n} ellipsoids, {unclear} refused or seen edge on; {near} of \

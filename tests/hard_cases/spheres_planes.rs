@@ -3,7 +3,7 @@
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure, ulps32};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of;
 use crate::support::secondary::secondary;
@@ -92,6 +92,7 @@ fn case_33_spheres_far_away() {
     }
     Record {
         case: 33,
+        basis: Basis::Sampled,
         name: "sphere, distance sweep",
         inputs: format!("{inputs} rays at each of 5 distances"),
         measure: "wrong hits and misses; largest error of t",
@@ -110,6 +111,7 @@ fn case_34_tiny_sphere() {
     let tally = sphere_case(34, 34, inputs, |rng| (sphere, ray_at_disc(&sphere, 1e3, rng)));
     Record {
         case: 34,
+        basis: Basis::Sampled,
         name: "tiny sphere, 1e-3 at 1e3",
         inputs: format!("{inputs} rays"),
         measure: "wrong hits and misses; largest error of t",
@@ -141,6 +143,7 @@ fn case_35_planet() {
     let tally = sphere_case(35, 35, inputs, planet);
     Record {
         case: 35,
+        basis: Basis::Sampled,
         name: "planet of radius 1e6 seen from 1 to 10 above",
         inputs: format!("{inputs} rays"),
         measure: "largest error of t; wrong hits and misses",
@@ -213,6 +216,7 @@ fn case_36_tangents() {
     let [wrong, turns, textbook_wrong, textbook_turns] = counts;
     Record {
         case: 36,
+        basis: Basis::Sampled,
         name: "tangents",
         inputs: format!("{sweeps} sweeps of {} neighbouring origins", 2 * SWEEP + 1),
         measure: "wrong decisions farther than 4 roundings from the tangent; sweeps that change their mind",
@@ -293,6 +297,7 @@ fn case_37_rays_that_leave_a_sphere() {
     let [spurious, lost, textbook] = counts;
     Record {
         case: 37,
+        basis: Basis::Sampled,
         name: "rays that leave a sphere",
         inputs: format!("{inputs} secondary rays"),
         measure: "crossings found at the surface left; far sides missed; error of t over the size",
@@ -357,6 +362,7 @@ fn case_38_planes_at_a_grazing_angle() {
     let alongside = parallel_rays();
     Record {
         case: 38,
+        basis: Basis::Sampled,
         name: "plane at a grazing angle",
         inputs: format!("{inputs} rays at elevations 1e-1 to 1e-12"),
         measure: "largest relative error of t in roundings times the formula's condition; NaN or hits of parallel rays",
@@ -418,6 +424,7 @@ fn case_39_planes_far_away() {
     }
     Record {
         case: 39,
+        basis: Basis::Sampled,
         name: "plane far from the origin",
         inputs: format!("{inputs} rays at each of the offsets 1e6 and 1e8"),
         measure: "largest distance of the hit from the plane, in roundings of the offset",

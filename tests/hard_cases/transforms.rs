@@ -5,7 +5,7 @@ use crate::support::brute::Brute;
 use crate::support::double_double::{self as dd, Dd, Dd3};
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, bunny, icosphere, point_in, world_of};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
@@ -93,6 +93,7 @@ fn case_47_deep_nesting() {
     }
     Record {
         case: 47,
+        basis: Basis::Sampled,
         name: "transforms nested 1 to 256 deep",
         inputs: format!("{} points", 5 * 60 * n),
         measure: "error relative to the largest intermediate length, in 4 roundings a level",
@@ -148,6 +149,7 @@ fn case_49_normals_of_mirrored_objects_point_outwards() {
     let ([inputs, wrong, textbook], []) = measure(n, one);
     Record {
         case: 49,
+        basis: Basis::Sampled,
         name: "mirrored and sheared by up to 1e3",
         inputs: format!("{inputs} triangles and rays at ellipsoids"),
         measure: "normals that point inwards",
@@ -203,6 +205,7 @@ fn case_52_flattened_and_hierarchical() {
     let ([differ, textbook], []) = measure(n, one);
     Record {
         case: 52,
+        basis: Basis::Sampled,
         name: "flattened and hierarchical",
         inputs: format!("{n} rays through eight levels"),
         measure: "rays that hit another triangle",

@@ -4,7 +4,7 @@
 use crate::support::exact_triangle::{Exact, intersect, relative_error};
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, aimed, bunny, middle_and_reach, moved, point_in, rounded};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, woop};
 use crate::support::{failed_ray, rays};
@@ -82,6 +82,7 @@ impl Measured {
             [0, 1, 2, 3].map(|i| format!("{} wrong, t off by {:.1e}", self.wrong[i], self.error[i]));
         Record {
             case,
+            basis: Basis::Sampled,
             name,
             inputs: format!("{} pairs of ray and triangle", self.pairs),
             measure: "wrong decisions, largest relative error of t",

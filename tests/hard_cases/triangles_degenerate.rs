@@ -6,7 +6,7 @@ use crate::support::exact::exact;
 use crate::support::exact_triangle::{Exact, intersect, intersect_by_rule};
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, aimed, bunny, middle_and_reach, point_in, rounded, shuffle, world_of};
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
@@ -82,6 +82,7 @@ fn case_15_a_ray_in_the_plane_of_the_triangle() {
     let (exactly, roughly) = (count(true), count(false));
     Record {
         case: 15,
+        basis: Basis::Sampled,
         name: "a ray in the triangle's plane",
         inputs: format!("{} rays, 6 orders of the vertices", 2 * n),
         measure: "answers that depend on the order, not a number; hits",
@@ -164,6 +165,7 @@ fn case_16_triangles_without_area() {
     let ([wrong, textbook], []) = measure(n, one);
     Record {
         case: 16,
+        basis: Basis::Sampled,
         name: "triangles without area mixed in",
         inputs: format!("{n} rays, {} triangles of which half have no area", mixed.triangles.len()),
         measure: "hits that change, or have no normal",
@@ -274,6 +276,7 @@ fn case_17_every_triangle_twice() {
     let [wrong, textbook] = [0, 1].map(|k| of_mesh[k] + of_plane[k]);
     Record {
         case: 17,
+        basis: Basis::Sampled,
         name: "every triangle twice, shuffled, and overlapping ones in one plane",
         inputs: format!("{} rays", n + n / 4),
         measure: "rays whose hit is not the one of the rule",
@@ -343,6 +346,7 @@ fn case_18_the_order_of_the_vertices() {
     let ([changed, textbook], [apart]) = measure(n, one);
     Record {
         case: 18,
+        basis: Basis::Sampled,
         name: "vertices in all six orders",
         inputs: format!("{n} rays"),
         measure: "hits that change; how far t moves, in units in the last place",

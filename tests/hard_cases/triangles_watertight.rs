@@ -7,7 +7,7 @@ use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{
     Closed, aimed, bunny, icosphere, middle_and_reach, point_in, rounded, world_of,
 };
-use crate::support::record::Record;
+use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, plucker, woop};
 use crate::support::{failed_ray, rays};
@@ -153,6 +153,7 @@ fn leak_case(case: u32, name: &str, inside: &Inside) {
     let counts = inside.count(case, 1000 + case as u64, n);
     Record {
         case,
+        basis: Basis::Proved,
         name,
         inputs: format!("{n} rays"),
         measure: "leaks",
@@ -202,6 +203,7 @@ fn case_05_exactly_one_hit() {
     let inclusive = counts.iter().map(|(name, c)| format!("{} ({name})", c.inclusive_doubles()));
     Record {
         case: 5,
+        basis: Basis::Proved,
         name: "exactly one hit",
         inputs: format!("{} rays", 4 * n),
         measure: "rays with another number of hits than one",
@@ -262,6 +264,7 @@ fn case_06_a_closed_mesh_is_crossed_an_even_number_of_times() {
     let ([odd, moller_trumbore, inclusive], []) = measure(n, one);
     Record {
         case: 6,
+        basis: Basis::Proved,
         name: "parity of a closed mesh",
         inputs: format!("{n} rays at vertices, edges and random points of the rabbit"),
         measure: "odd numbers of crossings",
@@ -290,6 +293,7 @@ fn case_07_a_small_scale() {
     let ([missed], []) = measure(n, one);
     Record {
         case: 7,
+        basis: Basis::Proved,
         name: "sphere of radius 1e-3",
         inputs: format!("{n} rays"),
         measure: "leaks",
@@ -341,6 +345,7 @@ fn case_14_a_large_triangle_beside_a_small_one() {
     let ([wrong, moller_trumbore, baldwin_weber], []) = measure(n, one);
     Record {
         case: 14,
+        basis: Basis::Proved,
         name: "a triangle of 1e4 beside one of 1e-3",
         inputs: format!("{n} rays at the shared edge"),
         measure: "rays that do not hit exactly one",

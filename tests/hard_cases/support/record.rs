@@ -1,9 +1,28 @@
 //! Measurements for the report: one file a case in the folder that `ACCURACY_DIR` names.
 
+/// What a row rests on.
+#[derive(Clone, Copy)]
+pub enum Basis {
+    /// A machine-checked proof of the bounds that decide, which the inputs test.
+    Proved,
+    /// Inputs drawn or searched for from a seed.
+    Sampled,
+}
+
+impl Basis {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Sampled => "sampled",
+        }
+    }
+}
+
 /// What a case measured.
 pub struct Record<'a> {
     /// Its number in the table of hard cases, 1 to 64.
     pub case: u32,
+    pub basis: Basis,
     pub name: &'a str,
     /// What was tried, for example "1000000 rays".
     pub inputs: String,
@@ -19,7 +38,8 @@ pub struct Record<'a> {
 impl Record<'_> {
     /// Writes the record, if anybody collects them. Tabs separate the fields.
     pub fn write(&self) {
-        let fields = [self.name, &self.inputs, self.measure, &self.textbook, &self.ours, self.target];
+        let basis = self.basis.word();
+        let fields = [basis, self.name, &self.inputs, self.measure, &self.textbook, &self.ours, self.target];
         let line = format!("{}\t{}\n", self.case, fields.map(|f| f.replace(['\t', '\n'], " ")).join("\t"));
         print!("{line}");
         if let Some(folder) = std::env::var_os("ACCURACY_DIR") {
