@@ -39,11 +39,13 @@ impl Parts {
     }
 }
 
-impl ExactSum {
-    pub fn new() -> Self {
+impl Default for ExactSum {
+    fn default() -> Self {
         Self { digits: [0; DIGITS], used: [DIGITS, 0] }
     }
+}
 
+impl ExactSum {
     /// Adds the product of three finite floats.
     pub fn add_product(&mut self, factors: [f64; 3]) {
         let [a, b, c] = factors.map(Parts::of);
@@ -126,7 +128,7 @@ mod tests {
     use super::*;
 
     fn sum(products: &[[f64; 3]]) -> Scaled {
-        let mut sum = ExactSum::new();
+        let mut sum = ExactSum::default();
         products.iter().for_each(|&factors| sum.add_product(factors));
         sum.value()
     }

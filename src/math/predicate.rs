@@ -20,14 +20,14 @@ pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
 
 /// `d . ((b - a) x (c - a))`: twice the area of a triangle seen along `d`, in lengths of `d`.
 pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
-    let mut sum = ExactSum::new();
+    let mut sum = ExactSum::default();
     edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q]));
     sum.value()
 }
 
 /// `(a - o) . ((b - a) x (c - a))`: six times the volume between a point and a triangle.
 pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
-    let mut sum = ExactSum::new();
+    let mut sum = ExactSum::default();
     sum.add_determinant(triangle);
     edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([-o, p, q]));
     sum.value()
@@ -36,7 +36,7 @@ pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
 /// `(b - a) x (c - a)`: the normal of a triangle, as long as twice its area.
 pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
     [[1, 2], [2, 0], [0, 1]].map(|[i, j]| {
-        let mut sum = ExactSum::new();
+        let mut sum = ExactSum::default();
         for [p, q] in edges(triangle) {
             sum.add_product([p[i], q[j], 1.0]);
             sum.add_product([-p[j], q[i], 1.0]);
@@ -47,7 +47,7 @@ pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
 
 /// `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
 pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scaled {
-    let mut sum = ExactSum::new();
+    let mut sum = ExactSum::default();
     for (point, sign) in [(q, 1.0), (p, -1.0)] {
         sum.add_product([sign, d[i], point[j]]);
         sum.add_product([-sign, d[j], point[i]]);

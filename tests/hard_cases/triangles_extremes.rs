@@ -24,7 +24,7 @@ use raytracer::world::World;
 
 /// A sphere whose coordinates, and a ray whose direction, are scaled by powers of two.
 #[test]
-fn case_20_tiny_and_huge_numbers() {
+fn case_20_a_sphere_of_many_sizes_in_a_grid() {
     const SEED: u64 = 1020;
     let n = rays(17_000, 1_000_000);
     let failures = Failures::default();
@@ -58,17 +58,6 @@ fn case_20_tiny_and_huge_numbers() {
         sums = [sums[0] + counts[0], sums[1] + counts[1]];
     }
     let [wrong, textbook] = sums;
-    Record {
-        case: 20,
-        basis: Basis::Proved,
-        name: "coordinates 1e-38 to 1e30, directions 1e-30 to 1e30",
-        inputs: format!("{} rays at vertices from within", 6 * n),
-        measure: "rays that do not hit exactly one, at a finite t",
-        textbook: format!("Moeller-Trumbore f32 misses {textbook}"),
-        ours: wrong.to_string(),
-        target: "0",
-    }
-    .write();
     assert_eq!(wrong, 0);
     assert!(textbook > n, "the case tests nothing");
 }
@@ -141,12 +130,15 @@ fn error_of_t(ray: &Ray, triangle: [DVec3; 3], found: f64, true_t: &BigRational)
     }
 }
 
-/// What is wrong with the answer for one triangle: the decision, the normal, the point; and how far t is off.
-fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 4], f64) {
+/// Of one triangle: whether it is hit, whether the textbook says another thing, and what is wrong with the answer:
+/// the decision, the normal, the point; and how far t is off.
+fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
     let shear = Shear::new(ray);
     let (t, weights) = (shear.intersect(triangle.each_ref()), shear.weights(triangle.each_ref()));
+    let [o, d] = [ray.origin, ray.direction].map(lower::<f64>);
+    let textbook = moller_trumbore(o, d, lower_triangle(triangle), 0.0).is_some();
     let Some(true_t) = intersect_by_rule(ray, triangle) else {
-        return ([0, (t.is_some() || weights.is_some()) as u64, 0, 0], 0.0);
+        return ([0, textbook as u64, (t.is_some() || weights.is_some()) as u64, 0, 0], 0.0);
     };
     let is_float = true_t.abs() <= exact(f64::MAX);
     let wrong = t.is_some() != is_float || weights.is_none();
@@ -156,11 +148,14 @@ fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 4], f64) {
     let largest = triangle.iter().fold(0.0, |largest: f64, v| largest.max(v.abs().max_element()));
     let [low, high] = [DVec3::min, DVec3::max].map(|pick| pick(pick(triangle[0], triangle[1]), triangle[2]));
     let outside = (position - high).max(low - position).max_element();
-    let is_near = outside <= 4.0 * f64::EPSILON * largest;
-    let lost = largest < 2f64.powi(500) && !is_near;
+    let known = position.is_finite() && outside <= 4.0 * f64::EPSILON * largest;
+    let lost = largest < 2f64.powi(500) && !known;
     let error = t.map_or(0.0, |t| error_of_t(ray, triangle, t, &true_t));
-    ([1, wrong as u64, !bent as u64, lost as u64], error)
+    ([1, !textbook as u64, wrong as u64, !bent as u64, lost as u64], error)
 }
+
+/// How far t may be off in samples; 320 are derived where `is_well_seen` stands.
+const MOST_ROUNDINGS: f64 = 16.0;
 
 #[test]
 fn case_20_every_size_a_float_can_have() {
@@ -169,23 +164,33 @@ fn case_20_every_size_a_float_can_have() {
     let failures = Failures::default();
     let one = |index| {
         let (ray, faces) = scaled_tetrahedron(&mut Rng::at(SEED, index));
-        let (mut counts, mut error) = ([0; 5], 0.0f64);
+        let (mut counts, mut error) = ([0; 6], 0.0f64);
         for face in faces {
             let (of_face, error_of_t) = faults(&ray, face);
-            (0..4).for_each(|k| counts[k] += of_face[k]);
+            (0..5).for_each(|k| counts[k] += of_face[k]);
             error = error.max(error_of_t);
         }
         let shear = Shear::new(&ray);
-        counts[4] = faces.iter().filter(|face| shear.weights(face.each_ref()).is_some()).count() as u64 % 2;
-        let wrong = counts[1..] != [0; 4] || error > 100.0;
+        counts[5] = faces.iter().filter(|face| shear.weights(face.each_ref()).is_some()).count() as u64 % 2;
+        let wrong = counts[2..] != [0; 4] || error > MOST_ROUNDINGS;
         failures.note(wrong, || failed_ray(20, SEED, index, ray.origin, ray.direction));
         (counts, [error])
     };
-    let ([hits, wrong, bent, lost, odd], [error]) = measure(n, one);
-    println!("{hits} hits of {n} tetrahedra, t off by {error} roundings");
+    let ([hits, textbook, wrong, bent, lost, odd], [error]) = measure(n, one);
+    Record {
+        case: 20,
+        basis: Basis::Proved,
+        name: "floats of any size",
+        inputs: format!("{} triangles, some without area, {hits} of which are hit", 4 * n),
+        measure: "wrong decisions, normals and points, odd numbers of crossings; how far t is off",
+        textbook: format!("Moeller-Trumbore f64: {textbook} wrong decisions"),
+        ours: format!("{wrong}, {bent}, {lost}, {odd}; {error:.1} roundings"),
+        target: "0; 16 roundings",
+    }
+    .write();
     assert_eq!([wrong, bent, lost, odd], [0; 4], "decisions, normals, points, crossings");
-    assert!(error <= 100.0, "t is off by {error} roundings");
-    assert!(hits > n / 4, "the case tests nothing");
+    assert!(error <= MOST_ROUNDINGS, "t is off by {error} roundings");
+    assert!(hits > n / 4 && textbook > n, "the case tests nothing");
 }
 
 /// Three points that only rounding keeps from lying on one line.
@@ -207,9 +212,8 @@ fn case_20_normals_of_needles() {
         if exact == DVec3::ZERO {
             return ([found.is_finite() as u64, 0], []);
         }
-        let is_right = |normal: DVec3| normal.distance(exact.normalize()) < 1e-6;
-        let wrong = |normal: DVec3| u64::from(!is_right(normal));
-        ([wrong(found), wrong(textbook)], [])
+        let right = |normal: DVec3| normal.distance(exact.normalize()) < 1e-6;
+        ([!right(found) as u64, !right(textbook) as u64], [])
     };
     let n = rays(20_000, 2_000_000);
     let ([wrong, textbook], []) = measure(n, one);
