@@ -4,7 +4,7 @@
 mod pages;
 
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::caster::{Caster, Insertion, Instructions, course_cells};
 use raytracer::cli::{self, Command, Options};
 use raytracer::grid::resolution::{Resolution, crowd};
 use raytracer::grid::visualize::Occupancy;
@@ -136,7 +136,13 @@ fn draw<P: Probe>(
     let world = World::of_meshes(&scene, own).map_err(|error| source.render(&error))?;
     let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
     let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
-    let grid = options.grid.map(resolution);
+    let grid = match options.grid.map(resolution) {
+        // Without statistics the caster bounds the automatic grid by itself.
+        Some(cells) if P::COUNTS && !options.visualize_grid && options.grid == Some(Resolution::Auto) => {
+            Some(course_cells(&world, cells).map_err(failed)?)
+        }
+        grid => grid,
+    };
     let cells = grid.filter(|_| !options.visualize_grid);
     let insertion = match options.grid {
         _ if P::COUNTS => Insertion::Course,

@@ -78,6 +78,12 @@ impl Cells {
         Ok(cells)
     }
 
+    /// How many primitives stand in all cells, each as often as it does.
+    pub fn entries(&self) -> usize {
+        let numbers = self.blocks.iter().flat_map(|block| &block.numbers);
+        numbers.filter(|&&number| number != NONE).count() + self.others.len()
+    }
+
     /// Lets the words of these cells, which are empty so far, name grids from the first one on.
     pub fn name_nested(&mut self, cells: impl Iterator<Item = u32>) {
         for (word, cell) in (NESTED..).zip(cells) {

@@ -1,8 +1,10 @@
 //! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
 
+mod allowance;
 pub mod block;
 mod cells;
 pub mod filter;
+mod fitting;
 mod items;
 mod search;
 pub mod stream;
@@ -17,8 +19,10 @@ use crate::math::instructions::Portable;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 use crate::world::World;
+pub use fitting::course_cells;
 use glam::DVec2;
 use search::Search;
+pub use structure::Size;
 use structure::Structure;
 use traversal::{Approach, Nest};
 
@@ -29,7 +33,8 @@ pub use crate::math::instructions::Instructions;
 pub enum Insertion {
     /// Those it touches.
     Exact,
-    /// Those it touches, and a cell with more than `crowd` is cut into cells of its own.
+    /// Those it touches, in a grid that is no finer than a bound on its size allows, in which a cell with
+    /// more than `crowd` primitives is cut into cells of its own where these separate them.
     Nested {
         /// More primitives than this in a cell are a crowd.
         crowd: usize,
@@ -69,6 +74,11 @@ impl<'w> Caster<'w> {
     /// Whether a ray meets but a few of the primitives.
     pub fn has_grid(&self) -> bool {
         self.structure.as_ref().is_some_and(|structure| structure.words.is_some())
+    }
+
+    /// How large what the rays are cast into is, for tests.
+    pub fn size(&self) -> Size {
+        self.structure.as_ref().map_or(Size::default(), Structure::size)
     }
 
     /// The nearest hit on the ray.

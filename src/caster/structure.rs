@@ -2,18 +2,19 @@
 //! list of everything.
 
 use super::Insertion;
+use super::allowance::{Allowance, separates};
 use super::block::Frame;
 use super::cells::Cells;
+use super::fitting::{Fitted, bounds_of, rows, slack};
 use super::items::Items;
 use super::words::Words;
 use crate::grid::Lattice;
+use crate::grid::budget::{Budget, ENTRY_COST};
 use crate::grid::build::{GridTooLarge, Rows, widened};
-use crate::grid::footprint;
-use crate::grid::march::drift;
 use crate::grid::passage::Slab;
 use crate::grid::resolution::cubic;
 use crate::math::aabb::Aabb;
-use crate::world::{Primitive, World};
+use crate::world::World;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -23,10 +24,6 @@ const WIDE: usize = 32;
 /// Cells for each primitive in such a grid. Measured on a mesh of 2.5 million: with twice as many, rays
 /// are slower by 5 to 10% and building by 25%.
 const NESTED_CELLS: f64 = 0.4;
-
-/// So many grids one within the other. Where many primitives share a point no grid parts them, and
-/// without a limit the cells around it would be cut for ever.
-const DEPTH: usize = 4;
 
 /// Some primitives, by cells or all in one list.
 #[derive(Debug)]
@@ -38,9 +35,37 @@ pub struct Structure {
     /// What the cells hold whose words name it.
     pub nested: Vec<Crowd>,
     pub items: Items,
+    /// What filling it has cost, what was given up included, without the nested ones.
+    cost: usize,
     /// A ray that begins farther than this from the middle, along any axis, is too coarse for the
     /// proofs of filter and march; everything is tested for it one by one.
     pub farthest: f64,
+}
+
+/// How large a structure is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    /// Cells of all grids, their borders' included; a list counts as one.
+    pub cells: usize,
+    /// How many primitives stand in the cells and lists, each as often as it does.
+    pub entries: usize,
+    /// Blocks of eight triangles.
+    pub blocks: usize,
+    /// What building took, where looking at a cell for a primitive costs 1 and entering it there 16.
+    pub cost: usize,
+}
+
+impl std::ops::Add for Size {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            cells: self.cells + other.cells,
+            entries: self.entries + other.entries,
+            blocks: self.blocks + other.blocks,
+            cost: self.cost + other.cost,
+        }
+    }
 }
 
 /// What stands in a crowded cell.
@@ -56,61 +81,97 @@ pub struct Crowd {
 impl Structure {
     /// Of all finite primitives.
     pub fn new(world: &World, cells: Option<[usize; 3]>, insertion: Insertion) -> Result<Self, GridTooLarge> {
-        let bounds = widened(world.boxes().fold(world.bounds, |all, b| all.union(b)));
+        let bounds = bounds_of(world);
         let Some(cells) = cells else {
             return Self::listed(world, Items::All, &bounds, Frame::new(&bounds));
         };
-        let depth = if matches!(insertion, Insertion::Nested { .. }) { DEPTH } else { 1 };
-        Self::gridded(world, Items::All, Lattice::new(bounds, cells), insertion, depth)
+        if let Insertion::Nested { crowd } = insertion {
+            let allowance = Allowance::new(crowd, world.finite_count());
+            return Self::automatic(world, Items::All, bounds, cells, allowance);
+        }
+        let lattice = Lattice::new(bounds, cells);
+        let rows = rows(world, &Items::All, &lattice, insertion, &Budget::unlimited())?;
+        Self::gridded(world, Items::All, lattice, rows, &[])
+    }
+
+    /// How large it is, with everything nested in it.
+    pub fn size(&self) -> Size {
+        let own = Size {
+            cells: self.words.as_ref().map_or(1, |words| words.lattice().index_count()),
+            entries: self.cells.entries(),
+            blocks: self.cells.blocks.len(),
+            cost: self.cost,
+        };
+        let nested = self.nested.iter().flat_map(|crowd| crowd.wide.iter().chain([&crowd.fine]));
+        nested.fold(own, |all, structure| all + structure.size())
     }
 
     /// Of `items` as far as they reach into a box, in the order of their numbers.
     fn listed(world: &World, items: Items, bounds: &Aabb, frame: Frame) -> Result<Self, GridTooLarge> {
+        let cost = ENTRY_COST * items.count(world);
         Ok(Self {
             slab: Slab::new(bounds),
             words: None,
             cells: Cells::all(world, &items, frame)?,
             nested: vec![],
             items,
+            cost,
             farthest: farthest(bounds, f64::INFINITY),
         })
     }
 
-    /// Of `items` as far as they reach into the lattice, with grids up to `depth` deep.
+    /// Of `items` as far as they reach into a box: a grid of at most these cells with grids in its crowded
+    /// cells, or a list where no grid that the allowance covers separates them.
+    fn automatic(
+        world: &World,
+        items: Items,
+        bounds: Aabb,
+        cells: [usize; 3],
+        allowance: Allowance,
+    ) -> Result<Self, GridTooLarge> {
+        let count = items.count(world);
+        let insertion = Insertion::Nested { crowd: allowance.crowd };
+        let Fitted { lattice, mut rows, given_up } =
+            Fitted::new(world, &items, bounds, cells, insertion, allowance)?;
+        let (counts, entries) = (rows.counts(&lattice)?, rows.entries());
+        if count > allowance.crowd && !separates(&counts, count, entries) {
+            let frame = Frame::new(&bounds.union(union(world, &items)));
+            let mut list = Self::listed(world, items, &bounds, frame)?;
+            list.cost += given_up + rows.cost();
+            return Ok(list);
+        }
+        let within = allowance.within(count, entries);
+        let crowded = within.map_or(Ok(vec![]), |within| rows.take_crowded(&counts, within.crowd))?;
+        drop(counts);
+        let mut grid = Self::gridded(world, items, lattice.clone(), rows, &crowded)?;
+        grid.cost += given_up;
+        let Some(within) = within else {
+            return Ok(grid);
+        };
+        let nest = |(cell, held): &(u32, Vec<u32>)| {
+            let held = held.iter().map(|&i| grid.items.number(i as usize)).collect();
+            Crowd::new(world, held, &cell_box(&lattice, *cell), within)
+        };
+        grid.nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
+        Ok(grid)
+    }
+
+    /// A grid of the rows of `items`, and of cells that they leave out for grids of their own.
     fn gridded(
         world: &World,
         items: Items,
         lattice: Lattice,
-        insertion: Insertion,
-        depth: usize,
+        rows: Rows,
+        crowded: &[(u32, Vec<u32>)],
     ) -> Result<Self, GridTooLarge> {
-        let slack = slack(&lattice);
-        let mut rows = Rows::new(&lattice, items.count(world), |i, out| {
-            enter(world, items.number(i), &lattice, insertion, slack, out)
-        })?;
-        let crowded = match insertion {
-            Insertion::Nested { crowd } if depth > 1 => rows.take_crowded(&lattice, crowd)?,
-            _ => vec![],
-        };
+        let cost = rows.cost();
         let mut cells = Cells::new(world, &lattice, &rows, &items)?;
-        drop(rows);
-        let nest = |(cell, held): &(u32, Vec<u32>)| {
-            let held = held.iter().map(|&i| items.number(i as usize)).collect();
-            Crowd::new(world, held, &cell_box(&lattice, *cell), insertion, depth - 1)
-        };
-        let nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
         cells.name_nested(crowded.iter().map(|(cell, _)| *cell));
         let farthest = farthest(&lattice.bounds, lattice.cell_size.min_element());
         let slab = Slab::new(&lattice.bounds);
         let words = Some(Words::new(lattice, cells.take_words())?);
-        Ok(Self { slab, words, cells, nested, items, farthest })
+        Ok(Self { slab, words, cells, nested: vec![], items, cost, farthest })
     }
-}
-
-/// By how much of a cell the cells are widened: a little more than the march needs, for the rounding
-/// of a hit's place.
-fn slack(lattice: &Lattice) -> f64 {
-    drift(lattice) + 1e-5
 }
 
 /// Up to 2^20 boxes away the filter's proof holds, and up to 2^32 cells away a dozen roundings of the
@@ -129,29 +190,24 @@ fn cell_box(lattice: &Lattice, index: u32) -> Aabb {
 
 impl Crowd {
     /// Of the primitives that a cell holds, as far as they reach into it.
-    fn new(
-        world: &World,
-        held: Vec<u32>,
-        cell: &Aabb,
-        insertion: Insertion,
-        depth: usize,
-    ) -> Result<Self, GridTooLarge> {
+    fn new(world: &World, held: Vec<u32>, cell: &Aabb, allowance: Allowance) -> Result<Self, GridTooLarge> {
         let (mut wide, mut fine): (Vec<u32>, _) =
             held.into_iter().partition(|&number| spans(&world.box_of(number), cell));
         if wide.len() > WIDE {
             fine.append(&mut wide);
             fine.sort_unstable();
         }
-        let lattice = nested_lattice(world, &fine, cell);
-        let fine = Structure::gridded(world, Items::These(fine), lattice, insertion, depth)?;
+        let fine = Items::These(fine);
+        let (bounds, cells) = nested_cells(world, &fine, cell);
+        let fine = Structure::automatic(world, fine, bounds, cells, allowance)?;
         if wide.is_empty() {
             return Ok(Self { wide: None, fine });
         }
+        let wide = Items::These(wide);
         // The filter's ray enters by the cell's box, so that the frame must hold that too.
         let bounds = widened(*cell);
         let frame = Frame::new(&bounds.union(union(world, &wide)));
-        let wide = Structure::listed(world, Items::These(wide), &bounds, frame)?;
-        Ok(Self { wide: Some(wide), fine })
+        Ok(Self { wide: Some(Structure::listed(world, wide, &bounds, frame)?), fine })
     }
 }
 
@@ -161,42 +217,15 @@ fn spans(bounds: &Aabb, cell: &Aabb) -> bool {
     common.cmpge(0.5 * cell.extent()).any()
 }
 
-fn union(world: &World, numbers: &[u32]) -> Aabb {
-    numbers.iter().fold(Aabb::EMPTY, |all, &number| all.union(world.box_of(number)))
+fn union(world: &World, items: &Items) -> Aabb {
+    (0..items.count(world)).fold(Aabb::EMPTY, |all, i| all.union(world.box_of(items.number(i))))
 }
 
-/// A lattice over as much of the primitives as lies in a cell, which may be little.
-fn nested_lattice(world: &World, numbers: &[u32], cell: &Aabb) -> Lattice {
-    let held = union(world, numbers);
+/// Cells for as much of the primitives as lies in a cell, which may be little.
+fn nested_cells(world: &World, items: &Items, cell: &Aabb) -> (Aabb, [usize; 3]) {
+    let held = union(world, items);
     let common = Aabb { min: held.min.max(cell.min), max: held.max.min(cell.max) };
     // Something that only just touches the widened cell may miss it by rounding.
     let bounds = widened(if common.is_empty() { *cell } else { common });
-    Lattice::new(bounds, cubic(&bounds, NESTED_CELLS * numbers.len() as f64))
-}
-
-/// Appends the cells of a primitive.
-fn enter(
-    world: &World,
-    number: u32,
-    lattice: &Lattice,
-    insertion: Insertion,
-    slack: f64,
-    out: &mut Vec<u32>,
-) -> Result<(), GridTooLarge> {
-    match (world.primitive(number), insertion) {
-        (Primitive::Triangle(i), Insertion::Course) => {
-            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
-        }
-        (Primitive::Triangle(i), _) => footprint::of_triangle(lattice, world.corners(i), slack, out),
-        (Primitive::Sphere(i), Insertion::Course) => {
-            let sphere = &world.spheres[i];
-            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
-        }
-        (Primitive::Sphere(i), _) => {
-            let sphere = &world.spheres[i];
-            footprint::of_sphere(lattice, sphere.center, sphere.radius, slack, out)
-        }
-        (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
-        (Primitive::Plane(_), _) => Ok(()),
-    }
+    (bounds, cubic(&bounds, NESTED_CELLS * items.count(world) as f64))
 }

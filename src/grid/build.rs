@@ -1,6 +1,7 @@
 //! Filling the grid: in which cells each primitive stands.
 
 use super::Lattice;
+use super::budget::{Budget, TouchedCells};
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,6 +19,8 @@ struct Run {
     /// Where each primitive's cells end.
     ends: Vec<u32>,
     cells: Vec<u32>,
+    /// What finding the cells has cost, in the units of a [`Budget`].
+    cost: usize,
 }
 
 const PER_RUN: usize = 4096;
@@ -40,35 +43,65 @@ impl Rows {
     pub fn new(
         lattice: &Lattice,
         count: usize,
-        cells_of: impl Fn(usize, &mut Vec<u32>) -> Result<(), GridTooLarge> + Sync,
+        cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
     ) -> Result<Self, GridTooLarge> {
-        lattice.fits()?;
-        let runs: Vec<Run> = (0..count.div_ceil(PER_RUN))
-            .into_par_iter()
-            .map(|k| Run::new(k * PER_RUN..count.min((k + 1) * PER_RUN), &cells_of))
-            .collect::<Result<_, _>>()?;
-        let total: usize = runs.iter().map(|run| run.cells.len()).sum();
-        if total <= u32::MAX as usize { Ok(Self { runs }) } else { Err(GridTooLarge) }
+        Self::within(&Budget::unlimited(), lattice, count, cells_of)
     }
 
-    /// Takes out the cells that hold more than `crowd` primitives; gives them in ascending order, with
-    /// what they hold.
-    pub fn take_crowded(
-        &mut self,
+    /// The same as far as a budget allows, or an error.
+    pub fn within(
+        budget: &Budget,
         lattice: &Lattice,
-        crowd: usize,
-    ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
+        count: usize,
+        cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
+    ) -> Result<Self, GridTooLarge> {
+        lattice.fits()?;
+        let runs: Vec<Run> = (0..Self::run_count(count))
+            .into_par_iter()
+            .map(|k| Run::new(budget, k * PER_RUN..count.min((k + 1) * PER_RUN), &cells_of))
+            .collect::<Result<_, _>>()?;
+        let rows = Self { runs };
+        if rows.entries() <= u32::MAX as usize { Ok(rows) } else { Err(GridTooLarge) }
+    }
+
+    /// How many lists the cells of so many primitives are kept in.
+    pub fn run_count(count: usize) -> usize {
+        count.div_ceil(PER_RUN)
+    }
+
+    /// How many cells all primitives have together.
+    pub fn entries(&self) -> usize {
+        self.runs.iter().map(|run| run.cells.len()).sum()
+    }
+
+    /// What finding the cells has cost, in the units of a [`Budget`].
+    pub fn cost(&self) -> usize {
+        self.runs.iter().map(|run| run.cost).sum()
+    }
+
+    /// How many primitives each cell holds, by index.
+    pub fn counts(&self, lattice: &Lattice) -> Result<Vec<u32>, GridTooLarge> {
         let mut counts = filled_with(0u32, lattice.index_count())?;
         for &cell in self.runs.iter().flat_map(|run| &run.cells) {
             counts[cell as usize] += 1;
         }
+        Ok(counts)
+    }
+
+    /// Takes out the cells that hold more than `crowd` primitives, as [`counts`](Self::counts) has counted
+    /// them; gives them in ascending order, with what they hold.
+    pub fn take_crowded(
+        &mut self,
+        counts: &[u32],
+        crowd: usize,
+    ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
         let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > crowd);
         let mut crowded = crowded
             .map(|(cell, &count)| Ok((cell as u32, with_room_for(count as usize)?)))
             .collect::<Result<Vec<_>, _>>()?;
         if !crowded.is_empty() {
             for (run, first) in self.runs.iter_mut().zip((0..).step_by(PER_RUN)) {
-                run.take(first, &counts, crowd, &mut crowded);
+                run.take(first, counts, crowd, &mut crowded);
             }
         }
         Ok(crowded)
@@ -85,7 +118,7 @@ impl Rows {
     /// The indices of a primitive's cells.
     #[inline]
     pub fn cells_of(&self, number: usize) -> &[u32] {
-        let Run { ends, cells } = &self.runs[number / PER_RUN];
+        let Run { ends, cells, .. } = &self.runs[number / PER_RUN];
         let place = number % PER_RUN;
         let start = if place == 0 { 0 } else { ends[place - 1] };
         &cells[start as usize..ends[place] as usize]
@@ -94,16 +127,20 @@ impl Rows {
 
 impl Run {
     fn new(
+        budget: &Budget,
         numbers: std::ops::Range<usize>,
-        cells_of: &impl Fn(usize, &mut Vec<u32>) -> Result<(), GridTooLarge>,
+        cells_of: &impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge>,
     ) -> Result<Self, GridTooLarge> {
-        let mut cells = Vec::with_capacity(4 * numbers.len());
+        let mut touched = TouchedCells::new(budget);
+        touched.indices.reserve(4 * numbers.len());
         let mut ends = Vec::with_capacity(numbers.len());
         for number in numbers {
-            cells_of(number, &mut cells)?;
-            ends.push(cells.len() as u32);
+            let before = touched.indices.len();
+            cells_of(number, &mut touched)?;
+            touched.pay_entries(before)?;
+            ends.push(touched.indices.len() as u32);
         }
-        Ok(Self { ends, cells })
+        Ok(Self { ends, cost: touched.spent, cells: touched.indices })
     }
 
     /// Moves what stands in crowded cells from here to the list of its cell.
@@ -173,10 +210,11 @@ mod tests {
         assert_eq!(below(0), 0);
         let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
-            let mut expected = vec![];
+            let budget = Budget::unlimited();
+            let mut expected = TouchedCells::new(&budget);
             footprint::of_box(&lattice, b, 1e-6, &mut expected).unwrap();
-            assert_eq!(rows.cells_of(i), expected);
-            cells += expected.len();
+            assert_eq!(rows.cells_of(i), expected.indices);
+            cells += expected.indices.len();
             assert_eq!(below(i + 1), cells);
         }
     }

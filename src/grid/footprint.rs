@@ -1,14 +1,19 @@
-//! Which cells a shape touches. The lists grow only as far as there is memory, since a grid may be as fine
-//! as its user likes.
+//! Which cells a shape touches.
 
 use super::Lattice;
+use super::budget::TouchedCells;
 use super::build::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, greatest, least};
 use glam::DVec3;
 
 /// Appends the index of every cell that the box, widened by `slack` cells, touches.
-pub fn of_box(lattice: &Lattice, bounds: &Aabb, slack: f64, out: &mut Vec<u32>) -> Result<(), GridTooLarge> {
+pub fn of_box(
+    lattice: &Lattice,
+    bounds: &Aabb,
+    slack: f64,
+    out: &mut TouchedCells,
+) -> Result<(), GridTooLarge> {
     let range = Range::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), slack);
     range.enter_met(lattice, out, |_| true)
 }
@@ -21,7 +26,7 @@ pub fn of_ball_by_centers(
     center: DVec3,
     radius: f64,
     slack: f64,
-    out: &mut Vec<u32>,
+    out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let size = lattice.cell_size;
     let reach = radius + (0.5 + slack) * size.length();
@@ -39,7 +44,7 @@ pub fn of_sphere(
     center: DVec3,
     radius: f64,
     slack: f64,
-    out: &mut Vec<u32>,
+    out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let (middle, size) = (lattice.to_cells(center), lattice.cell_size);
     let range =
@@ -63,7 +68,7 @@ pub fn of_triangle(
     lattice: &Lattice,
     corners: [DVec3; 3],
     slack: f64,
-    out: &mut Vec<u32>,
+    out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let v = corners.map(|p| lattice.to_cells(p));
     let [low, high] = box_corners(v);
@@ -120,9 +125,9 @@ impl Range {
 
     /// Appends all cells, which stand in a row along one axis.
     #[inline(always)]
-    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) -> Result<(), GridTooLarge> {
+    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) -> Result<(), GridTooLarge> {
         let mut index = self.first(lattice);
-        make_room(out, self.end[axis] - self.low[axis])?;
+        out.look_at(self.end[axis] - self.low[axis])?;
         for _ in self.low[axis]..self.end[axis] {
             out.push(index);
             index += lattice.ahead.strides[axis];
@@ -136,12 +141,12 @@ impl Range {
         &self,
         lattice: &Lattice,
         outline: &Flat<U, V>,
-        out: &mut Vec<u32>,
+        out: &mut TouchedCells,
     ) -> Result<(), GridTooLarge> {
         let mut start = self.first(lattice);
         for v in self.low[V]..self.end[V] {
             let mut index = start;
-            make_room(out, self.end[U] - self.low[U])?;
+            out.look_at(self.end[U] - self.low[U])?;
             for u in self.low[U]..self.end[U] {
                 if outline.meets([u, v].map(|i| f64::from(i) + 0.5)) {
                     out.push(index);
@@ -158,14 +163,14 @@ impl Range {
     fn enter_met(
         &self,
         lattice: &Lattice,
-        out: &mut Vec<u32>,
+        out: &mut TouchedCells,
         is_met: impl Fn(DVec3) -> bool,
     ) -> Result<(), GridTooLarge> {
         let [x0, y0, z0] = self.low;
         for z in z0..self.end[2] {
             for y in y0..self.end[1] {
                 let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
-                make_room(out, self.end[0] - x0)?;
+                out.look_at(self.end[0] - x0)?;
                 for (x, index) in (x0..self.end[0]).zip(start..) {
                     if is_met(DVec3::new(x.into(), y.into(), z.into())) {
                         out.push(index);
@@ -175,12 +180,6 @@ impl Range {
         }
         Ok(())
     }
-}
-
-/// Sees to it that so many more cells fit into a list.
-#[inline(always)]
-fn make_room(out: &mut Vec<u32>, cells: u32) -> Result<(), GridTooLarge> {
-    out.try_reserve(cells as usize).map_err(|_| GridTooLarge)
 }
 
 /// A triangle's outline projected along the third axis: its three edges as `a u + b v + c >= 0`,
@@ -256,10 +255,18 @@ impl Solid {
 
 #[cfg(test)]
 mod tests {
+    use super::super::budget::Budget;
     use super::*;
 
     fn lattice() -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])
+    }
+
+    fn cells_of(enter: impl Fn(&mut TouchedCells) -> Result<(), GridTooLarge>) -> Vec<u32> {
+        let budget = Budget::unlimited();
+        let mut out = TouchedCells::new(&budget);
+        enter(&mut out).unwrap();
+        out.indices
     }
 
     fn cell_boxes(l: &Lattice) -> impl Iterator<Item = (u32, Aabb)> + '_ {
@@ -287,9 +294,8 @@ mod tests {
         let (mut entered, mut boxed) = (0, 0);
         for _ in 0..200 {
             let corners = [0; 3].map(|_| l.bounds.max * DVec3::new(random(), random(), random()));
-            let (mut cells, mut by_box) = (vec![], vec![]);
-            of_triangle(&l, corners, 1e-6, &mut cells).unwrap();
-            of_box(&l, &Aabb::around(corners), 1e-6, &mut by_box).unwrap();
+            let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+            let by_box = cells_of(|out| of_box(&l, &Aabb::around(corners), 1e-6, out));
             for p in points(corners) {
                 let at = l.to_cells(p);
                 let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
@@ -309,8 +315,7 @@ mod tests {
             let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0, 0.2 + k as f64 * 0.004));
             // Between them but for rounding.
             let c = a + (k as f64 / 200.0) * (b - a);
-            let mut cells = vec![];
-            of_triangle(&l, [a, b, c], 1e-6, &mut cells).unwrap();
+            let cells = cells_of(|out| of_triangle(&l, [a, b, c], 1e-6, out));
             for p in (0..=1000).map(|i| a + i as f64 / 1000.0 * (b - a)) {
                 let at = l.to_cells(p);
                 let cell = [0, 1, 2].map(|axis| l.cell_at(axis, at[axis]));
@@ -323,9 +328,8 @@ mod tests {
     fn a_sphere_is_entered_just_where_its_surface_is() {
         let l = lattice();
         let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
-        let (mut cells, mut by_centers) = (vec![], vec![]);
-        of_sphere(&l, center, radius, 1e-6, &mut cells).unwrap();
-        of_ball_by_centers(&l, center, radius, 0.0, &mut by_centers).unwrap();
+        let cells = cells_of(|out| of_sphere(&l, center, radius, 1e-6, out));
+        let by_centers = cells_of(|out| of_ball_by_centers(&l, center, radius, 0.0, out));
         for (index, b) in cell_boxes(&l) {
             let nearest = center.distance(center.clamp(b.min, b.max));
             let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
@@ -338,9 +342,10 @@ mod tests {
     fn shapes_outside_go_to_the_nearest_cells() {
         let l = lattice();
         let far = DVec3::splat(100.0);
-        let mut cells = vec![];
-        of_box(&l, &Aabb { min: far, max: far }, 0.0, &mut cells).unwrap();
-        of_triangle(&l, [-far, -far, -far], 0.0, &mut cells).unwrap();
+        let cells = cells_of(|out| {
+            of_box(&l, &Aabb { min: far, max: far }, 0.0, out)?;
+            of_triangle(&l, [-far, -far, -far], 0.0, out)
+        });
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
 }

@@ -1,5 +1,6 @@
 //! The uniform grid. It knows boxes and indices, not what a primitive is.
 
+pub mod budget;
 pub mod build;
 pub mod footprint;
 pub mod march;

@@ -3,6 +3,7 @@
 //! The tracer's grid enters a primitive wherever its box reaches. The course's picture shows a
 //! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
 
+use super::budget::{Budget, TouchedCells};
 use super::build::{GridTooLarge, filled_with};
 use super::march::March;
 use super::{Lattice, footprint};
@@ -53,7 +54,8 @@ impl Occupancy {
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            let mut touched = vec![];
+            let budget = Budget::unlimited();
+            let mut touched = TouchedCells::new(&budget);
             placements(scene).try_for_each(|placement| occupancy.enter(&placement, meshes, &mut touched))?;
         }
         Ok(occupancy)
@@ -63,7 +65,7 @@ impl Occupancy {
         &mut self,
         placement: &Placement,
         meshes: &[Mesh],
-        touched: &mut Vec<u32>,
+        touched: &mut TouchedCells,
     ) -> Result<(), GridTooLarge> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
         let mut enter_box = |corners: Aabb| footprint::of_box(&self.lattice, &corners, TOUCH, touched);
@@ -81,7 +83,7 @@ impl Occupancy {
             }
             Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
-        touched.drain(..).for_each(|index| self.counts[index as usize] += 1);
+        touched.indices.drain(..).for_each(|index| self.counts[index as usize] += 1);
         Ok(())
     }
 

@@ -1,0 +1,108 @@
+//! The cells that primitives touch, in a lattice that is no finer than it may be.
+
+use super::Insertion;
+use super::allowance::{Allowance, coarser};
+use super::items::Items;
+use crate::grid::Lattice;
+use crate::grid::budget::{Budget, TouchedCells};
+use crate::grid::build::{GridTooLarge, Rows, widened};
+use crate::grid::footprint;
+use crate::grid::march::drift;
+use crate::math::aabb::Aabb;
+use crate::world::{Primitive, World};
+
+/// A lattice with rows that an allowance covers.
+pub struct Fitted {
+    pub lattice: Lattice,
+    pub rows: Rows,
+    /// What the rows of finer lattices have cost, which it does not cover.
+    pub given_up: usize,
+}
+
+impl Fitted {
+    /// Of these cells, or of fewer where their rows would cost more than the allowance covers.
+    pub fn new(
+        world: &World,
+        items: &Items,
+        bounds: Aabb,
+        cells: [usize; 3],
+        insertion: Insertion,
+        allowance: Allowance,
+    ) -> Result<Self, GridTooLarge> {
+        let count = items.count(world);
+        let cost = allowance.cost(count);
+        let (mut lattice, mut given_up) = (Lattice::new(bounds, cells), 0);
+        loop {
+            let budget = Budget::new(cost, Rows::run_count(count));
+            match (rows(world, items, &lattice, insertion, &budget), coarser(lattice.cells())) {
+                (Ok(rows), _) => return Ok(Self { lattice, rows, given_up }),
+                (Err(_), Some(cells)) => lattice = Lattice::new(bounds, cells),
+                (Err(error), None) => return Err(error),
+            }
+            given_up += cost;
+        }
+    }
+}
+
+/// The cells of an automatic grid whose primitives are entered by [`Insertion::Course`]: as many as given, or
+/// fewer where finding the cells of the primitives would cost more than an automatic grid may.
+pub fn course_cells(world: &World, cells: [usize; 3]) -> Result<[usize; 3], GridTooLarge> {
+    if world.finite_count() == 0 {
+        return Ok(cells);
+    }
+    let allowance = Allowance::new(usize::MAX, world.finite_count());
+    let fitted = Fitted::new(world, &Items::All, bounds_of(world), cells, Insertion::Course, allowance)?;
+    Ok(fitted.lattice.cells())
+}
+
+/// The box around everything finite, a little larger.
+pub fn bounds_of(world: &World) -> Aabb {
+    widened(world.boxes().fold(world.bounds, |all, b| all.union(b)))
+}
+
+/// The cells of a lattice's `items`, as far as the budget allows.
+pub fn rows(
+    world: &World,
+    items: &Items,
+    lattice: &Lattice,
+    insertion: Insertion,
+    budget: &Budget,
+) -> Result<Rows, GridTooLarge> {
+    let slack = slack(lattice);
+    Rows::within(budget, lattice, items.count(world), |i, out| {
+        enter(world, items.number(i), lattice, insertion, slack, out)
+    })
+}
+
+/// By how much of a cell the cells are widened: a little more than the march needs, for the rounding
+/// of a hit's place.
+pub fn slack(lattice: &Lattice) -> f64 {
+    drift(lattice) + 1e-5
+}
+
+/// Appends the cells of a primitive.
+fn enter(
+    world: &World,
+    number: u32,
+    lattice: &Lattice,
+    insertion: Insertion,
+    slack: f64,
+    out: &mut TouchedCells,
+) -> Result<(), GridTooLarge> {
+    match (world.primitive(number), insertion) {
+        (Primitive::Triangle(i), Insertion::Course) => {
+            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
+        }
+        (Primitive::Triangle(i), _) => footprint::of_triangle(lattice, world.corners(i), slack, out),
+        (Primitive::Sphere(i), Insertion::Course) => {
+            let sphere = &world.spheres[i];
+            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
+        }
+        (Primitive::Sphere(i), _) => {
+            let sphere = &world.spheres[i];
+            footprint::of_sphere(lattice, sphere.center, sphere.radius, slack, out)
+        }
+        (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
+        (Primitive::Plane(_), _) => Ok(()),
+    }
+}
