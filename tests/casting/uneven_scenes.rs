@@ -58,7 +58,7 @@ fn stadium(times: Option<f64>) -> World {
 }
 
 /// Numbers from -0.5 to 0.5.
-fn random(seed: u64) -> impl FnMut() -> f64 {
+pub fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -80,7 +80,7 @@ fn rays(count: usize, reach: f64) -> impl Iterator<Item = Ray> {
     })
 }
 
-fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
+pub fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
     let cells = Resolution::Auto.cells(&world.bounds, world.finite_count(), rays);
     let crowd = crowd(world.finite_count(), rays);
     Caster::with(world, Some(cells), Insertion::Nested { crowd }, instructions).unwrap()
@@ -162,6 +162,28 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
         let more = work(&automatic(&vast, 1_000_000, with), at_rabbit()) / least;
         println!("{size} times as large: {more:.2} times the work");
         assert!(more <= 2.0, "{size}: {more}");
+    }
+}
+
+/// Then all but one primitive stand in a single cell.
+#[test]
+fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
+    let with = Instructions::available()[0];
+    let world = stadium(None);
+    let alone = automatic(&world, 1_000_000, with);
+    let least = work(&alone, rays(10_000, 1.0));
+    for far in [30.0, 1e4] {
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
+             Group {{ numObjects 2 Material {{ }} TriangleMesh {{ obj_file rabbit.obj }}
+             Triangle {{ vertex0 {far} {far} {far} vertex1 {far} {} {far} vertex2 {far} {far} {} }} }}",
+            far + 0.01,
+            far + 0.01
+        );
+        let vast = World::new(&parse(&text).unwrap(), &[mesh("bunny_5k.obj")]).unwrap();
+        let more = work(&automatic(&vast, 1_000_000, with), rays(10_000, 1.0)) / least;
+        println!("a speck {far} away: {more:.2} times the work");
+        assert!(more <= 2.0, "{far}: {more}");
     }
 }
 

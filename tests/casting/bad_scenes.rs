@@ -1,0 +1,220 @@
+//! Scenes that no grid can separate, or that make a grid far larger than what it holds: `-grid auto` stays
+//! within a stated multiple of the primitives, in size and in the work of building it.
+
+use super::uneven_scenes::{automatic, random};
+use glam::DVec3;
+use raytracer::caster::{Caster, Insertion, Instructions, Size, course_cells};
+use raytracer::grid::resolution::Resolution;
+use raytracer::math::ray::Ray;
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::parser::parse;
+use raytracer::stats::Quiet;
+use raytracer::world::World;
+
+const CAMERA: &str = "OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }";
+
+/// A scene by its name, of about as many primitives as asked for.
+type Scene = (&'static str, fn(usize) -> World);
+
+const SCENES: [Scene; 14] = [
+    ("identical triangles", |n| of_triangles(n, |_, _| [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0), DVec3::Z])),
+    ("identical spheres", |n| of_objects(n, |_| "Sphere { center 0 0 0 radius 1 }".to_string())),
+    ("identical boxes", |n| of_objects(n / 12 + 1, |_| "Box { min 0 0 0 max 1 1 1 }".to_string())),
+    ("stacked plates", |n| {
+        of_objects(n / 12 + 1, |i| {
+            let low = 0.0001 * i as f64;
+            format!("Box {{ min 0 0 {low} max 1 1 {} }}", low + 0.00005)
+        })
+    }),
+    ("nested spheres", |n| {
+        of_objects(n, |i| format!("Sphere {{ center 0 0 0 radius {} }}", 1.0 + i as f64 / n as f64))
+    }),
+    ("boxes each in the corner of another", |n| {
+        of_objects(n / 12 + 1, |i| format!("Box {{ min 0 0 0 max {0} {0} {0} }}", 0.5f64.powi(i as i32 % 64)))
+    }),
+    ("diagonal slivers", |n| {
+        of_triangles(n, |_, point| {
+            let (from, across) = (0.2 * point(), 1e-4 * point());
+            [from, from + across, from + 1.0]
+        })
+    }),
+    ("triangles through a box", |n| of_triangles(n, |_, point| [point(), point(), point()])),
+    ("triangles in a plane", |n| {
+        of_triangles(n, |_, point| [0; 3].map(|_| point()).map(|p: DVec3| p.with_z(0.0)))
+    }),
+    ("a fan", |n| {
+        of_triangles(n, |i, _| {
+            let rim = |i: usize| {
+                let angle = i as f64 * std::f64::consts::TAU / n as f64;
+                DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
+            };
+            [DVec3::ZERO, rim(i), rim(i + 1)]
+        })
+    }),
+    ("a star", |n| {
+        of_triangles(n, |_, point| {
+            let tip = point().normalize_or(DVec3::X);
+            [DVec3::ZERO, tip, tip + 0.001 * point()]
+        })
+    }),
+    ("one huge among many", |n| of_triangles(n, |i, point| small_or(i == 7, 2.0, n, point))),
+    ("a hundredth huge among many", |n| of_triangles(n, |i, point| small_or(i % 100 == 7, 2.0, n, point))),
+    ("a heap of identical triangles among others", |n| {
+        of_triangles(n, |i, point| match i % 2 {
+            0 => [DVec3::ZERO, DVec3::new(0.2, 0.2, 0.0), DVec3::new(0.0, 0.1, 0.2)],
+            _ => small_or(false, 0.0, n, point),
+        })
+    }),
+];
+
+/// A world of `n` triangles, by their numbers and points between -0.5 and 0.5 at random.
+fn of_triangles(n: usize, corners: impl Fn(usize, &mut dyn FnMut() -> DVec3) -> [DVec3; 3]) -> World {
+    let mut random = random(3);
+    let mut point = || DVec3::new(random(), random(), random());
+    let vertices: Vec<DVec3> = (0..n).flat_map(|i| corners(i, &mut point)).collect();
+    let triangles = (0..n as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let text = format!("{CAMERA} Group {{ numObjects 1 Material {{ }} TriangleMesh {{ obj_file a.obj }} }}");
+    World::new(&parse(&text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
+}
+
+/// A triangle somewhere, of this size or, not `huge`, so small that `n` of them hardly overlap.
+fn small_or(huge: bool, size: f64, n: usize, point: &mut dyn FnMut() -> DVec3) -> [DVec3; 3] {
+    let size = if huge { size } else { 0.3 / libm::cbrt(n as f64) };
+    let middle = point();
+    [0; 3].map(|_| middle + size * point())
+}
+
+/// A world of `n` objects, by their numbers.
+fn of_objects(n: usize, object: impl Fn(usize) -> String) -> World {
+    let objects: String = (0..n).map(|i| object(i) + "\n").collect();
+    World::new(&parse(&format!("{CAMERA} Group {{ numObjects {n} Material {{ }} {objects} }}")).unwrap(), &[])
+        .unwrap()
+}
+
+/// From 97 identical triangles on crowded cells were cut again and again.
+fn sizes() -> impl Iterator<Item = usize> {
+    let is_long = std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long");
+    let most = if is_long { 1_000_000 } else { 100_000 };
+    [100, 110, 200, 300, 600, 1000, 10_000, 100_000, 1_000_000].into_iter().filter(move |&n| n <= most)
+}
+
+/// With a small picture and a large one.
+const RAYS: [usize; 2] = [10_000, 100_000_000];
+
+/// What `src/caster/allowance.rs` states.
+fn most_entries(count: usize) -> usize {
+    (16 * count).max(65536)
+}
+
+fn assert_bounded(name: &str, count: usize, size: Size) {
+    let most = most_entries(count);
+    assert!(size.entries <= most, "{name}, {count}: {size:?}");
+    assert!(size.blocks <= most / 4, "{name}, {count}: {size:?}");
+    assert!(size.cells <= 2 * most, "{name}, {count}: {size:?}");
+    // So many tries there may be on each of four levels; all levels together hardly need those of one.
+    let tries = 17.0 + (count as f64).log2();
+    assert!(size.cost as f64 <= 16.0 * most as f64 * tries, "{name}, {count}: {size:?}");
+}
+
+#[test]
+fn size_and_work_are_bounded_by_the_number_of_primitives() {
+    // Of each number of primitives, the most entries and the most work in any scene.
+    let mut worst: Vec<(usize, Size)> = vec![];
+    for n in sizes() {
+        let mut most = Size::default();
+        for (name, scene) in SCENES {
+            let world = scene(n);
+            let count = world.finite_count();
+            for rays in RAYS {
+                let size = automatic(&world, rays, Instructions::available()[0]).size();
+                println!("{name}, {count}, {rays} rays: {size:?}");
+                assert_bounded(name, count, size);
+                most.entries = most.entries.max(size.entries);
+                most.cost = most.cost.max(size.cost);
+            }
+        }
+        worst.push((n, most));
+    }
+    // Where few primitives count more than they are, nothing grows.
+    for pair in worst.windows(2).filter(|pair| pair[0].0 >= 10_000) {
+        let [(few, smaller), (many, larger)] = [pair[0], pair[1]];
+        let power = |few: usize, many: usize| (many as f64 / few as f64).ln();
+        let of = |a: usize, b: usize| power(a, b) / power(few, many);
+        let (entries, work) = (of(smaller.entries, larger.entries), of(smaller.cost, larger.cost));
+        println!("from {few} to {many}: entries grow with the power {entries:.2}, work with {work:.2}");
+        assert!(entries <= 1.1 && work <= 1.15, "{few} to {many}: {entries}, {work}");
+    }
+}
+
+#[test]
+fn what_no_grid_separates_stands_in_a_list() {
+    for (name, scene) in
+        SCENES.iter().filter(|(name, _)| ["identical triangles", "identical spheres"].contains(name))
+    {
+        for n in sizes().filter(|&n| n <= 10_000) {
+            let world = scene(n);
+            let caster = automatic(&world, RAYS[1], Instructions::available()[0]);
+            let size = caster.size();
+            assert!(!caster.has_grid(), "{name}, {n}");
+            assert_eq!((size.entries, size.cells), (n, 1), "{name}, {n}");
+        }
+    }
+}
+
+/// Rays to the middles of triangles, or to anywhere in a world without any.
+fn rays_at(world: &World, count: usize) -> impl Iterator<Item = Ray> {
+    let mut random = random(count as u64);
+    (0..count).map(move |i| {
+        let mut point = || DVec3::new(random(), random(), random());
+        let (from, spot) = (4.0 * point(), point());
+        let middle = |triangle: usize| world.corners(triangle).into_iter().sum::<DVec3>() / 3.0;
+        let triangles = world.triangles.len();
+        let to = if triangles > 0 { middle(i * 7919 % triangles) } else { spot };
+        Ray::new(from, to - from)
+    })
+}
+
+#[test]
+fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
+    for (name, scene) in SCENES {
+        for (n, count) in [(100, 300), (300, 300), (1000, 300), (20_000, 50)] {
+            let world = scene(n);
+            let everything = Caster::new(&world, None).unwrap();
+            let casters = RAYS.map(|rays| automatic(&world, rays, Instructions::available()[0]));
+            let mut hits = 0;
+            for ray in rays_at(&world, count) {
+                let expected = everything.closest(&ray, &mut Quiet);
+                hits += usize::from(expected.is_some());
+                for caster in &casters {
+                    assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{name}, {n}: {ray:?}");
+                    assert_eq!(caster.any(&ray, &mut Quiet), expected.is_some(), "{name}, {n}: {ray:?}");
+                }
+            }
+            assert!(2 * hits > count, "{name}, {n}: {hits}");
+        }
+    }
+}
+
+/// With `-stats` primitives are entered as the course's program enters them.
+#[test]
+fn the_grid_for_counting_is_bounded_too() {
+    for (name, scene) in SCENES {
+        for n in sizes().filter(|&n| n <= 10_000) {
+            let world = scene(n);
+            let count = world.finite_count();
+            let cells = Resolution::Auto.cells(&world.bounds, count, RAYS[1]);
+            let cells = course_cells(&world, cells).unwrap();
+            let caster = Caster::with(&world, Some(cells), Insertion::Course, Instructions::available()[0]);
+            let entries = caster.unwrap().size().entries;
+            assert!(entries <= most_entries(count), "{name}, {count}: {entries} entries");
+        }
+    }
+}
+
+/// Whoever names the cells gets them.
+#[test]
+fn a_grid_of_given_cells_is_taken_literally() {
+    let world = SCENES[0].1(300);
+    let caster = Caster::new(&world, Some([20; 3])).unwrap();
+    assert!(caster.size().cells == 22 * 22 * 22 && caster.size().entries > 300 * 20 * 10);
+}
