@@ -92,16 +92,16 @@ pub struct Slack {
     pub depth: f32,
 }
 
-/// Roundings of u and v together, of numbers as large as an edge times a corner.
-const EDGE_ROUNDINGS: f32 = 114.0;
+/// Roundings of w, the largest of the three, that are as large as those of an edge times a corner.
+const EDGE_ROUNDINGS: f32 = 37.0;
 
-/// Further ones of w, of numbers as large as an edge squared.
-const AREA_ROUNDINGS: f32 = 27.0;
+/// Further ones, as large as those of an edge squared.
+const AREA_ROUNDINGS: f32 = 67.0;
 
 /// Roundings of n.s - t det, of numbers as large as an edge squared times a corner.
 const DEPTH_ROUNDINGS: f32 = 113.5;
 
-/// More than all that single precision loses where its products underflow, 36 times 2^-150 at most.
+/// More than all that single precision loses where its products underflow, less than 2^-144.
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 impl Slack {

@@ -13,27 +13,28 @@
 //! of the block's edges and c the least power of two that is no less than 1 and than any coordinate of
 //! its corners. In the block's [`Frame`](super::block::Frame) the ray's origin, which is moved along the
 //! ray to where it enters the box, has coordinates of at most 1, the direction's largest is 1, and
-//! b <= 2 c. Stored numbers are rounded once. A sum of three products is a determinant, and one of rows
-//! whose numbers are at most 1 is at most 4: it is linear in each of its numbers, so that none is larger
-//! than with all of them 1 or -1. So, with the terms below r / 50 left out:
+//! b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and one whose
+//! numbers are at most 1 is at most 4: it is linear in each of them, so that none is larger than one of
+//! numbers that are all 1 or -1. Where the ray meets the triangle, p from the first corner, s = t d - p;
+//! so q = p x d, and that is small where the triangle is. With terms of less than r / 10 left out:
 //!
 //! | quantity | at most | error at most, portable | with fused multiplication and addition |
 //! |---|---|---|---|
 //! | s | 2 c | 2 r c: corner and origin r c / 2 each, their difference r c | |
 //! | n | 2 b^2 | 2 r b^2 | |
 //! | det = n.d | 4 b^2 | 18 r b^2: n 4, d 2, rounding 3 * 4 | 16 |
-//! | q = d x s | 4 c | by its own roundings 4 r c | 3 |
-//! | u = e2.q | 8 b c | 56 r b c: e2 8, d 4, s 8, q 12, rounding 3 * 8 | 49 |
-//! | v = e1.q | 8 b c | 56 r b c | 49 |
-//! | w | 4 b^2 of a hit | 112 r b c of u and v; 26 r b^2: det 18, rounding 8 | 98; 24 |
+//! | q = d x s | 2 b | by its own rounding 2 r c of the products and 2 r b | 1; 2 |
+//! | u = e2.q | 4 b^2 | 18 r b c: d 4, s 8, q 6; 20 r b^2: e2 4, q 4, rounding 3 * 4 | 15; 18 |
+//! | v = e1.q | 4 b^2 | as u | |
+//! | w | 4 b^2 | 36 r b c of u and v; 66 r b^2: u and v 40, det 18, rounding 8 | 30; 60 |
 //! | n.s | 8 b^2 c | 40 r b^2 c: n 8, s 8, rounding 3 * 8 | 36 |
 //! | n.s - t det | | 113 r b^2 c for 0 <= t <= 2.5, see [`Verdict::depths`] | 104 |
 //!
-//! `proofs/filter_portable.g` and `proofs/filter_fma.g` have a machine check these sums, the terms of
-//! second order among them, and the double-precision test's own error of a few 2^-53 of the way from the
-//! ray's origin, which stays below 2 r for origins up to 2^20 boxes away; farther ones do not come here.
-//! They also say why a wrong sign of det does no harm. [`Slack`] rounds the bounds up, and adds what may
-//! be lost to underflow.
+//! `proofs/filter_portable.g` and `proofs/filter_fma.g` let a machine check these sums, with the terms of
+//! second order and the double-precision test's own error of a few 2^-53 of the way from the ray's
+//! origin, which stays below 2 r for origins up to 2^20 boxes away; farther ones do not come here. They
+//! also say why a wrong sign of det does no harm, and why that holds for misses that are nearly hits.
+//! [`Slack`] rounds the bounds up, and adds what may be lost to underflow.
 
 use super::block::{Block, LANES, Slack};
 use crate::math::four::{Four, Plain};

@@ -3,7 +3,7 @@
 
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, middle_and_reach, rounded, world_of};
+use crate::support::meshes::{Closed, bunny, middle_and_reach, world_of};
 use crate::support::product_grid::lattice;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
@@ -247,71 +247,4 @@ fn case_25_rays_in_cell_faces() {
     };
     let n = rays(100_000, 10_000_000);
     conclude(25, "rays in cell faces with triangles in them", n, differences(25, &world, [16; 3], n, draw));
-}
-
-#[test]
-fn case_19_no_rejection_is_wrong() {
-    let small = |corners: usize, rng: &mut Rng| -> Mesh {
-        let mut mesh = Mesh::default();
-        let (center, normal) = (rng.in_cube(), rng.direction());
-        let x = normal.cross(rng.direction()).normalize();
-        let rim = |k: usize| {
-            let angle = k as f64 / corners as f64 * std::f64::consts::TAU;
-            rounded(center + libm::cos(angle) * x + libm::sin(angle) * normal.cross(x))
-        };
-        for k in 0..corners {
-            push(&mut mesh, [rounded(center), rim(k), rim((k + 1) % corners)]);
-        }
-        mesh
-    };
-    let far = DVec3::new(148_376.0, 1234.0, -223_423.0);
-    let per_ring = rays(2000, 200_000);
-    let mut counts = Vec::new();
-    for (i, shift) in [DVec3::ZERO, far].into_iter().enumerate() {
-        for corners in [1, 2, 3, 4, 7, 8, 30] {
-            for turn in 0..4 {
-                let mut mesh = small(corners, &mut Rng::at(1019, (i * 1000 + corners * 10 + turn) as u64));
-                mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v + shift));
-                let ring = Closed::new(mesh);
-                let (world, aim) = (world_of(&ring.mesh), outside(&ring, 8.0));
-                counts.push(filtered(&world, per_ring, |rng, index| aim(rng, index)));
-            }
-        }
-    }
-    let n = counts.len() as u64 * per_ring;
-    let [ours, textbook, hits] = sum(counts);
-    Record {
-        case: 19,
-        basis: Basis::Proved,
-        name: "no hit is rejected before the exact test",
-        inputs: format!("{n} rays at the edges and vertices of rings of triangles, {hits} of which hit"),
-        measure: "hits that are lost",
-        textbook: format!("filtered by the same test in f32 without a margin: {textbook}"),
-        ours: ours.to_string(),
-        target: "0",
-    }
-    .write();
-    assert_eq!(ours, 0);
-    assert!(textbook > 0 && hits > n / 3, "the case tests nothing");
-}
-
-/// Counts the hits that the caster loses, those that a filter in f32 without a margin would lose,
-/// and all.
-fn filtered(world: &World, n: u64, draw: impl Fn(&mut Rng, u64) -> Ray + Sync) -> [u64; 3] {
-    use crate::support::textbook::{Edges, lower, lower_triangle, woop};
-    let caster = Caster::new(world, Some([3; 3])).expect("a small grid");
-    let brute = Brute::new(world);
-    let failures = Failures::default();
-    let one = |index| {
-        let ray = draw(&mut Rng::at(2019, index), index);
-        let expected = brute.closest(&ray);
-        let lost = caster.closest(&ray, &mut Quiet) != expected;
-        failures.note(lost, || failed_ray(19, 2019, index, ray.origin, ray.direction));
-        let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
-        let rejected = expected.is_some_and(|h| {
-            woop(o, d, lower_triangle(world.corners(h.primitive as usize)), Edges::Inclusive).is_none()
-        });
-        ([lost as u64, rejected as u64, expected.is_some() as u64], [])
-    };
-    measure::<3, 0>(n, one).0
 }

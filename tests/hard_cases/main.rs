@@ -6,6 +6,7 @@
 //! every case leaves its measurements there for `docs/accuracy.md`.
 
 mod filter;
+mod filter_worst;
 mod grid;
 mod grid_march;
 mod grid_scenes;
