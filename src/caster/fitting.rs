@@ -77,8 +77,11 @@ pub fn rows(
 /// By how much of a cell the cells are widened: a little more than the march needs, for the rounding
 /// of a hit's place.
 pub fn slack(lattice: &Lattice) -> f64 {
-    drift(lattice) + 1e-5
+    drift(lattice) + PLACE_ERROR_BOUND
 }
+
+/// The most that a dozen roundings of a ray's way can be, in cells: see `proofs/march.g`.
+const PLACE_ERROR_BOUND: f64 = 1e-5;
 
 /// Appends the cells of a primitive.
 fn enter(

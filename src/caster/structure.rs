@@ -174,10 +174,15 @@ impl Structure {
     }
 }
 
-/// Up to 2^20 boxes away the filter's proof holds, and up to 2^32 cells away a dozen roundings of the
-/// ray's way stay below the hundred-thousandth of a cell that cells are widened by.
+/// So many cells away a dozen roundings of a ray's way stay below what cells are widened by for them: 2^32.
+const FARTHEST_CELLS: f64 = 4294967296.0;
+
+/// So many boxes from its middle, 2^20 of the filter's units, the proof of the filter holds: 2^19.
+const FARTHEST_BOXES: f64 = 524288.0;
+
+/// How far from a box' middle a ray may begin. `cell` is the least edge length of its cells.
 fn farthest(bounds: &Aabb, cell: f64) -> f64 {
-    (bounds.extent().max_element() * 0.5f64.powi(-19)).min(cell * 0.5f64.powi(-32))
+    (bounds.extent().max_element() * FARTHEST_BOXES).min(cell * FARTHEST_CELLS)
 }
 
 /// A cell, widened by more than what is entered in it.

@@ -6,12 +6,12 @@
 //! axes are least, moves on. A border cell ends the march.
 //!
 //! *Drift.* A face's tick is the rounded one of the first face plus a whole number of rounded
-//! distances, so after k steps along an axis it is off by at most (k + 1) / 2 ticks, and by two more
-//! for the setup's f64 rounding. A cell of that axis is at least 2^29 / n ticks long for n cells, so
-//! the schedule is off by at most (n + 5) n / 2^30 cells. [`drift`] gives twice that; cells are
-//! filled with what touches them widened by it. Then whatever the ray meets at a time t stands in
-//! the cell that the schedule names for t, and a search that goes through all cells up to the time
-//! of its best hit has missed nothing nearer.
+//! distances, so after k steps along an axis it is off by at most (k + 1) / 2 ticks, and by less than
+//! half a tick more for what f64 rounds. A cell of that axis is at least 2^29 / n ticks long for n
+//! cells, so the schedule is off by at most (n + 2) n / 2^30 cells, which is [`drift`]; `proofs/march.g`
+//! lets a machine check the parts of this sum. Cells are filled with what touches them widened by it.
+//! Then whatever the ray meets at a time t stands in the cell that the schedule names for t, and a
+//! search that goes through all cells up to the time of its best hit has missed nothing nearer.
 
 use super::passage::{Passage, clip};
 use super::ticks::Ticks;
@@ -30,8 +30,12 @@ const NEVER: f64 = (1u64 << 30) as f64;
 
 /// An upper bound on how far the march's idea of the cells' faces is off, in cells.
 pub fn drift(lattice: &Lattice) -> f64 {
-    lattice.cells().iter().map(|&n| (n as f64 + 5.0) * n as f64 / WAY).fold(1e-6, f64::max)
+    let of_axis = |&n: &usize| (n as f64 + SETUP_ROUNDINGS) * n as f64 / (2.0 * WAY);
+    lattice.cells().iter().map(of_axis).fold(1e-6, f64::max)
 }
+
+/// Roundings of half a tick beside those of the steps: the first face's, and one for all that f64 rounds.
+const SETUP_ROUNDINGS: f64 = 2.0;
 
 /// A position on the march through a lattice.
 #[derive(Clone, Copy, Debug)]

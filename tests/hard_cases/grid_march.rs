@@ -15,6 +15,7 @@ use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
+use raytracer::world::World;
 
 /// How far outside the cell that a march names the ray is at most, in cells.
 fn largest_drift(lattice: &Lattice, ray: &Ray, entry: f64, steps: &[Step]) -> f64 {
@@ -103,6 +104,85 @@ fn collect<T: num_traits::Float>(lattice: &Lattice, ray: &Ray, steps: &mut Vec<S
         steps.push((cell, exit));
         true
     });
+}
+
+/// Cells along an axis, about `n`, such that the ticks of one are as far from a whole number as can be.
+fn cells_that_drift(n: usize) -> usize {
+    let ticks = |n: usize| 2f64.powi(29) / n as f64;
+    let from_half = |n: usize| (ticks(n).fract() - 0.5).abs();
+    (n..n + n / 4).min_by(|&a, &b| from_half(a).total_cmp(&from_half(b))).expect("some number")
+}
+
+/// A ray along an axis through all of its cells, each of which costs half a tick.
+#[test]
+fn the_march_drifts_nearly_as_far_as_its_error_bound() {
+    for n in [500, 1000, 3000, 8000, 20_000] {
+        let cells = [cells_that_drift(n), 1, 1];
+        let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, cells);
+        let ray = Ray::new(DVec3::new(-0.5, 0.3, 0.6), DVec3::X);
+        let (entry, steps) = steps(&lattice, &ray);
+        let share = largest_drift(&lattice, &ray, entry, &steps) / margin(&lattice);
+        println!("{} cells: {share:.3} of the error bound", cells[0]);
+        assert!(share <= 1.0, "the error bound is broken");
+        assert!(share > 0.5, "the ray does not drift");
+    }
+}
+
+/// Objects that only the widening of cells by the march's drift puts into a cell that the march visits.
+#[test]
+fn objects_where_the_march_drifts_most() {
+    const SEED: u64 = 3027;
+    let n = rays(20_000, 2_000_000);
+    let side = cells_that_drift(1000);
+    let cells = [side, side, 1];
+    let (world, places) = specks_where_the_march_drifts(cells);
+    let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
+    let lattice = lattice(&world, cells);
+    let failures = Failures::default();
+    let one = |index| {
+        let rng = &mut Rng::at(SEED, index);
+        let place = places[rng.below(places.len())];
+        // From side to side along x, past one cell of y for two or three of x.
+        let slope = rng.range(0.3, 0.5);
+        let direction = DVec3::new(1.0, slope, 0.0);
+        let ray = Ray::new(place - (place.x - lattice.bounds.min.x + 0.5) * direction, direction);
+        let missed = caster.closest(&ray, &mut Quiet).is_none();
+        failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));
+        ([missed as u64], [])
+    };
+    let [missed] = measure::<1, 0>(n, one).0;
+    println!("{n} rays at objects where the march drifts most: {missed} missed");
+    assert_eq!(missed, 0);
+}
+
+/// Specks near the far ends of rays along x, in a corner of their cell that such a ray only just cuts off;
+/// and where they are.
+fn specks_where_the_march_drifts(cells: [usize; 3]) -> (World, Vec<DVec3>) {
+    const COUNT: usize = 2000;
+    let mut mesh = frame();
+    let lattice = lattice(&world_of(&mesh), cells);
+    let (drift, rng) = (margin(&lattice), &mut Rng::new(3027));
+    // From half of a cell a ray along x is off by this, in cells: enough for both distances below.
+    let near = |rng: &mut Rng| rng.range(0.13, 0.25) * drift;
+    let mut places = vec![];
+    for _ in 0..COUNT {
+        let corner = [9 * cells[0] / 10 + rng.below(cells[0] / 10), cells[1] / 2 + rng.below(cells[1] / 3)];
+        // On either side, as the march may be early or late.
+        let side = if rng.below(2) == 0 { 1.0 } else { -1.0 };
+        let off = [-side * near(rng), side * near(rng)];
+        let inside = |axis: usize| {
+            lattice.bounds.min[axis] + lattice.cell_size[axis] * (corner[axis] as f64 + off[axis])
+        };
+        let place = DVec3::new(inside(0), inside(1), rng.range(0.1, 0.9));
+        let size = 0.01 * drift * lattice.cell_size.x;
+        // Across the rays.
+        push(
+            &mut mesh,
+            [DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, -1.0, -1.0), DVec3::Z].map(|v| place + size * v),
+        );
+        places.push(place);
+    }
+    (world_of(&mesh), places)
 }
 
 /// Objects so near to a cell's corner that a march which drifts passes them by.

@@ -2,13 +2,22 @@
 //! far away, and every number of cells.
 
 use crate::grid::{conclude, differences, frame, outside, push, sum};
+use crate::support::brute::Brute;
+use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, bunny, moved, point_in, world_of};
-use crate::support::product_grid::lattice;
-use crate::support::rays;
+use crate::support::product_grid::{lattice, margin, steps};
 use crate::support::rng::Rng;
+use crate::support::{failed_ray, rays};
 use glam::DVec3;
+use raytracer::caster::Caster;
+use raytracer::grid::budget::{Budget, TouchedCells};
+use raytracer::grid::budget::{Budget, TouchedCells};
+use raytracer::grid::footprint::of_sphere;
+use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
+use raytracer::stats::{Counts, Quiet};
+use raytracer::world::World;
 
 #[test]
 fn case_28_a_quad_through_all_cells() {
@@ -91,10 +100,116 @@ fn case_31_rays_from_far_away() {
     let mesh = Closed::new(bunny("1k"));
     let world = world_of(&mesh.mesh);
     let n = rays(80_000, 8_000_000);
-    // The last two are so far that the caster goes back to testing everything.
-    let farther = [(3e5, n), (1e6, n / 4), (1e9, n / 80)];
-    let counts = farther.map(|(distance, n)| differences(31, &world, [50; 3], n, outside(&mesh, distance)));
-    conclude(31, "origins 3e5, 1e6 and 1e9 extents away", farther.iter().map(|f| f.1).sum(), sum(counts));
+    // All but the first are so far that the caster goes back to testing everything. Of the last two distances
+    // f64 is too short for the filter to be right; in a single cell, that is so before the march is wrong.
+    let farther = [(3e5, n, 50), (1e6, n / 4, 50), (1e12, n / 80, 50), (2e9, n / 80, 1)];
+    let counts =
+        farther.map(|(distance, n, side)| differences(31, &world, [side; 3], n, outside(&mesh, distance)));
+    conclude(31, "origins 3e5 to 1e12 extents away", farther.iter().map(|f| f.1).sum(), sum(counts));
+}
+
+/// Without a grid the filter alone says from how far it is right.
+#[test]
+fn rays_from_far_away_without_a_grid() {
+    const SEED: u64 = 1031;
+    let mesh = Closed::new(bunny("1k"));
+    let world = world_of(&mesh.mesh);
+    let caster = Caster::new(&world, None).expect("no grid");
+    let (brute, aim, failures) = (Brute::new(&world), outside(&mesh, 1e12), Failures::default());
+    let n = rays(1000, 100_000);
+    let one = |index| {
+        let ray = aim(&mut Rng::at(SEED, index), index);
+        let expected = brute.closest(&ray);
+        let differs = caster.closest(&ray, &mut Quiet) != expected;
+        failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
+        ([differs, expected.is_some()].map(u64::from), [])
+    };
+    let [differences, hits] = measure::<2, 0>(n, one).0;
+    println!("{n} rays from 1e12 extents away, {hits} of which hit: {differences} differ without a grid");
+    assert_eq!(differences, 0);
+    assert!(hits > n / 2, "the test tests nothing");
+}
+
+/// In cells so flat that a ray from within the filter's range comes from too far for the march: hits whose
+/// cell is decided in the last place of the ray's way.
+#[test]
+fn rays_from_far_away_into_flat_cells() {
+    const SEED: u64 = 2031;
+    // The one whose rounded size and number to a unit differ most.
+    let cells = (80..130).map(|n| [1, 1, n]).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
+    let cells = cells.expect("some number");
+    let (world, targets) = pairs_at_faces(cells);
+    let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
+    let brute = Brute::new(&world);
+    let failures = Failures::default();
+    let n = rays(2_000, 200_000);
+    let lattice = lattice(&world, cells);
+    let one = |index| {
+        let rng = &mut Rng::at(SEED, index);
+        let draw = || {
+            let (face, target) = targets[rng.below(targets.len())];
+            // Up to 2^19 extents, as far as the filter takes them.
+            let away = DVec3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), -rng.range(0.7, 1.0));
+            let origin = target + 2f64.powi(19) * away;
+            let ray = Ray::new(origin, 0.9 * (target - origin));
+            (lateness(&lattice, &ray, face, target.z), ray)
+        };
+        let (late, ray) =
+            std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
+        // With counters, since without them t is known no better than the filter knows it, and the march goes on
+        // for longer.
+        let (found, expected) = (caster.closest(&ray, &mut Counts::default()), brute.closest(&ray));
+        let differs = found != expected;
+        failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
+        ([differs, expected.is_some(), late > 0.0].map(u64::from), [])
+    };
+    let [differences, hits, late] = measure::<3, 0>(n, one).0;
+    println!("{n} rays from up to 2^19 extents into flat cells, {late} of them late: {differences} differ");
+    assert_eq!(differences, 0);
+    assert!(hits == n && late > n / 10, "the test tests nothing");
+}
+
+/// By how much t the march leaves the cell before a face later than the ray reaches a height.
+fn lateness(lattice: &Lattice, ray: &Ray, face: usize, height: f64) -> f64 {
+    let (_, steps) = steps(lattice, ray);
+    let exit = steps.iter().find(|step| step.0[2] == face - 1).map_or(f64::NEG_INFINITY, |step| step.1);
+    exit - (height - ray.origin.z) / ray.direction.z
+}
+
+/// The flattest box that is not taken for one without thickness, cut into cells.
+fn flat_frame() -> Mesh {
+    let flat = DVec3::new(1.0, 1.0, 1.01 * 2f64.powi(-10));
+    moved(&frame(), |v| v * flat)
+}
+
+/// By how much a cell's size times the number of cells to a unit exceeds 1, both of them rounded.
+fn excess(cells: [usize; 3]) -> f64 {
+    let lattice = lattice(&world_of(&flat_frame()), cells);
+    let per_unit = cells[2] as f64 / lattice.bounds.extent().z;
+    lattice.cell_size.z.mul_add(per_unit, -1.0)
+}
+
+/// Just beyond each face of flat cells two triangles in a ray's way upwards: a level one that stands in the
+/// cell beyond alone, and a little behind it one that hangs down into the cell before. And where to aim.
+fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
+    let mut mesh = flat_frame();
+    let lattice = lattice(&world_of(&mesh), cells);
+    let rng = &mut Rng::new(2031);
+    let mut targets = vec![];
+    for face in 2..cells[2] {
+        let height = |up: f64| lattice.bounds.min.z + (face as f64 + up) * lattice.cell_size.z;
+        // By so much cells are widened, but for a little.
+        let beyond = margin(&lattice) + 1.01e-5;
+        let at = |x: f64, y: f64, up: f64| DVec3::new(x, y, height(up));
+        let (x, y) = (rng.range(0.1, 0.9), rng.range(0.1, 0.9));
+        let triangle = |to_left: f64, to_right: f64| {
+            [at(x - 4e-3, y, to_left), at(x + 2e-3, y - 4e-3, to_right), at(x + 2e-3, y + 4e-3, to_right)]
+        };
+        push(&mut mesh, triangle(beyond, beyond));
+        push(&mut mesh, triangle(-0.2, 0.1 + 1.5 * beyond + 3e-7));
+        targets.push((face, at(x, y, beyond)));
+    }
+    (world_of(&mesh), targets)
 }
 
 #[test]
@@ -106,4 +221,24 @@ fn case_32_any_number_of_cells() {
         [[1; 3], [2; 3], [3; 3], [7; 3], [64; 3], [1, 500, 1], [500, 1, 3], [400, 2, 500], [13, 200, 77]];
     let counts = sizes.map(|cells| differences(32, &world, cells, n, outside(&mesh, 4.0)));
     conclude(32, "1 to 500 cells along an axis", sizes.len() as u64 * n, sum(counts));
+}
+
+/// Where a cell's widening is less than a rounding of the radius, the cells of a sphere must be found all the same.
+#[test]
+fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
+    let bounds = Aabb { min: DVec3::splat(-0.1), max: DVec3::splat(2.9) };
+    let lattice = Lattice::new(bounds, [1, 7, 1]);
+    for k in 0..20_000 {
+        let radius = 2f64.powi(37) * (1.0 + f64::from(k) / 20_000.0);
+        // Near a face.
+        let face = bounds.min.y + f64::from(1 + k % 6) * lattice.cell_size.y;
+        let center = DVec3::new(1.4, face - radius, 1.4);
+        // Exact, since the two are nearly the same.
+        let top = center.y + radius;
+        let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
+        let budget = Budget::unlimited();
+        let mut cells = TouchedCells::new(&budget);
+        of_sphere(&lattice, center, radius, 1e-5, &mut cells).expect("a few cells");
+        assert!(cells.indices.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
+    }
 }
