@@ -5,6 +5,7 @@ use super::budget::TouchedCells;
 use super::build::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, greatest, least};
+use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
 /// Appends the index of every cell that the box, widened by `slack` cells, touches.
@@ -211,6 +212,8 @@ impl<const U: usize, const V: usize> Flat<U, V> {
     }
 }
 
+/// So many roundings of its length cubed a triangle's plane may be off its points: see `proofs/needles.g`.
+const PLANE_ROUNDINGS: f64 = 32.0;
 /// A triangle's plane and its three outlines.
 struct Solid {
     normal: DVec3,
@@ -228,10 +231,10 @@ impl Solid {
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
         let normal = sides[0].cross(v[2] - v[0]);
-        // A needle's normal is little but rounding, some 2^-50 of its squared length, and may point
+        // A needle's normal is little but rounding, in proportion to its squared length, and may point
         // anywhere; over that length its plane is off by as much again times the length.
         let length = greatest(box_corners(sides.map(DVec3::abs))[1].to_array());
-        let rounding = 0.5f64.powi(46) * length * length * (length + 1.0);
+        let rounding = PLANE_ROUNDINGS * UNIT_ROUNDOFF * length * length * length;
         Self {
             normal,
             offset: normal.dot(v[0]),
