@@ -10,7 +10,7 @@ use crate::support::rng::Rng;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
-use raytracer::grid::budget::{Budget, TouchedCells};
+use raytracer::grid::Lattice;
 use raytracer::grid::budget::{Budget, TouchedCells};
 use raytracer::grid::footprint::of_sphere;
 use raytracer::math::aabb::Aabb;
