@@ -107,8 +107,9 @@ fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) ->
     (0..LANES).filter(is_wrong).count()
 }
 
+/// Of every kernel, the portable one first.
 pub fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
-    Instructions::available().into_iter().map(|with| filter::test(with, block, ray)).collect()
+    Instructions::available().into_iter().rev().map(|with| filter::test(with, block, ray)).collect()
 }
 
 #[test]
