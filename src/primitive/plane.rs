@@ -1,12 +1,7 @@
 //! Infinite planes.
 
 use crate::math::ray::Ray;
-use crate::scene::limits::LARGEST;
 use glam::DVec3;
-
-/// No crossing counts that is farther along a ray, whose direction is a unit vector: ten times the
-/// largest coordinate of a scene.
-const FARTHEST: f64 = 10.0 * LARGEST;
 
 /// The points p with `normal . p = offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,12 +13,11 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Where the ray crosses the plane; none where it runs alongside, or infinitely fast, or so nearly
-    /// alongside that it crosses too far away for what is computed from there on.
+    /// Where the ray crosses the plane; none where it runs alongside, or infinitely fast.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let speed = self.normal.dot(ray.direction);
         let t = self.ahead_of(ray.origin) / speed;
-        (ray.covers(t) && t.abs() <= FARTHEST && speed.is_finite()).then_some(t)
+        (ray.covers(t) && speed.is_finite()).then_some(t)
     }
 
     /// How far the plane lies ahead of a point, along the normal.

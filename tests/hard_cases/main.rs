@@ -27,3 +27,4 @@ mod triangles_accuracy;
 mod triangles_degenerate;
 mod triangles_extremes;
 mod triangles_watertight;
+mod within_bounds;
