@@ -13,9 +13,10 @@
 //! bound on entries, up to the growth of lists by doubling.
 //!
 //! *Measured* on scenes that no grid suits (identical, stacked, nested, in a star or a fan, slivers) of 10,000
-//! to 1,000,000 primitives: up to 13.8 entries and 1.8 blocks for each; finding the cells costs up to 3,060
-//! for each of 10,000, 3,770 for each of 100,000 and 4,280 for each of 1,000,000, a growth with the powers
-//! 1.09 and 1.06. Meshes need 2 to 6 entries and a cost of 30 to 100.
+//! to 1,000,000 primitives: up to 13.8 entries and 1.8 blocks for each. Finding the cells costs up to 2,800
+//! for each of 10,000, 3,510 for each of 100,000 and 4,280 for each of 1,000,000 where few rays are cast, a
+//! growth with the powers 1.10 and 1.09; up to 6,670 for each of 1,000,000 where many are, since their grid
+//! has two levels from the start. Meshes need 2 to 6 entries and a cost of 30 to 100.
 
 use crate::grid::budget::ENTRY_COST;
 

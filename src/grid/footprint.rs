@@ -258,7 +258,6 @@ impl Solid {
 
 #[cfg(test)]
 mod tests {
-    use super::super::budget::Budget;
     use super::*;
 
     fn lattice() -> Lattice {
@@ -266,7 +265,7 @@ mod tests {
     }
 
     fn cells_of(enter: impl Fn(&mut TouchedCells) -> Result<(), GridTooLarge>) -> Vec<u32> {
-        let budget = Budget::unlimited();
+        let budget = crate::grid::budget::Budget::unlimited();
         let mut out = TouchedCells::new(&budget);
         enter(&mut out).unwrap();
         out.indices
@@ -346,8 +345,8 @@ mod tests {
         let l = lattice();
         let far = DVec3::splat(100.0);
         let cells = cells_of(|out| {
-            of_box(&l, &Aabb { min: far, max: far }, 0.0, out)?;
-            of_triangle(&l, [-far, -far, -far], 0.0, out)
+            of_box(&l, &Aabb { min: far, max: far }, 0.0, out)
+                .and_then(|()| of_triangle(&l, [-far; 3], 0.0, out))
         });
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
