@@ -2,6 +2,7 @@
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
+pub mod escape;
 pub mod math;
 pub mod scene;
 pub mod stats;

@@ -33,7 +33,7 @@ fn main() -> ExitCode {
             }
         },
         Err(error) => {
-            tell(&error.to_string());
+            tell(&failed(error));
             ExitCode::from(2)
         }
     }

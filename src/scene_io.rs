@@ -1,10 +1,9 @@
 //! Reads a scene and its meshes from files.
 
 use crate::scene::Scene;
-use crate::scene::error::{Problem, SceneError};
+use crate::scene::error::{Problem, SceneError, located};
 use crate::scene::mesh::{Mesh, parse_obj};
 use crate::scene::parser::parse;
-use crate::scene::snippet::harmless;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -72,12 +71,13 @@ impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { path, error } => {
-                write!(f, "{}: error: cannot read the scene: {error}", shown(path))
+                f.write_str(&located(path, "", &format!("cannot read the scene: {error}")))
             }
             Self::NotUtf8 { path, line, column, is_utf16 } => {
                 let hint =
                     if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };
-                write!(f, "{}:{line}:{column}: error: the scene is not UTF-8 text{hint}", shown(path))
+                let message = format!("the scene is not UTF-8 text{hint}");
+                f.write_str(&located(path, &format!(":{line}:{column}"), &message))
             }
             Self::Scene { source, error } => f.write_str(&source.render(error)),
         }
@@ -153,10 +153,6 @@ fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> LoadError {
 
 fn lossy(path: &Path) -> String {
     path.to_string_lossy().into_owned()
-}
-
-fn shown(path: &Path) -> String {
-    harmless(&path.to_string_lossy())
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! What can be wrong with a command line.
 
 use super::flags;
-use crate::image_io::quoted;
+use crate::escape::quoted;
 use std::ffi::OsString;
 use std::fmt;
 use std::path::PathBuf;
 
-/// A fault in the command line. Displays as one line that starts with `error:` and names the flag.
+/// A fault in the command line. Displays as one line that names the flag.
 /// Flags are held without their dash.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CliError {
@@ -136,7 +136,7 @@ impl fmt::Display for Problem {
 
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.message())
+        f.write_str(&self.message())
     }
 }
 
@@ -147,7 +147,7 @@ impl CliError {
             Self::UnexpectedWord { word } => unexpected_word(word),
             Self::EqualsForm { flag } => format!("`-{flag}` takes its values as separate words, without `=`"),
             Self::GivenTwice { flag } => format!("`-{flag}` given twice"),
-            Self::Conflict { flag, other } => format!("`-{flag}` contradicts `-{other}`"),
+            Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
             Self::WrongCount { flag, expected, given } => wrong_count(flag, *expected, *given),
             Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
             Self::DepthOrder { t0, t1 } => format!("`-depth`: t0 must be less than t1, but {t0} >= {t1}"),
@@ -161,7 +161,7 @@ impl CliError {
             }
             Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
             Self::SameFile { flag, other, file } => {
-                format!("`-{flag}` and `-{other}` both write {}", quoted(file.as_os_str()))
+                format!("`-{flag}` and `-{other}` both write {}", quoted(file))
             }
             Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
         }
@@ -171,7 +171,7 @@ impl CliError {
 impl std::error::Error for CliError {}
 
 fn unknown_flag(flag: &str, nearest: Option<&str>) -> String {
-    let shown = quoted(format!("-{flag}").as_ref());
+    let shown = quoted(format!("-{flag}"));
     match nearest {
         Some(nearest) => format!("unknown flag {shown}; did you mean `-{nearest}`?"),
         None => format!("unknown flag {shown} (`-help` lists every flag)"),
@@ -188,7 +188,7 @@ fn unexpected_word(word: &OsString) -> String {
 
 fn wrong_count(flag: &str, expected: usize, given: usize) -> String {
     match expected {
-        1 => format!("`-{flag}` misses its value"),
+        1 => format!("`-{flag}` needs a value"),
         _ => format!("`-{flag}` takes {expected} values, {given} given"),
     }
 }

@@ -1,6 +1,6 @@
 //! What can go wrong with a picture.
 
-use std::ffi::OsStr;
+use crate::escape::{escape, quoted};
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
@@ -67,7 +67,7 @@ impl fmt::Display for ImageError {
             Self::Folder { path } => write!(f, "cannot write {}: it is a folder", shown(path)),
             Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
             Self::Coding { action, path, error } => {
-                write!(f, "cannot {action} {}: {}", shown(path), one_line(&error.to_string()))
+                write!(f, "cannot {action} {}: {}", shown(path), escape(&error.to_string()))
             }
             Self::Sides { path, width, height } => {
                 write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
@@ -87,15 +87,5 @@ impl std::error::Error for ImageError {
 }
 
 fn shown(path: &Path) -> String {
-    quoted(path.as_os_str())
-}
-
-/// A word between backticks, on one line whatever it holds: control characters are escaped, and
-/// bytes that are not text become U+FFFD.
-pub fn quoted(word: &OsStr) -> String {
-    format!("`{}`", one_line(&word.to_string_lossy()))
-}
-
-fn one_line(text: &str) -> String {
-    text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+    quoted(path)
 }

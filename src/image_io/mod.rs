@@ -3,7 +3,7 @@
 mod error;
 mod output;
 
-pub use error::{ImageError, quoted};
+pub use error::ImageError;
 pub use output::OutputFile;
 
 use crate::picture::Picture;

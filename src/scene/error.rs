@@ -1,8 +1,9 @@
 //! What can be wrong with a scene, and how it is told.
 
 use super::Position;
+use super::excerpt;
 use super::mesh::MeshError;
-use super::snippet::{self, harmless};
+use crate::escape::{self, escape};
 use std::fmt;
 use std::path::Path;
 
@@ -151,10 +152,10 @@ impl SceneError {
     /// message itself.
     pub fn render(&self, path: &Path, text: &str) -> String {
         let Position { line, column } = self.at;
-        let path = harmless(&path.to_string_lossy());
-        let shown = snippet::with_caret(text, self.at);
+        let shown = excerpt::with_caret(text, self.at);
         let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
-        format!("{path}:{line}:{column}: error: {}\n{shown}{hint}", self.problem)
+        let message = format!("{}\n{shown}{hint}", self.problem);
+        located(path, &format!(":{line}:{column}"), &message)
     }
 }
 
@@ -215,6 +216,11 @@ impl fmt::Display for Problem {
     }
 }
 
+/// A message about a file: its path, the `place` in it (`:line:column`, or nothing), and what is wrong.
+pub fn located(path: &Path, place: &str, message: &str) -> String {
+    format!("{}{place}: error: {message}", escape(&path.to_string_lossy()))
+}
+
 fn declared_materials(count: usize) -> String {
     match count {
         0 => "none is declared".to_owned(),
@@ -227,20 +233,14 @@ fn write_unreadable(f: &mut fmt::Formatter<'_>, name: &str, tried: &[(String, St
     write!(f, "cannot read the mesh {}: tried ", quoted(name))?;
     for (index, (place, reason)) in tried.iter().enumerate() {
         let separator = if index == 0 { "" } else { ", then " };
-        write!(f, "{separator}{} ({})", quoted(place), harmless(reason))?;
+        write!(f, "{separator}{} ({})", quoted(place), escape(reason))?;
     }
     Ok(())
 }
 
-/// A word as messages show it: quoted, short, and without characters that a terminal obeys.
+/// A word as messages show it; none stands for the end of the file.
 fn quoted(word: &str) -> String {
-    const LONGEST: usize = 200;
-    if word.is_empty() {
-        return "the end of the file".to_owned();
-    }
-    let shown: String = word.chars().take(LONGEST).collect();
-    let cut = if shown.len() < word.len() { "..." } else { "" };
-    format!("`{}{cut}`", harmless(&shown))
+    if word.is_empty() { "the end of the file".to_owned() } else { escape::quoted(word) }
 }
 
 #[cfg(test)]

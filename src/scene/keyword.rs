@@ -23,29 +23,15 @@ pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
         return None;
     }
     let plain = simplified(word);
-    let near = ((plain.len() + 1) / 3).max(1);
-    let distances = keywords.iter().map(|&keyword| (edit_distance(&plain, &simplified(keyword)), keyword));
+    let near = ((plain.chars().count() + 1) / 3).max(1);
+    let distances =
+        keywords.iter().map(|&keyword| (strsim::levenshtein(&plain, &simplified(keyword)), keyword));
     distances.filter(|&(distance, _)| distance <= near).min_by_key(|&(distance, _)| distance).map(|(_, k)| k)
 }
 
 /// Without what is most easily confused: case and underscores.
-fn simplified(word: &str) -> Vec<char> {
+fn simplified(word: &str) -> String {
     word.chars().filter(|&character| character != '_').flat_map(char::to_lowercase).collect()
-}
-
-/// How many characters must be inserted, deleted or replaced to turn `from` into `to`.
-fn edit_distance(from: &[char], to: &[char]) -> usize {
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, a) in from.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, b) in to.iter().enumerate() {
-            let replaced = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[to.len()]
 }
 
 #[cfg(test)]
@@ -61,16 +47,6 @@ mod tests {
         assert!(!is_keyword("num_Objects", "numObjects"));
         assert!(!is_keyword("numobjects", "numObjects"));
         assert!(!is_keyword("material_index", "MaterialIndex"));
-    }
-
-    #[test]
-    fn edit_distances() {
-        let distance =
-            |a: &str, b: &str| edit_distance(&a.chars().collect::<Vec<_>>(), &b.chars().collect::<Vec<_>>());
-        assert_eq!((distance("", "abc"), distance("abc", "")), (3, 3));
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("abc", "abc"), 0);
-        assert_eq!(distance("abc", "acb"), 2);
     }
 
     #[test]

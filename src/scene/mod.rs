@@ -15,7 +15,7 @@ mod parse_object;
 pub mod parser;
 mod plain_obj;
 mod reader;
-pub(crate) mod snippet;
+pub(crate) mod excerpt;
 mod transform;
 
 use glam::{DAffine3, DVec3};

@@ -35,7 +35,7 @@ fn a_faulty_command_line_is_status_2_and_one_line() {
         ("-input s.txt -bounces many", "error: `-bounces`: `many` is not a whole number"),
         (
             "-input s.txt -random_samples 4 -jittered_samples 4",
-            "error: `-random_samples` contradicts `-jittered_samples`",
+            "error: `-random_samples` cannot be combined with `-jittered_samples`",
         ),
     ] {
         assert_eq!(only_line(&folder.run(line).message(2)), expected, "{line}");

@@ -1,6 +1,7 @@
 //! A line of the scene text with a caret under one of its characters.
 
 use super::Position;
+use crate::escape::prints;
 
 /// The most characters of a line that are shown.
 const SHOWN: usize = 100;
@@ -15,19 +16,6 @@ pub fn with_caret(text: &str, at: Position) -> String {
     let number = at.line.to_string();
     let width = number.len().max(5);
     format!("{number:>width$} | {line}\n{:>width$} | {:caret$}^", "", "")
-}
-
-/// `text` with every character that does not print, or that a terminal obeys, written as an escape.
-pub fn harmless(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for character in text.chars() {
-        if prints(character) {
-            shown.push(character);
-        } else {
-            shown.extend(character.escape_debug());
-        }
-    }
-    shown
 }
 
 /// Line `number` of `text`, counted from 1, without its end.
@@ -67,12 +55,6 @@ fn one_place(character: char) -> char {
         _ if prints(character) => character,
         _ => char::REPLACEMENT_CHARACTER,
     }
-}
-
-/// Whether `character` prints as itself: what the standard library would escape does not, apart
-/// from the quotes and the backslash.
-fn prints(character: char) -> bool {
-    matches!(character, '\'' | '"' | '\\') || character.escape_debug().count() == 1
 }
 
 #[cfg(test)]
@@ -117,11 +99,6 @@ mod tests {
     fn wide_line_numbers_keep_the_caret_in_place() {
         let text = "\n".repeat(1_234_566) + "ab";
         assert_eq!(show(&text, 1_234_567, 2), ("1234567 | ab".into(), Some('b')));
-    }
-
-    #[test]
-    fn harmless_text_cannot_steer_a_terminal() {
-        assert_eq!(harmless("a\\'\"é\u{1b}\u{202e}\n"), "a\\'\"é\\u{1b}\\u{202e}\\n");
     }
 
     #[test]
