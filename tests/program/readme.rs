@@ -1,8 +1,7 @@
 //! The README says what the program does.
 
-use crate::support::Folder;
-use raytracer::cli::{self, Command};
-use raytracer::grid::resolution::Resolution;
+use crate::support::{Folder, finish, program};
+use raytracer::image_io;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -27,13 +26,21 @@ fn every_flag_of_the_help_stands_in_the_table() {
 }
 
 #[test]
-fn the_first_command_is_accepted_and_its_scene_exists() {
+fn the_first_command_renders_the_front_picture() {
     let line =
         commands().find_map(|line| line.strip_prefix("run --release -- ")).expect("a command to render");
-    let words = ["raytracer"].into_iter().chain(line.split_whitespace()).map(OsString::from);
-    let Ok(Command::Render(options)) = cli::parse(words) else { panic!("{line}") };
-    assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(&options.input).is_file(), "{line}");
-    assert!(options.stats && options.grid == Some(Resolution::Cells([10; 3])));
+    let (_, after) = README.split_once("![").expect("a front picture");
+    let front = after.split_once("](").and_then(|(_, link)| link.split_once(')')).expect("a link to it").0;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Folder::new();
+    // The scene is named from the project's folder, and the picture falls into the working one.
+    let full =
+        |word: &str| if word.starts_with("scenes/") { root.join(word).into() } else { OsString::from(word) };
+    finish(&mut program(folder.path(), line.split_whitespace().map(full))).ok();
+    let made = line.split_whitespace().find(|word| word.ends_with(".png")).expect("a picture");
+    let [expected, actual] =
+        [root.join(front), folder.path().join(made)].map(|path| image_io::read(&path).expect("a picture"));
+    assert!(expected == actual, "{front} is not what `{line}` renders");
 }
 
 #[test]
