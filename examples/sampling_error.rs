@@ -4,7 +4,7 @@
 
 use glam::DVec2;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;

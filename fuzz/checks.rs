@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, Insertion, Instructions};
-use raytracer::grid::resolution::Resolution;
+use raytracer::grid::options::Resolution;
+use raytracer::grid::{Caster, Insertion, Instructions};
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
 use raytracer::scene::mesh::{Mesh, parse_obj};

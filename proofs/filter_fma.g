@@ -1,8 +1,8 @@
 # The filter in f32, with fused multiplications and additions, is off by no more than its error bounds.
-#@ src/caster/block.rs EDGE_ROUNDINGS = 37.0
-#@ src/caster/block.rs AREA_ROUNDINGS = 67.0
-#@ src/caster/block.rs DEPTH_ROUNDINGS = 113.5
-#@ src/caster/filter.rs FARTHEST = 2.5
+#@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
+#@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
+#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
+#@ src/grid/filter.rs FARTHEST = 2.5
 #
 # The derivation is that of filter_portable.g. A sum of products begins with the third, so that the first is
 # rounded once, the second twice, and the third three times; and of a difference of two products one is not

@@ -1,10 +1,10 @@
 # The filter in f32, with separate multiplications and additions, is off by no more than its error bounds.
-#@ src/caster/block.rs EDGE_ROUNDINGS = 37.0
-#@ src/caster/block.rs AREA_ROUNDINGS = 67.0
-#@ src/caster/block.rs DEPTH_ROUNDINGS = 113.5
-#@ src/caster/filter.rs FARTHEST = 2.5
+#@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
+#@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
+#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
+#@ src/grid/filter.rs FARTHEST = 2.5
 #
-# Names are those of src/caster/filter.rs; a trailing f marks what is computed in f32, and r is 2^-24.
+# Names are those of src/grid/filter.rs; a trailing f marks what is computed in f32, and r is 2^-24.
 #
 # Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4,
 # which changes no rounding: then all are at most 1, and t, too, is at most FARTHEST. What stands behind an edge,

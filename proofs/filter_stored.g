@@ -1,5 +1,5 @@
 # The numbers that the filter in f32 starts from are off by no more than its two other proofs take for granted.
-#@ src/caster/filter.rs FARTHEST = 2.5
+#@ src/grid/filter.rs FARTHEST = 2.5
 #
 # Names are those of filter_portable.g: a, o and d are a coordinate of the corner, the origin and the direction as
 # f64 has them, at, ot and dt the true ones. The origin, (o - center + entry direction) scale, has two roundings of

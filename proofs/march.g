@@ -1,7 +1,7 @@
 # The march's faces are off by no more than its error bound, for rays from up to 2^32 cells away.
-#@ src/grid/march.rs SETUP_ROUNDINGS = 2.0
-#@ src/caster/structure.rs FARTHEST_CELLS = 4294967296.0
-#@ src/caster/fitting.rs PLACE_ERROR_BOUND = 1e-5
+#@ src/grid/dda.rs SETUP_ROUNDINGS = 2.0
+#@ src/grid/build.rs FARTHEST_CELLS = 4294967296.0
+#@ src/grid/fitting.rs PLACE_ERROR_BOUND = 1e-5
 #
 # Ticks. By definition t = entry + tick / per_tick, with the floats entry and per_tick, so that these two have no
 # error. A face's true tick is c for the first face of an axis, and c + k step for the next ones. The source has the

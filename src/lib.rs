@@ -9,7 +9,6 @@ pub mod stats;
 pub mod primitive;
 pub mod world;
 pub mod grid;
-pub mod caster;
 pub mod shading;
 pub mod camera;
 pub mod projection;

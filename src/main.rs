@@ -4,12 +4,12 @@
 mod pages;
 
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, Insertion, Instructions, course_cells};
 use raytracer::cli::{self, Command, Options};
-use raytracer::grid::resolution::{Resolution, crowd};
-use raytracer::grid::visualize::Occupancy;
+use raytracer::grid::options::{Resolution, crowd};
+use raytracer::grid::{Caster, Insertion, Instructions, course_cells};
 use raytracer::image_io::{ImageError, OutputFile};
 use raytracer::picture::Picture;
+use raytracer::render::grid_view::Occupancy;
 use raytracer::render::{Pictures, View, render, render_filter};
 use raytracer::scene_io::{self, LoadedScene};
 use raytracer::stats::{Counts, Probe, Quiet, Report, Timings};

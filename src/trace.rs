@@ -1,6 +1,6 @@
 //! One ray to one colour: local shading, shadows, reflection, refraction.
 
-use crate::caster::Caster;
+use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
 use crate::scene::Color;

@@ -1,10 +1,10 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::caster::stream::{Query, STREAM};
-use raytracer::caster::{Caster, Insertion, Instructions};
-use raytracer::grid::build::GridTooLarge;
-use raytracer::grid::resolution::{Resolution, crowd};
+use raytracer::grid::stream::{Query, STREAM};
+use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::cell_lists::GridTooLarge;
+use raytracer::grid::options::{Resolution, crowd};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::Quiet;
 use raytracer::world::World;

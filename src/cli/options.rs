@@ -3,7 +3,7 @@
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
-use crate::grid::resolution::Resolution;
+use crate::grid::options::Resolution;
 use crate::image_io::Format;
 use crate::render::{Request, View};
 use crate::sampling::drand48::Drand48;

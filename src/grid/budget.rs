@@ -1,6 +1,6 @@
 //! Lists of the cells that shapes touch, and what filling them may cost.
 
-use super::build::GridTooLarge;
+use super::cell_lists::GridTooLarge;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The cost of entering a shape in a cell, where looking at a cell costs 1: an entry takes up memory and is

@@ -1,165 +1,188 @@
-//! The uniform grid. It knows boxes and indices, not what a primitive is.
+//! What a ray hits: the planes, then the grid's cells or, without a grid, everything.
 
+mod allowance;
 pub mod budget;
-pub mod build;
-pub mod footprint;
-pub mod march;
-pub(crate) mod marches;
-pub(crate) mod passage;
-pub mod resolution;
-mod ticks;
-pub mod visualize;
+mod build;
+pub mod cell_lists;
+mod cell_table;
+mod cells;
+pub mod dda;
+pub(crate) mod dda4;
+pub mod filter;
+mod fitting;
+mod fixed_point;
+mod lattice;
+pub mod options;
+mod prim_set;
+mod query;
+pub(crate) mod ray_aabb;
+pub mod stream;
+mod traverse;
+pub mod triangle8;
+pub mod voxelize;
 
-use crate::math::aabb::Aabb;
-use crate::math::four::Four;
-use build::GridTooLarge;
-use glam::DVec3;
-use march::Faces;
-use passage::Slab;
-use std::ops::Range;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Portable;
+use crate::math::ray::{Hit, Ray};
+use crate::stats::Probe;
+use crate::world::World;
+pub use build::Size;
+use build::Structure;
+use cell_lists::GridTooLarge;
+pub use fitting::course_cells;
+use glam::DVec2;
+pub use lattice::Lattice;
+use query::Search;
+use traverse::{Approach, Nest};
 
-/// How a box is cut into cells.
-///
-/// Around the cells lies a border one cell thick, so that a march ends when it reads a border cell
-/// and needs no bounds test. Indices count the border: cell (i, j, k) of the lattice, each from 0,
-/// has the index `(i + 1) + sx ((j + 1) + sy (k + 1))` with `sx = nx + 2`, `sy = ny + 2`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lattice {
-    /// The box that is cut.
-    pub bounds: Aabb,
-    cells: [usize; 3],
-    /// Edge lengths of a cell.
-    pub cell_size: DVec3,
-    per_unit: DVec3,
-    /// For the march.
-    ahead: Ahead,
+pub use crate::math::instructions::Instructions;
+
+/// Which cells a primitive is entered in. More cells change no hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Insertion {
+    /// Those it touches.
+    Exact,
+    /// Those it touches, in a grid that is no finer than a bound on its size allows, in which a cell with
+    /// more than `crowd` primitives is cut into cells of its own where these separate them.
+    Nested {
+        /// More primitives than this in a cell are a crowd.
+        crowd: usize,
+    },
+    /// Those that the course's program enters it in, for counters that compare with the course's.
+    Course,
 }
 
-/// What every march through a lattice needs, computed once.
-#[derive(Clone, Debug, PartialEq)]
-struct Ahead {
-    slab: Slab,
-    cell_size: [f64; 4],
-    per_unit: [f64; 4],
-    /// The last cell along each axis, and how an index changes from one to the next.
-    last: [f64; 4],
-    strides: [u32; 3],
-    /// What to add to an index, by the axes along which a ray runs backwards (bit 0 for x) and by
-    /// the axes that do not step. The latter's bit 3 is a spare one.
-    moves: [[isize; 16]; 8],
+/// Casts rays into a world.
+#[derive(Debug)]
+pub struct Caster<'w> {
+    /// What rays are cast into.
+    pub world: &'w World,
+    instructions: Instructions,
+    /// What everything finite lies in; none where nothing is finite.
+    structure: Option<Structure>,
 }
 
-impl Ahead {
-    fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, per_unit: DVec3) -> Self {
-        let [nx, ny, _] = cells;
-        let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
-        let moved = |backwards: usize, stays: usize| {
-            let one = |axis: usize| {
-                let stride = strides[axis] as isize;
-                if backwards >> axis & 1 == 1 { -stride } else { stride }
-            };
-            (0..3).filter(|axis| stays >> axis & 1 == 0).map(one).sum()
+impl<'w> Caster<'w> {
+    /// With a grid of so many cells along each axis, or none.
+    pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
+        Self::with(world, cells, Insertion::Exact, Instructions::available()[0])
+    }
+
+    /// As told, for tests and for counters.
+    pub fn with(
+        world: &'w World,
+        cells: Option<[usize; 3]>,
+        insertion: Insertion,
+        instructions: Instructions,
+    ) -> Result<Self, GridTooLarge> {
+        let finite = world.finite_count() > 0;
+        let structure = finite.then(|| Structure::new(world, cells, insertion)).transpose()?;
+        Ok(Self { world, instructions, structure })
+    }
+
+    /// Whether a ray meets but a few of the primitives.
+    pub fn has_grid(&self) -> bool {
+        self.structure.as_ref().is_some_and(|structure| structure.words.is_some())
+    }
+
+    /// How large what the rays are cast into is, for tests.
+    pub fn size(&self) -> Size {
+        self.structure.as_ref().map_or(Size::default(), Structure::size)
+    }
+
+    /// The nearest hit on the ray.
+    #[inline]
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        self.nearest(ray, None, probe).map(|hit| self.world.exact(ray, hit))
+    }
+
+    /// The nearest primitive on the ray, as exactly decided, but a triangle's t only as well as the search had
+    /// to know it: not less than the right one, and more by some roundings of single precision at most.
+    /// For who looks at the triangle anyway, such as [`World::surface`].
+    ///
+    /// `leaving` is the triangle that the ray starts at and does not meet again, so that need not be found out.
+    #[inline]
+    pub fn nearest<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
+        self.run::<P, false>(ray, leaving, probe)
+    }
+
+    /// Whether anything stands on the ray.
+    #[inline]
+    pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.any_from(ray, None, probe)
+    }
+
+    /// The same for a ray that leaves a triangle, as for [`nearest`](Self::nearest).
+    #[inline]
+    pub fn any_from<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> bool {
+        if P::COUNTS {
+            // The course's program looks for the nearest hit also where any would do.
+            return self.nearest(ray, leaving, probe).is_some();
+        }
+        self.run::<P, true>(ray, leaving, probe).is_some()
+    }
+
+    #[inline(always)]
+    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
+        let leaving = leaving.unwrap_or(triangle8::NONE);
+        let hit = match self.instructions {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2(avx2) => {
+                let [a, b, c, d] = ray.pairs();
+                // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaving, probe) }
+            }
+            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, leaving, probe),
         };
-        let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
-        Self {
-            slab: Slab::new(bounds),
-            cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
-            per_unit: [per_unit.x, per_unit.y, per_unit.z, 1.0],
-            last: floats(cells.map(|n| n - 1)),
-            strides: strides.map(|stride| stride as u32),
-            moves: std::array::from_fn(|backwards| std::array::from_fn(|stays| moved(backwards, stays))),
-        }
+        (hit.primitive != triangle8::NONE).then_some(hit)
     }
 
-    /// What a march takes from all axes.
+    /// The best hit, of [`triangle8::NONE`] where there is none: unlike an option it is returned in registers.
     #[inline(always)]
-    fn faces<F: Four>(&self, proof: F::Proof) -> Faces<F> {
-        Faces {
-            low: F::new(proof, self.slab.low),
-            cell_size: F::new(proof, self.cell_size),
-            per_unit: F::new(proof, self.per_unit),
-            last: F::new(proof, self.last),
+    fn run_with<K: Nest, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        ray: Ray,
+        leaving: u32,
+        probe: &mut P,
+    ) -> Hit {
+        let approach = match &self.structure {
+            Some(structure) => structure.approach::<K::Four>(kernel, &ray, ray.t_max),
+            None => Approach::Misses,
+        };
+        // Most of the rays that hit nothing have nothing else to do.
+        if !P::COUNTS && matches!(approach, Approach::Misses) && self.world.planes.is_empty() {
+            return Hit { t: ray.t_max, primitive: triangle8::NONE };
         }
-    }
-
-    /// What four marches take from one axis.
-    #[inline(always)]
-    fn faces_along<F: Four>(&self, proof: F::Proof, axis: usize) -> Faces<F> {
-        Faces {
-            low: F::splat(proof, self.slab.low[axis]),
-            cell_size: F::splat(proof, self.cell_size[axis]),
-            per_unit: F::splat(proof, self.per_unit[axis]),
-            last: F::splat(proof, self.last[axis]),
+        // For what is called out of line. All else takes `ray` itself, which stays in registers.
+        let stored = ray;
+        let mut search = Search::new(self.world, &stored, leaving);
+        search.test_planes(&ray, probe);
+        if ANY && search.hit().is_some() {
+            return search.best;
         }
+        if let Some(structure) = &self.structure {
+            structure.run::<K, P, ANY>(kernel, &approach, &mut search, probe);
+        }
+        search.best
     }
 }
 
-impl Lattice {
-    /// Cuts a box, which must not be flat, into so many cells along each axis, at least one.
-    pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
-        let count = DVec3::from_array(cells.map(|n| n as f64));
-        let extent = bounds.extent();
-        let (cell_size, per_unit) = (extent / count, count / extent);
-        let ahead = Ahead::new(&bounds, cells, cell_size, per_unit);
-        Self { bounds, cells, cell_size, per_unit, ahead }
-    }
-
-    /// Cells along each axis without the border, at least one. They never change, since a march relies on
-    /// them.
-    pub fn cells(&self) -> [usize; 3] {
-        self.cells
-    }
-
-    /// The bounds as [`passage::clip`] reads them.
-    pub(crate) fn slab(&self) -> &Slab {
-        &self.ahead.slab
-    }
-
-    /// How many indices there are, those of the border included.
-    pub fn index_count(&self) -> usize {
-        self.cells.iter().map(|n| n + 2).product()
-    }
-
-    /// An error where indices, the border's included, are too many for 32 bits.
-    pub fn fits(&self) -> Result<(), GridTooLarge> {
-        let sides = self.cells.map(|n| n as u128 + 2);
-        if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
-    }
-
-    /// How an index changes with a step along each axis.
-    pub fn strides(&self) -> [usize; 3] {
-        let [nx, ny, _] = self.cells;
-        [1, nx + 2, (nx + 2) * (ny + 2)]
-    }
-
-    /// The index of a cell.
-    pub fn index(&self, cell: [usize; 3]) -> usize {
-        let [sx, sy, sz] = self.strides();
-        (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz
-    }
-
-    /// The indices of each row of cells along x, in ascending order.
-    pub fn rows(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
-        let [nx, ny, nz] = self.cells;
-        let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| self.index([0, y, z])));
-        starts.map(move |start| start..start + nx)
-    }
-
-    /// The lower corner of an index' cell in units of cells; -1 on the border.
-    pub fn cell_of(&self, index: usize) -> DVec3 {
-        let [_, sy, sz] = self.strides();
-        DVec3::from_array([index % sy, index % sz / sy, index / sz].map(|i| i as f64 - 1.0))
-    }
-
-    /// A point in units of cells from the lattice's lower corner.
-    pub fn to_cells(&self, point: DVec3) -> DVec3 {
-        (point - self.bounds.min) * self.per_unit
-    }
-
-    /// The cell along `axis` that holds a coordinate in units of cells; the nearest one for a
-    /// coordinate outside, the first for a NaN.
-    pub fn cell_at(&self, axis: usize, coordinate: f64) -> usize {
-        // The conversion cuts below at 0.
-        (coordinate as usize).min(self.cells[axis] - 1)
-    }
+/// The search compiled for AVX2, along the ray of these four pairs. The proof takes no register.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+#[allow(clippy::too_many_arguments)]
+fn run_avx2<P: Probe, const ANY: bool>(
+    avx2: Avx2,
+    caster: &Caster,
+    a: DVec2,
+    b: DVec2,
+    c: DVec2,
+    d: DVec2,
+    leaving: u32,
+    probe: &mut P,
+) -> Hit {
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaving, probe)
 }

@@ -11,7 +11,7 @@ mod sprite;
 mod worst_cases;
 
 use crate::camera::{Camera, Eye};
-use crate::caster::Caster;
+use crate::grid::Caster;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::world::{Primitive, World};

@@ -3,8 +3,8 @@
 //! need not.
 
 use crate::camera::Camera;
-use crate::caster::Caster;
-use crate::caster::stream::{Query, STREAM};
+use crate::grid::Caster;
+use crate::grid::stream::{Query, STREAM};
 use crate::math::ray::{Hit, Ray};
 use crate::projection::Projection;
 use crate::stats::Probe;

@@ -1,13 +1,14 @@
 //! Rows of pixels in parallel: samples -> film -> pictures.
 
 mod batch;
+pub mod grid_view;
 mod request;
 mod row;
 
 pub use request::{Request, View};
 
 use crate::camera::Camera;
-use crate::caster::Caster;
+use crate::grid::Caster;
 use crate::picture::{BadSize, Picture, quantize};
 use crate::sampling::film::Film;
 use crate::sampling::filter::Filter;

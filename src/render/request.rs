@@ -1,9 +1,9 @@
 //! What is to be rendered.
 
 use crate::camera::Camera;
-use crate::caster::Caster;
-use crate::grid::visualize::Occupancy;
+use crate::grid::Caster;
 use crate::projection::Projection;
+use crate::render::grid_view::Occupancy;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Probe;

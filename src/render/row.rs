@@ -3,11 +3,11 @@
 use super::batch::{Batch, Sample};
 use super::request::{Request, View};
 use crate::camera::Camera;
-use crate::caster::Caster;
-use crate::grid::visualize::Face;
+use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::picture::quantize;
 use crate::projection::Projection;
+use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
 use crate::shading::light::incident;

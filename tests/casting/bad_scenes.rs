@@ -3,8 +3,8 @@
 
 use super::uneven_scenes::{automatic, random};
 use glam::DVec3;
-use raytracer::caster::{Caster, Insertion, Instructions, Size, course_cells};
-use raytracer::grid::resolution::Resolution;
+use raytracer::grid::options::Resolution;
+use raytracer::grid::{Caster, Insertion, Instructions, Size, course_cells};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -101,7 +101,7 @@ fn sizes() -> impl Iterator<Item = usize> {
 /// With a small picture and a large one.
 const RAYS: [usize; 2] = [10_000, 100_000_000];
 
-/// What `src/caster/allowance.rs` states.
+/// What `src/grid/allowance.rs` states.
 fn most_entries(count: usize) -> usize {
     (16 * count).max(65536)
 }

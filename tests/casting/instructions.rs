@@ -2,8 +2,8 @@
 //! a primitive is entered in; also where crowded cells have grids of their own.
 
 use glam::DVec3;
-use raytracer::caster::stream::Query;
-use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::grid::stream::Query;
+use raytracer::grid::{Caster, Insertion, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;

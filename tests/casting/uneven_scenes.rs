@@ -3,8 +3,8 @@
 
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, Insertion, Instructions};
-use raytracer::grid::resolution::{Resolution, crowd, cubic};
+use raytracer::grid::options::{Resolution, crowd, cubic};
+use raytracer::grid::{Caster, Insertion, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;

@@ -9,7 +9,7 @@ use crate::support::textbook_grid::{TextbookGrid, march};
 use crate::support::{failed_ray, rays};
 use crate::{grid::frame, grid::push};
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::grid::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;

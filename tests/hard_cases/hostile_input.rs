@@ -7,7 +7,7 @@ use crate::support::scenes::{color_request, icosphere, mesh, render_picture, sce
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::render::{Request, View, render};
 use raytracer::scene::material::{Material, Phong};

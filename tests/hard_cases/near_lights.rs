@@ -7,7 +7,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::{icosphere, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DVec3, Vec3};
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::stats::Quiet;

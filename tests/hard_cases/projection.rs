@@ -7,7 +7,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::color_request;
 use crate::support::views::{Frame, View, narrow, triangles};
 use glam::DVec2;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::primitive::plane::Plane;
 use raytracer::projection::Projection;
 use raytracer::render::{Pictures, Request, render};

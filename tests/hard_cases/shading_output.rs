@@ -8,7 +8,7 @@ use crate::support::scenes::{color_request, scene_of};
 use crate::support::{hex, rays};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::picture::quantize;
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::drand48::Drand48;

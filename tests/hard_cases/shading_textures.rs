@@ -9,7 +9,7 @@ use crate::support::textbook_noise::{noise32, truncated_noise};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::material::{Pattern, Texture};
 use raytracer::scene::{self, Object};

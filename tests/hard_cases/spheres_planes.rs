@@ -10,7 +10,7 @@ use crate::support::secondary::secondary;
 use crate::support::spheres::{nearest, tangency, textbook32, textbook64};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::primitive::{plane::Plane, sphere::Sphere};

@@ -13,7 +13,7 @@ use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, Insertion, Instructions};
+use raytracer::grid::{Caster, Insertion, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::{Shear, normal, point};
 use raytracer::render::{Request, render};

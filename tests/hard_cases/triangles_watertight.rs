@@ -12,7 +12,7 @@ use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, plucker, woop};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::stats::Quiet;

@@ -2,7 +2,7 @@
 
 use crate::support::scenes::color_request;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::render::{Request, View, render};
 use raytracer::scene;
 use raytracer::stats::Quiet;

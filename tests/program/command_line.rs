@@ -1,7 +1,7 @@
 //! Tables of command lines: what each means, or the exact line that says why it means nothing.
 
 use raytracer::cli::{CliError, Command, Depth, Enlarged, Options, parse};
-use raytracer::grid::resolution::Resolution;
+use raytracer::grid::options::Resolution;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};

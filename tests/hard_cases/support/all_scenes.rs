@@ -3,7 +3,7 @@
 use super::meshes::{bunny, world_of};
 use glam::{DAffine3, DVec3};
 use raytracer::camera::Camera as Viewer;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::render::{Request, View};
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::Sampler;

@@ -1,8 +1,8 @@
 //! The only place that knows the insides of the program's grid.
 
 use raytracer::grid::Lattice;
-use raytracer::grid::build::widened;
-use raytracer::grid::march::{March, drift};
+use raytracer::grid::cell_lists::widened;
+use raytracer::grid::dda::{March, drift};
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 

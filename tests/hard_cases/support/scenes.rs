@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::grid::Caster;
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
 use raytracer::scene::material::{Material, Phong};

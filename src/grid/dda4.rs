@@ -1,8 +1,8 @@
 //! Four marches, set up together.
 
 use super::Lattice;
-use super::march::{March, SHORTEST_WAY, Schedule, WAY};
-use super::passage::Passages;
+use super::dda::{March, SHORTEST_WAY, Schedule, WAY};
+use super::ray_aabb::Passages;
 use crate::math::four::Four;
 use crate::math::packet::Packet;
 
@@ -54,7 +54,7 @@ impl Marches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::passage::{clip, clip_packet};
+    use crate::grid::ray_aabb::{clip, clip_packet};
     use crate::math::aabb::Aabb;
     use crate::math::four::Plain;
     use crate::math::instructions::Portable;

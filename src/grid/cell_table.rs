@@ -1,10 +1,10 @@
 //! A word for each cell of a lattice, and walks that read them along a ray without a bounds test.
 
 use crate::grid::Lattice;
-use crate::grid::build::GridTooLarge;
-use crate::grid::march::March;
-use crate::grid::marches::Marches;
-use crate::grid::passage::Passage;
+use crate::grid::cell_lists::GridTooLarge;
+use crate::grid::dda::March;
+use crate::grid::dda4::Marches;
+use crate::grid::ray_aabb::Passage;
 use crate::math::four::Four;
 
 /// The word of an empty cell.
@@ -117,7 +117,7 @@ impl Walk<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::passage::{clip, clip_packet};
+    use crate::grid::ray_aabb::{clip, clip_packet};
     use crate::math::aabb::Aabb;
     use crate::math::four::Plain;
     use crate::math::instructions::Portable;

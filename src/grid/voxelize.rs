@@ -2,7 +2,7 @@
 
 use super::Lattice;
 use super::budget::TouchedCells;
-use super::build::GridTooLarge;
+use super::cell_lists::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, greatest, least};
 use crate::math::robust::UNIT_ROUNDOFF;

@@ -1,11 +1,11 @@
 //! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
 //! triangles one after the other, and a list of the few primitives that are no triangles.
 
-use super::block::{Block, Frame, LANES, NONE};
-use super::items::Items;
-use super::words::EMPTY;
+use super::cell_table::EMPTY;
+use super::prim_set::Items;
+use super::triangle8::{Block, Frame, LANES, NONE};
 use crate::grid::Lattice;
-use crate::grid::build::{GridTooLarge, Rows, filled_with, with_room_for};
+use crate::grid::cell_lists::{GridTooLarge, Rows, filled_with, with_room_for};
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
@@ -198,8 +198,8 @@ fn scatter(rows: &Rows, items: &Items, triangles: usize, ends: &mut [u32], lanes
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::build::widened;
-    use crate::grid::footprint;
+    use crate::grid::cell_lists::widened;
+    use crate::grid::voxelize;
     use crate::math::aabb::Aabb;
     use crate::scene::parser::parse;
 
@@ -220,7 +220,7 @@ mod tests {
         let triangles = (0..50).map(|i| Aabb::around(world.corners(i)));
         let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let rows =
-            Rows::new(&lattice, 55, |i, out| footprint::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
+            Rows::new(&lattice, 55, |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
         let cells = Cells::new(&world, &lattice, &rows, &Items::All).unwrap();
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];

@@ -2,12 +2,12 @@
 
 use super::Insertion;
 use super::allowance::{Allowance, coarser};
-use super::items::Items;
+use super::prim_set::Items;
 use crate::grid::Lattice;
 use crate::grid::budget::{Budget, TouchedCells};
-use crate::grid::build::{GridTooLarge, Rows, widened};
-use crate::grid::footprint;
-use crate::grid::march::drift;
+use crate::grid::cell_lists::{GridTooLarge, Rows, widened};
+use crate::grid::dda::drift;
+use crate::grid::voxelize;
 use crate::math::aabb::Aabb;
 use crate::world::{Primitive, World};
 
@@ -94,18 +94,18 @@ fn enter(
 ) -> Result<(), GridTooLarge> {
     match (world.primitive(number), insertion) {
         (Primitive::Triangle(i), Insertion::Course) => {
-            footprint::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
+            voxelize::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
         }
-        (Primitive::Triangle(i), _) => footprint::of_triangle(lattice, world.corners(i), slack, out),
+        (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), slack, out),
         (Primitive::Sphere(i), Insertion::Course) => {
             let sphere = &world.spheres[i];
-            footprint::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
+            voxelize::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
         }
         (Primitive::Sphere(i), _) => {
             let sphere = &world.spheres[i];
-            footprint::of_sphere(lattice, sphere.center, sphere.radius, slack, out)
+            voxelize::of_sphere(lattice, sphere.center, sphere.radius, slack, out)
         }
-        (Primitive::Ellipsoid(i), _) => footprint::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
+        (Primitive::Ellipsoid(i), _) => voxelize::of_box(lattice, &world.ellipsoids[i].bounds(), slack, out),
         (Primitive::Plane(_), _) => Ok(()),
     }
 }

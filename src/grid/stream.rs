@@ -1,16 +1,16 @@
 //! Rays that are cast together. Their ways into the grid are computed four at a time; then each goes on to
 //! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
 
-use super::block::NONE;
+use super::build::Structure;
+use super::cell_table::{BORDER, Walk, Words};
 use super::cells::Cells;
-use super::search::{Filtered, Search, lanes, place};
-use super::structure::Structure;
-use super::traversal::Nest;
-use super::words::{BORDER, Walk, Words};
+use super::query::{Filtered, Search, lanes, place};
+use super::traverse::Nest;
+use super::triangle8::NONE;
 use super::{Caster, Instructions};
 use crate::grid::Lattice;
-use crate::grid::marches::Marches;
-use crate::grid::passage::clip_packet;
+use crate::grid::dda4::Marches;
+use crate::grid::ray_aabb::clip_packet;
 use crate::math::four::Four;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;

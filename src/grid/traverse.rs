@@ -1,13 +1,13 @@
 //! A ray's way through a structure: its cells in order, and grids within cells, until no nearer hit can
 //! follow.
 
-use super::block::Block;
+use super::build::Structure;
+use super::cell_table::{BORDER, EMPTY, Walk};
 use super::cells::{Cells, NESTED};
 use super::filter::Kernel;
-use super::search::{Filtered, Search};
-use super::structure::Structure;
-use super::words::{BORDER, EMPTY, Walk};
-use crate::grid::passage::{Passage, clip};
+use super::query::{Filtered, Search};
+use super::triangle8::Block;
+use crate::grid::ray_aabb::{Passage, clip};
 use crate::math::four::Four;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;

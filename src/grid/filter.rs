@@ -11,7 +11,7 @@
 //!
 //! *Error bound.* Let r = 2^-24, the relative rounding of single precision, b the largest coordinate
 //! of the block's edges and c the least power of two that is no less than 1 and than any coordinate of
-//! its corners. In the block's [`Frame`](super::block::Frame) the ray's origin, which is moved along the
+//! its corners. In the block's [`Frame`](super::triangle8::Frame) the ray's origin, which is moved along the
 //! ray to where it enters the box, has coordinates of at most 1, the direction's largest is 1, and
 //! b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and one whose
 //! numbers are at most 1 is at most 4: it is linear in each of them, so that none is larger than one of
@@ -36,7 +36,7 @@
 //! also say why a wrong sign of det does no harm, and why that holds for misses that are nearly hits.
 //! [`Slack`] rounds the bounds up, and adds what may be lost to underflow.
 
-use super::block::{Block, LANES, Slack};
+use super::triangle8::{Block, LANES, Slack};
 use crate::math::four::{Four, Plain};
 use crate::math::instructions::{Instructions, Portable};
 

@@ -1,9 +1,9 @@
 //! The best hit along one ray: eight triangles at a time, and exactly where the filter leaves a doubt.
 
-use super::block::{Block, Frame, NONE};
 use super::cells::Cells;
 use super::filter::{FARTHEST, FilterRay, Kernel, Verdict};
-use crate::grid::passage::Passage;
+use super::triangle8::{Block, Frame, NONE};
+use crate::grid::ray_aabb::Passage;
 use crate::math::four::Four;
 use crate::math::packet::Along;
 use crate::math::ray::{Hit, Ray};

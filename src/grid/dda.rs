@@ -13,9 +13,9 @@
 //! Then whatever the ray meets at a time t stands in the cell that the schedule names for t, and a
 //! search that goes through all cells up to the time of its best hit has missed nothing nearer.
 
-use super::passage::{Passage, clip};
-use super::ticks::Ticks;
-use super::{Ahead, Lattice};
+use super::fixed_point::Ticks;
+use super::lattice::{Ahead, Lattice};
+use super::ray_aabb::{Passage, clip};
 use crate::math::extremes::greater;
 use crate::math::four::{Four, Plain, TO_WHOLE};
 use crate::math::instructions::Portable;
@@ -203,7 +203,7 @@ mod tests {
     }
 
     fn is_inside(lattice: &Lattice, index: usize) -> bool {
-        place(lattice, index).iter().zip(lattice.cells).all(|(&i, n)| i >= 0 && (i as usize) < n)
+        place(lattice, index).iter().zip(lattice.cells()).all(|(&i, n)| i >= 0 && (i as usize) < n)
     }
 
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {

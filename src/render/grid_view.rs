@@ -3,10 +3,10 @@
 //! The tracer's grid enters a primitive wherever its box reaches. The course's picture shows a
 //! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
 
-use super::budget::{Budget, TouchedCells};
-use super::build::{GridTooLarge, filled_with};
-use super::march::March;
-use super::{Lattice, footprint};
+use crate::grid::budget::{Budget, TouchedCells};
+use crate::grid::cell_lists::{GridTooLarge, filled_with};
+use crate::grid::dda::March;
+use crate::grid::{Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
@@ -68,10 +68,10 @@ impl Occupancy {
         touched: &mut TouchedCells,
     ) -> Result<(), GridTooLarge> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut enter_box = |corners: Aabb| footprint::of_box(&self.lattice, &corners, TOUCH, touched);
+        let mut enter_box = |corners: Aabb| voxelize::of_box(&self.lattice, &corners, TOUCH, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                footprint::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
+                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
             }
             Object::Sphere { center, radius, .. } => enter_box(course_sphere_box(center, radius, placement)),
             Object::Triangle { vertices, .. } => enter_box(Aabb::around(vertices.map(map))),
