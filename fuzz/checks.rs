@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::grid::options::Resolution;
-use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::options::{CellRule, GridOptions};
+use raytracer::grid::{Caster, Instructions};
 use raytracer::render::{Request, View, render};
 use raytracer::sampling::{filter::Filter, sampler::Sampler};
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -38,20 +38,21 @@ pub fn check_scene(text: &str) {
 
 fn check_pictures(scene: &Scene, world: &World) {
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
-    let some = Some([3, 2, 4]);
-    let automatic = Some(Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 20));
-    let plain = tiny_picture::<Quiet>(scene, world, None, Insertion::Exact, fastest);
-    for (cells, insertion, instructions) in [
-        (some, Insertion::Exact, fastest),
-        (some, Insertion::Exact, portable),
-        (automatic, Insertion::Nested { crowd: 2 }, fastest),
-        (None, Insertion::Exact, portable),
+    let some = GridOptions::uniform([3, 2, 4]);
+    let rule = CellRule::Nested { crowd: 2 };
+    let plain = tiny_picture::<Quiet>(scene, world, GridOptions::NONE, fastest);
+    for (options, instructions) in [
+        (some, fastest),
+        (some, portable),
+        (GridOptions { rule, ..GridOptions::automatic(world, 1 << 20) }, fastest),
+        (GridOptions::NONE, portable),
     ] {
-        let picture = tiny_picture::<Quiet>(scene, world, cells, insertion, instructions);
-        assert!(plain == picture, "the picture differs with {cells:?}, {insertion:?}, {instructions:?}");
+        let picture = tiny_picture::<Quiet>(scene, world, options, instructions);
+        assert!(plain == picture, "the picture differs with {options:?}, {instructions:?}");
     }
-    for cells in [None, some] {
-        let counted = tiny_picture::<Counts>(scene, world, cells, Insertion::Course, fastest);
+    let rule = CellRule::Course { is_bounded: false };
+    for options in [GridOptions::NONE, some] {
+        let counted = tiny_picture::<Counts>(scene, world, GridOptions { rule, ..options }, fastest);
         assert!(plain == counted, "counting changes the picture");
     }
 }
@@ -60,12 +61,11 @@ fn check_pictures(scene: &Scene, world: &World) {
 fn tiny_picture<P: Probe>(
     scene: &Scene,
     world: &World,
-    cells: Option<[usize; 3]>,
-    insertion: Insertion,
+    options: GridOptions,
     instructions: Instructions,
 ) -> Vec<u8> {
     let size = [4, 4];
-    let caster = Caster::with(world, cells, insertion, instructions).expect("a small grid");
+    let caster = Caster::with(world, options, instructions).expect("a small grid");
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let request = Request {
         size,

@@ -5,8 +5,8 @@ mod pages;
 
 use raytracer::camera::Camera;
 use raytracer::cli::{self, Command, Options};
-use raytracer::grid::options::{Resolution, crowd};
-use raytracer::grid::{Caster, Insertion, Instructions, course_cells};
+use raytracer::grid::options::GridOptions;
+use raytracer::grid::{Caster, Instructions};
 use raytracer::image_io::{ImageError, OutputFile};
 use raytracer::picture::Picture;
 use raytracer::render::grid_view::Occupancy;
@@ -135,23 +135,10 @@ fn draw<P: Probe>(
     let own = if options.visualize_grid { meshes.clone() } else { mem::take(&mut meshes) };
     let world = World::of_meshes(&scene, own).map_err(|error| source.render(&error))?;
     let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
-    let resolution = |grid: Resolution| grid.cells(&world.bounds, world.finite_count(), rays);
-    let grid = match options.grid.map(resolution) {
-        // Without statistics the caster bounds the automatic grid by itself.
-        Some(cells) if P::COUNTS && !options.visualize_grid && options.grid == Some(Resolution::Auto) => {
-            Some(course_cells(&world, cells).map_err(failed)?)
-        }
-        grid => grid,
-    };
-    let cells = grid.filter(|_| !options.visualize_grid);
-    let insertion = match options.grid {
-        _ if P::COUNTS => Insertion::Course,
-        Some(Resolution::Auto) => Insertion::Nested { crowd: crowd(world.finite_count(), rays) },
-        _ => Insertion::Exact,
-    };
-    let instructions = Instructions::available()[0];
-    let caster = Caster::with(&world, cells, insertion, instructions).map_err(failed)?;
-    let occupancy = match grid {
+    let asked = GridOptions::new(options.grid, &world, rays, P::COUNTS);
+    let cast = if options.visualize_grid { GridOptions::NONE } else { asked };
+    let caster = Caster::with(&world, cast, Instructions::available()[0]).map_err(failed)?;
+    let occupancy = match asked.cells {
         Some(cells) if options.visualize_grid => {
             Some(Occupancy::new(&scene, &meshes, world.bounds, cells).map_err(failed)?)
         }
@@ -174,7 +161,7 @@ fn draw<P: Probe>(
     Ok(Report {
         size: options.size,
         bounds: (!world.bounds.is_empty()).then_some(world.bounds),
-        grid,
+        grid: caster.cells().or(asked.cells),
         counts: probe.counts(),
         timings,
         threads: rayon::current_num_threads(),

@@ -76,9 +76,8 @@ fn measure_mesh(stage: &Stage, mesh: Mesh, rounds: usize) -> Result<Row, Box<dyn
     let meshes = [mesh];
     let [mesh] = &meshes;
     let world = World::new(&stage.scene, &meshes).map_err(|error| format!("{error:?}"))?;
-    let cells = ours::cells(&world);
     let builds = if mesh.triangles.len() > BUILT_OFTEN { 1 } else { rounds };
-    let (ours, our_build) = built(builds, || ours::caster(&world, cells));
+    let (ours, our_build) = built(builds, || ours::caster(&world));
     let ours = ours.map_err(|error| error.to_string())?;
     let (obvhs, obvhs_build) = built(builds, || peers::Obvhs::new(mesh));
     let (parry, parry_build) = built(builds, || peers::Parry::new(mesh));
@@ -87,7 +86,7 @@ fn measure_mesh(stage: &Stage, mesh: Mesh, rounds: usize) -> Result<Row, Box<dyn
     let rays = stage.rays(mesh, &ours);
     Ok(Row {
         faces: mesh.triangles.len(),
-        cells,
+        cells: ours.cells().unwrap_or_default(),
         build: vec![our_build, obvhs_build, parry_build, boxes_build],
         results: race(&contestants, &rays, rounds),
     })

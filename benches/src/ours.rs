@@ -2,9 +2,9 @@
 
 use crate::contestant::{Cast, FlatRay};
 use raytracer::grid::stream::{Query, STREAM};
-use raytracer::grid::{Caster, Insertion, Instructions};
 use raytracer::grid::cell_lists::GridTooLarge;
-use raytracer::grid::options::{Resolution, crowd};
+use raytracer::grid::options::GridOptions;
+use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -54,12 +54,7 @@ impl Query for Asked {
 /// So many that building does not count.
 const RAYS: usize = 1 << 30;
 
-/// The cells that `-grid auto` chooses.
-pub fn cells(world: &World) -> [usize; 3] {
-    Resolution::Auto.cells(&world.bounds, world.finite_count(), RAYS)
-}
-
-pub fn caster(world: &World, cells: [usize; 3]) -> Result<Caster<'_>, GridTooLarge> {
-    let insertion = Insertion::Nested { crowd: crowd(world.finite_count(), RAYS) };
-    Caster::with(world, Some(cells), insertion, Instructions::available()[0])
+/// What `-grid auto` chooses.
+pub fn caster(world: &World) -> Result<Caster<'_>, GridTooLarge> {
+    Caster::with(world, GridOptions::automatic(world, RAYS), Instructions::available()[0])
 }

@@ -1,7 +1,6 @@
 //! What the finite primitives stand in: one grid, with grids of their own for crowded cells, or one
 //! list of everything.
 
-use super::Insertion;
 use super::allowance::{Allowance, separates};
 use super::cell_table::Words;
 use super::cells::Cells;
@@ -11,7 +10,7 @@ use super::triangle8::Frame;
 use crate::grid::Lattice;
 use crate::grid::budget::{Budget, ENTRY_COST};
 use crate::grid::cell_lists::{GridTooLarge, Rows, widened};
-use crate::grid::options::cubic;
+use crate::grid::options::{CellRule, GridOptions, cubic};
 use crate::grid::ray_aabb::Slab;
 use crate::math::aabb::Aabb;
 use crate::world::World;
@@ -80,18 +79,24 @@ pub struct Crowd {
 
 impl Structure {
     /// Of all finite primitives.
-    pub fn new(world: &World, cells: Option<[usize; 3]>, insertion: Insertion) -> Result<Self, GridTooLarge> {
+    pub fn new(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         let Some(cells) = cells else {
             return Self::listed(world, Items::All, &bounds, Frame::new(&bounds));
         };
-        if let Insertion::Nested { crowd } = insertion {
-            let allowance = Allowance::new(crowd, world.finite_count());
-            return Self::automatic(world, Items::All, bounds, cells, allowance);
+        let allowance = |crowd: usize| Allowance::new(crowd, world.finite_count());
+        match rule {
+            CellRule::Nested { crowd } => Self::automatic(world, Items::All, bounds, cells, allowance(crowd)),
+            CellRule::Course { is_bounded: true } => {
+                let fitted = Fitted::new(world, &Items::All, bounds, cells, rule, allowance(usize::MAX))?;
+                Self::gridded(world, Items::All, fitted.lattice, fitted.rows, &[])
+            }
+            CellRule::Exact | CellRule::Course { is_bounded: false } => {
+                let lattice = Lattice::new(bounds, cells);
+                let rows = rows(world, &Items::All, &lattice, rule, &Budget::unlimited())?;
+                Self::gridded(world, Items::All, lattice, rows, &[])
+            }
         }
-        let lattice = Lattice::new(bounds, cells);
-        let rows = rows(world, &Items::All, &lattice, insertion, &Budget::unlimited())?;
-        Self::gridded(world, Items::All, lattice, rows, &[])
     }
 
     /// How large it is, with everything nested in it.
@@ -130,9 +135,9 @@ impl Structure {
         allowance: Allowance,
     ) -> Result<Self, GridTooLarge> {
         let count = items.count(world);
-        let insertion = Insertion::Nested { crowd: allowance.crowd };
+        let rule = CellRule::Nested { crowd: allowance.crowd };
         let Fitted { lattice, mut rows, given_up } =
-            Fitted::new(world, &items, bounds, cells, insertion, allowance)?;
+            Fitted::new(world, &items, bounds, cells, rule, allowance)?;
         let (counts, entries) = (rows.counts(&lattice)?, rows.entries());
         if count > allowance.crowd && !separates(&counts, count, entries) {
             let frame = Frame::new(&bounds.union(union(world, &items)));

@@ -1,7 +1,7 @@
 //! The cells that primitives touch, in a lattice that is no finer than it may be.
 
-use super::Insertion;
 use super::allowance::{Allowance, coarser};
+use super::options::CellRule;
 use super::prim_set::Items;
 use crate::grid::Lattice;
 use crate::grid::budget::{Budget, TouchedCells};
@@ -26,7 +26,7 @@ impl Fitted {
         items: &Items,
         bounds: Aabb,
         cells: [usize; 3],
-        insertion: Insertion,
+        rule: CellRule,
         allowance: Allowance,
     ) -> Result<Self, GridTooLarge> {
         let count = items.count(world);
@@ -34,7 +34,7 @@ impl Fitted {
         let (mut lattice, mut given_up) = (Lattice::new(bounds, cells), 0);
         loop {
             let budget = Budget::new(cost, Rows::run_count(count));
-            match (rows(world, items, &lattice, insertion, &budget), coarser(lattice.cells())) {
+            match (rows(world, items, &lattice, rule, &budget), coarser(lattice.cells())) {
                 (Ok(rows), _) => return Ok(Self { lattice, rows, given_up }),
                 (Err(_), Some(cells)) => lattice = Lattice::new(bounds, cells),
                 (Err(error), None) => return Err(error),
@@ -42,17 +42,6 @@ impl Fitted {
             given_up += cost;
         }
     }
-}
-
-/// The cells of an automatic grid whose primitives are entered by [`Insertion::Course`]: as many as given, or
-/// fewer where finding the cells of the primitives would cost more than an automatic grid may.
-pub fn course_cells(world: &World, cells: [usize; 3]) -> Result<[usize; 3], GridTooLarge> {
-    if world.finite_count() == 0 {
-        return Ok(cells);
-    }
-    let allowance = Allowance::new(usize::MAX, world.finite_count());
-    let fitted = Fitted::new(world, &Items::All, bounds_of(world), cells, Insertion::Course, allowance)?;
-    Ok(fitted.lattice.cells())
 }
 
 /// The box around everything finite, a little larger.
@@ -65,12 +54,12 @@ pub fn rows(
     world: &World,
     items: &Items,
     lattice: &Lattice,
-    insertion: Insertion,
+    rule: CellRule,
     budget: &Budget,
 ) -> Result<Rows, GridTooLarge> {
     let slack = slack(lattice);
     Rows::within(budget, lattice, items.count(world), |i, out| {
-        enter(world, items.number(i), lattice, insertion, slack, out)
+        enter(world, items.number(i), lattice, rule, slack, out)
     })
 }
 
@@ -88,16 +77,16 @@ fn enter(
     world: &World,
     number: u32,
     lattice: &Lattice,
-    insertion: Insertion,
+    rule: CellRule,
     slack: f64,
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
-    match (world.primitive(number), insertion) {
-        (Primitive::Triangle(i), Insertion::Course) => {
+    match (world.primitive(number), rule) {
+        (Primitive::Triangle(i), CellRule::Course { .. }) => {
             voxelize::of_box(lattice, &Aabb::around(world.corners(i)), slack, out)
         }
         (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), slack, out),
-        (Primitive::Sphere(i), Insertion::Course) => {
+        (Primitive::Sphere(i), CellRule::Course { .. }) => {
             let sphere = &world.spheres[i];
             voxelize::of_ball_by_centers(lattice, sphere.center, sphere.radius, slack, out)
         }

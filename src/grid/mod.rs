@@ -30,28 +30,13 @@ use crate::world::World;
 pub use build::Size;
 use build::Structure;
 use cell_lists::GridTooLarge;
-pub use fitting::course_cells;
 use glam::DVec2;
 pub use lattice::Lattice;
+use options::GridOptions;
 use query::Search;
 use traverse::{Approach, Nest};
 
 pub use crate::math::instructions::Instructions;
-
-/// Which cells a primitive is entered in. More cells change no hit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Insertion {
-    /// Those it touches.
-    Exact,
-    /// Those it touches, in a grid that is no finer than a bound on its size allows, in which a cell with
-    /// more than `crowd` primitives is cut into cells of its own where these separate them.
-    Nested {
-        /// More primitives than this in a cell are a crowd.
-        crowd: usize,
-    },
-    /// Those that the course's program enters it in, for counters that compare with the course's.
-    Course,
-}
 
 /// Casts rays into a world.
 #[derive(Debug)]
@@ -66,24 +51,29 @@ pub struct Caster<'w> {
 impl<'w> Caster<'w> {
     /// With a grid of so many cells along each axis, or none.
     pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
-        Self::with(world, cells, Insertion::Exact, Instructions::available()[0])
+        let options = cells.map_or(GridOptions::NONE, GridOptions::uniform);
+        Self::with(world, options, Instructions::available()[0])
     }
 
-    /// As told, for tests and for counters.
+    /// With the primitives arranged as told, and with these instructions.
     pub fn with(
         world: &'w World,
-        cells: Option<[usize; 3]>,
-        insertion: Insertion,
+        options: GridOptions,
         instructions: Instructions,
     ) -> Result<Self, GridTooLarge> {
         let finite = world.finite_count() > 0;
-        let structure = finite.then(|| Structure::new(world, cells, insertion)).transpose()?;
+        let structure = finite.then(|| Structure::new(world, options)).transpose()?;
         Ok(Self { world, instructions, structure })
     }
 
     /// Whether a ray meets but a few of the primitives.
     pub fn has_grid(&self) -> bool {
         self.structure.as_ref().is_some_and(|structure| structure.words.is_some())
+    }
+
+    /// The cells along each axis of its grid, which may be fewer than those of an automatic one's options.
+    pub fn cells(&self) -> Option<[usize; 3]> {
+        Some(self.structure.as_ref()?.words.as_ref()?.lattice().cells())
     }
 
     /// How large what the rays are cast into is, for tests.

@@ -1,6 +1,64 @@
-//! How many cells a grid gets.
+//! How the finite primitives are arranged for rays: in one list, in a uniform grid, in an automatic one, or as the
+//! course's program does. This is the only place that decides.
 
 use crate::math::aabb::Aabb;
+use crate::world::World;
+
+/// Which cells a primitive is entered in. More cells change no hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellRule {
+    /// Those it touches.
+    Exact,
+    /// Those it touches, in a grid that is no finer than a bound on its size allows, in which a cell with
+    /// more than `crowd` primitives is cut into cells of its own where these separate them.
+    Nested {
+        /// More primitives than this in a cell are a crowd.
+        crowd: usize,
+    },
+    /// Those that the course's program enters it in, for counters that compare with the course's.
+    Course {
+        /// Whether the grid is no finer than a bound on its size allows.
+        is_bounded: bool,
+    },
+}
+
+/// How the finite primitives are arranged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridOptions {
+    /// Cells along each axis; none for a list of everything.
+    pub cells: Option<[usize; 3]>,
+    /// Which of them a primitive is entered in.
+    pub rule: CellRule,
+}
+
+impl GridOptions {
+    /// A list of everything.
+    pub const NONE: Self = Self { cells: None, rule: CellRule::Exact };
+
+    /// A grid of just these cells.
+    pub fn uniform(cells: [usize; 3]) -> Self {
+        Self { cells: Some(cells), rule: CellRule::Exact }
+    }
+
+    /// The fastest arrangement of a world for about so many rays, building included.
+    pub fn automatic(world: &World, rays: usize) -> Self {
+        let count = world.finite_count();
+        let cells = Resolution::Auto.cells(&world.bounds, count, rays);
+        Self { cells: Some(cells), rule: CellRule::Nested { crowd: crowd(count, rays) } }
+    }
+
+    /// What is asked for, in a world for about so many rays; with cells entered as the course's program enters
+    /// them where counters are to compare with the course's.
+    pub fn new(asked: Option<Resolution>, world: &World, rays: usize, as_course: bool) -> Self {
+        let options = match asked {
+            None => Self::NONE,
+            Some(Resolution::Cells(cells)) => Self::uniform(cells),
+            Some(Resolution::Auto) => Self::automatic(world, rays),
+        };
+        let is_bounded = asked == Some(Resolution::Auto);
+        if as_course { Self { rule: CellRule::Course { is_bounded }, ..options } } else { options }
+    }
+}
 
 /// The number of cells along each axis, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +95,7 @@ const MANY_RAYS: usize = 8;
 ///
 /// 96 is five times what the cells of an even mesh of 40,000 hold that hold any. Where few rays come,
 /// only a cell is cut that would take each of them microseconds.
-pub fn crowd(count: usize, rays: usize) -> usize {
+fn crowd(count: usize, rays: usize) -> usize {
     if rays < MANY_RAYS * count { 2048 } else { 96 }
 }
 

@@ -3,8 +3,8 @@
 
 use super::uneven_scenes::{automatic, random};
 use glam::DVec3;
-use raytracer::grid::options::Resolution;
-use raytracer::grid::{Caster, Insertion, Instructions, Size, course_cells};
+use raytracer::grid::options::{GridOptions, Resolution};
+use raytracer::grid::{Caster, Instructions, Size};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -206,9 +206,8 @@ fn the_grid_for_counting_is_bounded_too() {
         for n in sizes().filter(|&n| n <= 10_000) {
             let world = scene(n);
             let count = world.finite_count();
-            let cells = Resolution::Auto.cells(&world.bounds, count, RAYS[1]);
-            let cells = course_cells(&world, cells).unwrap();
-            let caster = Caster::with(&world, Some(cells), Insertion::Course, Instructions::available()[0]);
+            let options = GridOptions::new(Some(Resolution::Auto), &world, RAYS[1], true);
+            let caster = Caster::with(&world, options, Instructions::available()[0]);
             let entries = caster.unwrap().size().entries;
             assert!(entries <= most_entries(count), "{name}, {count}: {entries} entries");
         }

@@ -2,8 +2,9 @@
 //! a primitive is entered in; also where crowded cells have grids of their own.
 
 use glam::DVec3;
+use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::stream::Query;
-use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
@@ -53,18 +54,19 @@ fn rays() -> impl Iterator<Item = Ray> {
 }
 
 #[test]
-fn hits_depend_neither_on_instructions_nor_on_insertion() {
+fn hits_depend_neither_on_instructions_nor_on_rule() {
     let world = World::new(&parse(SCENE).unwrap(), &[rabbit()]).unwrap();
-    let reference = Caster::with(&world, None, Insertion::Exact, Instructions::Portable).unwrap();
+    let reference = Caster::with(&world, GridOptions::NONE, Instructions::Portable).unwrap();
     let expected: Vec<(Ray, Option<Hit>)> =
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
-        for insertion in [Insertion::Exact, Insertion::Nested { crowd: 96 }, Insertion::Course] {
+        for rule in [CellRule::Exact, CellRule::Nested { crowd: 96 }, CellRule::Course { is_bounded: false }]
+        {
             for cells in [None, Some([1, 1, 1]), Some(FINE)] {
-                let caster = Caster::with(&world, cells, insertion, instructions).unwrap();
+                let caster = Caster::with(&world, GridOptions { cells, rule }, instructions).unwrap();
                 for (ray, hit) in &expected {
-                    let context = (instructions, insertion, cells, ray);
+                    let context = (instructions, rule, cells, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");

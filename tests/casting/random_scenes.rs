@@ -8,8 +8,8 @@ use super::strategies::{Range, meshes, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
 use raytracer::camera::Camera;
-use raytracer::grid::options::Resolution;
-use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::options::{CellRule, GridOptions};
+use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
 use raytracer::render::{Request, View, render};
@@ -68,21 +68,20 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     let Ok(world) = World::new(scene, &meshes()) else { return Ok(()) };
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let plain = Caster::new(&world, None).expect("no grid");
-    let automatic = Resolution::Auto.cells(&world.bounds, world.finite_count(), 1 << 20);
     // Nearly every cell is a crowd then.
-    let nested = Insertion::Nested { crowd: 2 };
+    let nested = |options: GridOptions| GridOptions { rule: CellRule::Nested { crowd: 2 }, ..options };
     let ways = [
-        (Some(cells), Insertion::Exact, fastest),
-        (Some(cells), Insertion::Exact, portable),
-        (Some(cells.map(|n| n.div_ceil(3))), nested, fastest),
-        (Some(automatic), nested, portable),
-        (None, Insertion::Exact, portable),
+        (GridOptions::uniform(cells), fastest),
+        (GridOptions::uniform(cells), portable),
+        (nested(GridOptions::uniform(cells.map(|n| n.div_ceil(3)))), fastest),
+        (nested(GridOptions::automatic(&world, 1 << 20)), portable),
+        (GridOptions::NONE, portable),
     ];
-    let casters = ways.map(|(cells, insertion, instructions)| {
-        Caster::with(&world, cells, insertion, instructions).expect("small grids")
-    });
+    let casters =
+        ways.map(|(options, instructions)| Caster::with(&world, options, instructions).expect("small grids"));
+    let rule = CellRule::Course { is_bounded: false };
     let counted = [None, Some(cells)]
-        .map(|cells| Caster::with(&world, cells, Insertion::Course, fastest).expect("a small grid"));
+        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"));
     let aimed = aimed(rays, &world);
     for ray in rays.iter().chain(&of_unit_length(aimed)) {
         let expected = hit::<Quiet>(&plain, ray)?;
@@ -111,7 +110,8 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
 fn config(usual: u32) -> ProptestConfig {
     let default = ProptestConfig::default();
     let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { usual };
-    ProptestConfig { cases, ..default }
+    // Left to itself a failing case is made smaller for many minutes.
+    ProptestConfig { cases, max_shrink_iters: 200, ..default }
 }
 
 fn cells() -> impl Strategy<Value = [usize; 3]> {

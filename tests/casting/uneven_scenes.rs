@@ -3,8 +3,8 @@
 
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::grid::options::{Resolution, crowd, cubic};
-use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::options::{CellRule, GridOptions, cubic};
+use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
@@ -81,9 +81,7 @@ fn rays(count: usize, reach: f64) -> impl Iterator<Item = Ray> {
 }
 
 pub fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
-    let cells = Resolution::Auto.cells(&world.bounds, world.finite_count(), rays);
-    let crowd = crowd(world.finite_count(), rays);
-    Caster::with(world, Some(cells), Insertion::Nested { crowd }, instructions).unwrap()
+    Caster::with(world, GridOptions::automatic(world, rays), instructions).unwrap()
 }
 
 #[test]
@@ -125,9 +123,9 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
         objects.join("\n")
     );
     let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+    let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Nested { crowd: 96 } };
     for instructions in Instructions::available() {
-        let caster =
-            Caster::with(&world, Some([1; 3]), Insertion::Nested { crowd: 96 }, instructions).unwrap();
+        let caster = Caster::with(&world, nested, instructions).unwrap();
         let mut random = random(5);
         for _ in 0..1000 {
             let target = DVec3::new(9.92 + 0.02 * random(), 0.03 + 0.02 * random(), 9.903);
@@ -205,7 +203,7 @@ fn the_automatic_grid_is_never_much_worse_than_the_best() {
         let chosen = cost(&automatic(&world, 1_000_000, with));
         let fixed = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128].map(|n| {
             let cells = cubic(&world.bounds, (n * n * n) as f64);
-            cost(&Caster::with(&world, Some(cells), Insertion::Exact, with).unwrap())
+            cost(&Caster::with(&world, GridOptions::uniform(cells), with).unwrap())
         });
         let best = fixed.into_iter().fold(f64::INFINITY, f64::min);
         let ratio = chosen / best;

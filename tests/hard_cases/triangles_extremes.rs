@@ -13,7 +13,8 @@ use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use raytracer::camera::Camera;
-use raytracer::grid::{Caster, Insertion, Instructions};
+use raytracer::grid::options::{CellRule, GridOptions};
+use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::{Shear, normal, point};
 use raytracer::render::{Request, render};
@@ -260,8 +261,9 @@ fn case_20_a_mesh_without_extent_is_not_seen() {
         );
         let scene = parse(&text).expect("a scene of one mesh");
         let world = World::new(&scene, &[bunny("200")]).expect("a world of one mesh");
-        for (cells, insertion) in [(None, Insertion::Exact), (Some([4; 3]), Insertion::Nested { crowd: 2 })] {
-            let caster = Caster::with(&world, cells, insertion, Instructions::available()[0]);
+        let nested = GridOptions { cells: Some([4; 3]), rule: CellRule::Nested { crowd: 2 } };
+        for options in [GridOptions::NONE, nested] {
+            let caster = Caster::with(&world, options, Instructions::available()[0]);
             let [color, depth, normals] = pictures(&scene, &caster.expect("a small grid"));
             assert!(color.chunks(3).all(|pixel| pixel == [63, 127, 255]), "{scale} {direction}");
             assert!(depth.iter().chain(&normals).all(|&byte| byte == 0), "{scale} {direction}");
