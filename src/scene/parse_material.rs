@@ -61,10 +61,11 @@ fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) ->
         "exponent" => {
             phong.exponent = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
         }
-        _ => {
+        "indexOfRefraction" => {
             phong.index_of_refraction =
                 reader.number_that(field, "must be positive", |number| number > 0.0)?
         }
+        _ => return Err(reader.unexpected("a value of another field", &PHONG_FIELDS)),
     }
     Ok(())
 }
@@ -83,10 +84,11 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
             let (octaves, frequency, amplitude) = parse_wave(reader)?;
             Pattern::Marble { octaves, frequency, amplitude }
         }
-        _ => {
+        "Wood" => {
             let (octaves, frequency, amplitude) = parse_wave(reader)?;
             Pattern::Wood { octaves, frequency, amplitude }
         }
+        _ => return Err(reader.unexpected("the values of another texture", &KINDS)),
     };
     reader.close(name)?;
     Ok(Texture { pattern, world_to_texture, children })

@@ -161,7 +161,8 @@ impl ObjectTree {
             "Plane" => parse_plane(reader, material)?,
             "Triangle" => parse_triangle(reader, material)?,
             "Box" => parse_box(reader, material)?,
-            _ => Object::Mesh { mesh: self.parse_mesh_name(reader)?, material },
+            "TriangleMesh" => Object::Mesh { mesh: self.parse_mesh_name(reader)?, material },
+            _ => return Err(reader.unexpected("the values of another object", &OBJECTS)),
         };
         reader.close(name)?;
         Ok(object)

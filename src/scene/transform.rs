@@ -43,7 +43,8 @@ fn parse_factor(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
         "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number(name)?)),
         "XRotate" => rotation(DVec3::X, reader.number(name)?),
         "YRotate" => rotation(DVec3::Y, reader.number(name)?),
-        _ => rotation(DVec3::Z, reader.number(name)?),
+        "ZRotate" => rotation(DVec3::Z, reader.number(name)?),
+        _ => return Err(reader.unexpected("the values of another transformation", &TRANSFORMATIONS)),
     };
     if braced {
         reader.close(name)?;
