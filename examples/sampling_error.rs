@@ -64,9 +64,9 @@ column is p where the error falls as the number of samples to the power of -p be
     }
     println!(
         "
-One uniform sample is the pixel's centre. Independent samples err as the power of -1/2. Of jittered samples only
-those err whose stratum holds an edge, so that the power comes nearer to -3/4 the sharper and fewer the edges
-are. Uniform samples are not much better than random ones here, and their errors repeat from pixel to pixel,
+One uniform sample is the pixel's centre. The error of n independent samples falls as n^(-1/2). Of jittered
+samples only those whose stratum holds an edge have an error, so the exponent comes nearer to -3/4 the sharper and
+fewer the edges are. Uniform samples are not much better than random ones here, and their errors repeat from pixel to pixel,
 which shows as a pattern where the others show noise.
 
 This file is the output of `cargo run --release --example sampling_error > docs/sampling.md`; it is the same

@@ -1,9 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::grid::stream::{Query, STREAM};
 use raytracer::grid::cell_lists::GridTooLarge;
 use raytracer::grid::options::GridOptions;
+use raytracer::grid::stream::{Query, STREAM};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::Quiet;

@@ -43,11 +43,12 @@ pub fn markdown(names: &[&str], rows: &[Row]) -> String {
     }
     text.push_str("Milliseconds to build:\n\n");
     table(&mut text, names, rows, |row, i| format!("{:.2}", row.build[i].value));
-    text.push_str("Rays answered otherwise, camera / shadow / incoherent; in our column, rays that hit:\n\n");
-    table(&mut text, names, rows, |row, i| {
-        let counts = if i == 0 { row.results[i].hits } else { row.results[i].differing };
-        counts.map(|count| count.to_string()).join(" / ")
-    });
+    // This program's own column comes first.
+    let kinds = |counts: [usize; KINDS.len()]| counts.map(|count| count.to_string()).join(" / ");
+    text.push_str("Rays that this program says hit, camera / shadow / incoherent:\n\n");
+    table(&mut text, &["rays that hit"], rows, |row, _| kinds(row.results[0].hits));
+    text.push_str("Rays that a peer answers otherwise than this program, camera / shadow / incoherent:\n\n");
+    table(&mut text, &names[1..], rows, |row, i| kinds(row.results[i + 1].differing));
     text.trim_end().to_string()
 }
 
