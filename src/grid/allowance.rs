@@ -84,3 +84,56 @@ pub fn coarser(cells: [usize; 3]) -> Option<[usize; 3]> {
     let fewer = cells.map(|n| (3 * n / 4).max(1));
     (fewer != cells).then_some(fewer)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What may be spent on a grid of `count` primitives with so many entries allowed for each.
+    fn cost(count: usize, entries: usize) -> usize {
+        ENTRY_COST * count * entries
+    }
+
+    #[test]
+    fn a_grid_may_hold_sixteen_entries_for_each_primitive_or_some_that_are_free() {
+        assert_eq!(Allowance::new(96, 1_000_000).cost(1_000_000), cost(1_000_000, 16));
+        assert_eq!(Allowance::new(96, 1 << 10).cost(1 << 10), cost(1 << 10, 64));
+    }
+
+    #[test]
+    fn grids_within_cells_share_what_their_grid_has_left() {
+        let outer = Allowance::new(96, 1_000_000);
+        let within = |count, entries| outer.within(count, entries).map(|inner| inner.cost(50));
+        assert_eq!(within(100, 400), Some(cost(50, 4)));
+        // Cells that leave primitives out give no more to the others.
+        assert_eq!(within(100, 25), Some(cost(50, 16)));
+        assert_eq!(within(100, 800), Some(cost(50, 2)));
+        assert_eq!(within(100, 801), None);
+        assert_eq!(outer.within(100, 400).map(|inner| inner.crowd), Some(96));
+    }
+
+    #[test]
+    fn grids_stand_within_one_another_four_deep() {
+        let inner = |outer: &Allowance| outer.within(100, 100);
+        let depth = std::iter::successors(Some(Allowance::new(96, 1_000_000)), inner).count();
+        assert_eq!(depth, DEPTH);
+    }
+
+    #[test]
+    fn cells_separate_primitives_where_each_holds_a_small_part_of_them() {
+        // Sixteen cells of eight primitives, among empty ones: a quarter of all in each.
+        let counts: Vec<u32> = (0..100).map(|i| if i % 6 == 0 { 2 } else { 0 }).take(96).collect();
+        assert!(separates(&counts, 8, 32));
+        assert!(!separates(&counts, 8, 33));
+        // Most stand close together in one of two cells.
+        assert!(separates(&[15, 0, 1], 8, 16));
+        assert!(!separates(&[16, 0, 1], 8, 17));
+    }
+
+    #[test]
+    fn a_coarser_grid_has_three_quarters_of_the_cells_along_each_axis() {
+        assert_eq!(coarser([100, 8, 1]), Some([75, 6, 1]));
+        assert_eq!(coarser([1, 1, 2]), Some([1; 3]));
+        assert_eq!(coarser([1; 3]), None);
+    }
+}

@@ -228,6 +228,56 @@ mod tests {
     }
 
     #[test]
+    fn a_widened_box_is_larger_by_little_on_all_sides_and_thin_nowhere() {
+        let bounds = Aabb { min: DVec3::new(-1.0, 3.0, 5.0), max: DVec3::new(1.0, 4.0, 5.0) };
+        let wide = widened(bounds);
+        let [below, above] = [bounds.min - wide.min, wide.max - bounds.max];
+        assert_eq!(below, DVec3::new(2.0 / 1048576.0, 1.0 / 1048576.0, 2.0 / 1024.0));
+        assert_eq!(below, above);
+        // Far from the origin, where coordinates are coarse.
+        let far = DVec3::new(1.0, -1048576.0, 2.0);
+        let wide = widened(Aabb { min: far, max: far });
+        assert_eq!(
+            (far - wide.min, wide.max - far),
+            (DVec3::splat(1.0 / 1024.0), DVec3::splat(1.0 / 1024.0))
+        );
+    }
+
+    /// Two runs of primitives, of which all but a few stand in cells of their own.
+    #[test]
+    fn crowded_cells_are_taken_out_with_what_they_hold() {
+        let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [20, 20, 20]);
+        let (crowd, count) = (3, PER_RUN + 100);
+        let cells_of = |number: usize| -> Vec<u32> {
+            let own = 100 + number as u32 % 2000;
+            if number.is_multiple_of(1000) { vec![7, own, 9] } else { vec![own] }
+        };
+        let mut rows = Rows::new(&lattice, count, |number, out| {
+            cells_of(number).into_iter().for_each(|cell| out.push(cell));
+            Ok(())
+        })
+        .unwrap();
+        let counts = rows.counts(&lattice).unwrap();
+        let holders = |cell: u32| (0..count as u32).filter(move |&n| cells_of(n as usize).contains(&cell));
+        for (cell, &held) in counts.iter().enumerate().step_by(37).chain(counts.iter().enumerate().take(20)) {
+            assert_eq!(held as usize, holders(cell as u32).count(), "{cell}");
+        }
+        let taken = rows.take_crowded(&counts, crowd).unwrap();
+        let crowded: Vec<u32> = (0..counts.len() as u32).filter(|&c| counts[c as usize] > 3).collect();
+        assert_eq!(taken.iter().map(|(cell, _)| *cell).collect::<Vec<_>>(), crowded);
+        assert_eq!(crowded, [7, 9]);
+        for (cell, held) in &taken {
+            assert_eq!(*held, holders(*cell).collect::<Vec<_>>());
+        }
+        for number in 0..count {
+            let left: Vec<u32> = cells_of(number).into_iter().filter(|c| !crowded.contains(c)).collect();
+            assert_eq!(rows.cells_of(number), left, "{number}");
+        }
+        assert_eq!(rows.entries(), count);
+        assert_eq!(rows.cost(), super::super::budget::ENTRY_COST * (count + 2 * 5));
+    }
+
+    #[test]
     fn an_absurd_grid_is_an_error() {
         let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
         let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);

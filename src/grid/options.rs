@@ -139,6 +139,33 @@ mod tests {
     }
 
     #[test]
+    fn a_side_counts_as_at_least_a_thousandth_of_the_largest() {
+        // Ten layers of cells, each a tenth as thick as the box counts.
+        assert_eq!(
+            auto(DVec3::new(1.0, 1e-9, 1e-3), 1_000, 1 << 20),
+            auto(DVec3::new(1.0, 1e-3, 0.0), 1_000, 1 << 20)
+        );
+        assert_eq!(
+            cubic(&Aabb { min: DVec3::ZERO, max: DVec3::new(8.0, 8e-3, 0.0) }, 1e9),
+            [100_000, 100, 100]
+        );
+        assert_eq!(cubic(&Aabb { min: DVec3::ZERO, max: DVec3::splat(4.0) }, 0.0), [1; 3]);
+    }
+
+    #[test]
+    fn eight_rays_for_each_primitive_are_many() {
+        assert_eq!(auto(DVec3::ONE, 2160, 8 * 2160 - 1), [10; 3]);
+        assert_eq!(auto(DVec3::ONE, 2197, 8 * 2197), [13; 3]);
+        assert!(crowd(1000, 7999) > crowd(1000, 8000));
+    }
+
+    #[test]
+    fn many_rays_through_many_primitives_want_crowded_cells() {
+        assert_eq!(auto(DVec3::ONE, 216 * 1024, 1 << 30), [6; 3]);
+        assert_eq!(auto(DVec3::ONE, 125_000, 1 << 30), [50; 3]);
+    }
+
+    #[test]
     fn few_rays_want_few_grids_within_grids() {
         assert!(crowd(1_000_000, 1_000_000) > crowd(1_000_000, 100_000_000));
     }

@@ -159,3 +159,137 @@ fn count_color(count: u32) -> Color {
     ];
     Color::from_array(SCALE[(count as usize).clamp(1, SCALE.len()) - 1])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    /// Of the box from 0 to 4, 4 and 2, with cells of the unit's size; the occupied ones are given.
+    fn occupied(cells: &[[usize; 3]]) -> Occupancy {
+        let scene =
+            "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 2.0) };
+        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 4, 2]).unwrap();
+        for &cell in cells {
+            occupancy.counts[occupancy.lattice.index(cell)] += 1;
+        }
+        occupancy
+    }
+
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+        Ray::new(DVec3::from_array(origin), DVec3::from_array(direction))
+    }
+
+    /// Everything by its box, but for a sphere that is not transformed.
+    #[test]
+    fn cells_count_the_primitives_that_reach_them() {
+        let objects = "Material { }
+            Sphere { center 1.2 1.1 1 radius 0.7 }
+            Plane { normal 0 1 0 offset 0 }
+            Box { min 2.2 2.2 0.5 max 3.5 2.8 0.6 }
+            Transform { Translate 1 0 0 Triangle { vertex0 0.5 0.5 0.5 vertex1 2.5 0.5 0.5 vertex2 0.5 1.5 0.5 } }
+            Transform { Translate 3.5 3.5 0 Sphere { center 0 0 0 radius 0.2 } }
+            TriangleMesh { obj_file mesh.obj }";
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Group {{ numObjects 6 {objects} }}"
+        );
+        let corners = [[0.5, 3.0, 1.5], [0.6, 3.5, 1.5], [0.4, 3.5, 1.5], [0.5, 3.5, 1.999_999]];
+        let vertices = corners.map(DVec3::from_array).to_vec();
+        let mesh = Mesh { vertices, triangles: vec![[0, 1, 2], [3, 1, 2]] };
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 2.0) };
+        let occupancy = Occupancy::new(&parse(&text).unwrap(), &[mesh], bounds, [4, 4, 2]).unwrap();
+        let boxes = [
+            [[2.2, 2.2, 0.5], [3.5, 2.8, 0.6]],
+            [[1.5, 0.5, 0.5], [3.5, 1.5, 0.5]],
+            [[3.3, 3.3, -0.2], [3.7, 3.7, 0.2]],
+            // A cell's face is touched from both sides.
+            [[0.4, 3.0 - TOUCH, 1.5], [0.6, 3.5, 1.5]],
+            [[0.4, 3.5, 1.5], [0.6, 3.5, 2.0]],
+        ];
+        let mut total = 0;
+        for index in 0..32 {
+            let cell = [index % 4, index / 4 % 4, index / 16];
+            let low = DVec3::from_array(cell.map(|i| i as f64));
+            let reaches = |[min, max]: &[[f64; 3]; 2]| {
+                DVec3::from_array(*min).cmple(low + 1.0).all() && DVec3::from_array(*max).cmpge(low).all()
+            };
+            let by_ball = (low + 0.5).distance(DVec3::new(1.2, 1.1, 1.0)) <= 0.7 + 0.75f64.sqrt();
+            let expected = boxes.iter().filter(|b| reaches(b)).count() as u32 + u32::from(by_ball);
+            assert_eq!(occupancy.counts[occupancy.lattice.index(cell)], expected, "{cell:?}");
+            total += expected;
+        }
+        assert!(total > 16);
+        let border = occupancy.counts.iter().filter(|&&count| count == BORDER).count();
+        assert_eq!(border, occupancy.lattice.index_count() - 32);
+    }
+
+    #[test]
+    fn an_empty_world_shows_no_face() {
+        let scene = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+            Group { numObjects 1 Material { } Plane { normal 0 1 0 offset 0 } }";
+        let occupancy = Occupancy::new(&parse(scene).unwrap(), &[], Aabb::EMPTY, [2, 2, 2]).unwrap();
+        assert_eq!(occupancy.first_face(&ray([0.5, 0.5, -1.0], [0.1, 0.2, 1.0])), None);
+    }
+
+    /// Against the nearest of the occupied cells' boxes.
+    #[test]
+    fn the_first_face_is_the_nearest_occupied_cells() {
+        let cells = [[0, 0, 0], [3, 1, 0], [1, 2, 1], [3, 3, 1], [0, 3, 0]];
+        let occupancy = occupied(&cells);
+        let part = |k: u32, n: u32| (f64::from(k * n) * 0.618_034).fract();
+        let mut seen = 0;
+        for k in 0..3000 {
+            let target = DVec3::new(4.0 * part(k, 1), 4.0 * part(k, 3), 2.0 * part(k, 7));
+            let origin =
+                DVec3::new(9.0 * part(k, 11) - 3.0, 9.0 * part(k, 13) - 3.0, 7.0 * part(k, 17) - 3.0);
+            let ray = Ray::new(origin, target - origin);
+            let entries = cells.iter().filter_map(|cell| {
+                let low = (DVec3::from_array(cell.map(|i| i as f64)) - origin) / ray.direction;
+                let high = (DVec3::from_array(cell.map(|i| (i + 1) as f64)) - origin) / ray.direction;
+                let (near, far) = (low.min(high), low.max(high));
+                let begins_inside = near.max_element() <= ray.t_min;
+                let axis = if begins_inside { ray.direction.abs() } else { near }.max_position();
+                let entry = near.max_element().max(ray.t_min);
+                (entry < far.min_element()).then_some((entry, axis))
+            });
+            let expected = entries.min_by(|a, b| a.0.total_cmp(&b.0));
+            let found = occupancy.first_face(&ray);
+            assert_eq!(found.is_some(), expected.is_some(), "{ray:?}");
+            if let (Some(face), Some((t, axis))) = (found, expected) {
+                assert!((face.t - t).abs() < 1e-6, "{face:?} {t} {ray:?}");
+                assert_eq!(face.normal, DVec3::AXES[axis] * -ray.direction[axis].signum(), "{ray:?}");
+                assert_eq!(face.color, Color::ONE);
+                seen += 1;
+            }
+        }
+        assert!((1000..2500).contains(&seen), "{seen}");
+    }
+
+    /// The cells beside an edge are passed as well: first the one behind the face across x.
+    #[test]
+    fn a_ray_through_an_edge_passes_x_before_y_before_z() {
+        let [across, corner] = [ray([-1.0, -1.0, 0.5], [1.0, 1.0, 0.0]), ray([-1.0; 3], [1.0; 3])];
+        let t = |occupancy: Occupancy, ray: &Ray| occupancy.first_face(ray).map(|face| (face.t, face.normal));
+        assert_eq!(t(occupied(&[[2, 1, 0]]), &across), Some((3.0, -DVec3::X)));
+        assert_eq!(t(occupied(&[[1, 2, 0]]), &across), None);
+        assert_eq!(t(occupied(&[[2, 2, 0]]), &across), Some((3.0, -DVec3::Y)));
+        assert_eq!(t(occupied(&[[1, 0, 0]]), &corner), Some((2.0, -DVec3::X)));
+        assert_eq!(t(occupied(&[[1, 1, 0]]), &corner), Some((2.0, -DVec3::Y)));
+        assert_eq!(t(occupied(&[[1, 1, 1]]), &corner), Some((2.0, -DVec3::Z)));
+        assert_eq!(t(occupied(&[[0, 1, 1]]), &corner), None);
+        // Of two faces at once the first passed is seen.
+        assert_eq!(t(occupied(&[[2, 1, 0], [2, 2, 0]]), &across), Some((3.0, -DVec3::X)));
+    }
+
+    #[test]
+    fn colors_run_from_white_over_green_to_red() {
+        let shown = |count| count_color(count).to_array();
+        assert_eq!([1, 2, 5].map(shown), [[1.0; 3], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
+        assert_eq!(
+            [11, 17, 18, 900].map(shown),
+            [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+        );
+    }
+}
