@@ -287,3 +287,63 @@ fn with_unit_direction(light: Light) -> Light {
         point => point,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    /// Two of each kind, one kind between the other, each with a material of its own, in the order of the text.
+    fn world() -> World {
+        let kinds = [
+            "Plane { normal 0 1 0 offset 1 }",
+            "Transform { Scale 1 2 3 Sphere { center 0 0 0 radius 1 } }",
+            "Sphere { center 0 0 0 radius 1 }",
+            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
+            "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }",
+            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
+        ];
+        let objects: Vec<String> =
+            (0..12).map(|k| format!("MaterialIndex {k} {}", kinds[k % kinds.len()])).collect();
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Materials {{ numMaterials 12 {} }} Group {{ numObjects 12 {} }}",
+            "Material { } ".repeat(12),
+            objects.join(" ")
+        );
+        World::new(&parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    #[test]
+    fn every_number_is_that_of_one_primitive_and_its_material() {
+        use Primitive::*;
+        let world = world();
+        let kinds: Vec<Primitive> = (0..12).map(|number| world.primitive(number)).collect();
+        let triangles = (0..6).map(Triangle);
+        let others = [Sphere(0), Sphere(1), Ellipsoid(0), Ellipsoid(1), Plane(0), Plane(1)];
+        assert_eq!(kinds, triangles.chain(others).collect::<Vec<_>>());
+        assert_eq!((world.finite_count(), world.first_plane()), (10, 10));
+        let materials: Vec<MaterialId> = (0..12).map(|number| world.material_of(number)).collect();
+        assert_eq!(materials, [3, 4, 5, 9, 10, 11, 2, 8, 1, 7, 0, 6]);
+        let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
+        let left = |primitive| world.surface(&ray, Hit { t: 5.0, primitive }).triangle;
+        assert_eq!([0, 5, 6, 8, 10].map(left), [Some(0), Some(5), None, None, None]);
+    }
+
+    #[test]
+    fn of_two_hits_the_nearer_is_seen_and_else_the_one_whose_place_is_first() {
+        let world = world();
+        let precedes = |t: f64, one: u32, other: u32| {
+            world.precedes(Hit { t, primitive: one }, Hit { t: 2.0, primitive: other })
+        };
+        for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
+            assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
+            // Triangles 1 and 4 stand before the others, whose places are the same.
+            let rank = |number| if number < 6 { (number % 3 != 1, number) } else { (true, number) };
+            let expected = rank(one) < rank(other);
+            let is_between_kinds = (one < 6) != (other < 6);
+            let expected = if is_between_kinds { one < other } else { expected };
+            assert_eq!(precedes(2.0, one, other), expected, "{one} {other}");
+        }
+    }
+}

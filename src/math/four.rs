@@ -197,3 +197,87 @@ impl Div for Plain {
         self.zip(other, |a, b| a / b)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BIG: f64 = 1e300;
+
+    /// Whether two numbers, of which one may be a NaN, are the same.
+    fn same(a: f64, b: f64) -> bool {
+        a == b && a.is_sign_negative() == b.is_sign_negative() || a.is_nan() && b.is_nan()
+    }
+
+    /// What an implementation makes of numbers of all kinds is what scalar arithmetic makes of each.
+    fn agrees_with_scalars<F: Four>(proof: F::Proof) {
+        let numbers = [0.0, -0.0, 1.5, -2.75, 7.0, BIG, -BIG, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let four = |i: usize| [0, 1, 3, 4].map(|k| numbers[(i + k) % numbers.len()]);
+        for (a, b) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (four(i), four(j)))) {
+            let (x, y) = (F::new(proof, a), F::new(proof, b));
+            let check = |name: &str, found: F, expected: fn(f64, f64) -> f64| {
+                for (k, found) in found.places().into_iter().enumerate() {
+                    let expected = expected(a[k], b[k]);
+                    assert!(same(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
+                }
+            };
+            check("sum", x + y, |a, b| a + b);
+            check("difference", x - y, |a, b| a - b);
+            check("product", x * y, |a, b| a * b);
+            check("quotient", x / y, |a, b| a / b);
+            check("inverse", x.inverse(), |a, _| 1.0 / a);
+            check("size", x.abs(), |a, _| a.abs());
+            check("lesser", x.min(y), |a, b| if a < b { a } else { b });
+            check("greater", x.max(y), |a, b| if a > b { a } else { b });
+            check("is positive", x.is_positive(), |a, _| f64::from(a > 0.0));
+            check("seven by sign", x.sign_of(7.0), |a, _| if a.is_sign_negative() { 7.0 } else { 0.0 });
+            check(
+                "three for infinite",
+                x.unless_infinite(y, 3.0),
+                |a, b| if b.is_infinite() { 3.0 } else { a },
+            );
+            let at_most = (0..4).filter(|&k| a[k] <= b[k]).map(|k| 1 << k).sum::<u32>();
+            assert_eq!(x.at_most(y), at_most, "{a:?} {b:?}");
+            let signs = (0..3).filter(|&k| a[k].is_sign_negative()).map(|k| 1 << k).sum::<usize>();
+            assert_eq!(x.signs(), signs, "{a:?}");
+            let single = x.single();
+            assert!((0..4).all(|k| same(single[k].into(), (a[k] as f32).into())), "{a:?}: {single:?}");
+        }
+    }
+
+    /// The least and the greatest of the axes, the nearest whole numbers, and that the spare place counts not.
+    fn selects_and_rounds<F: Four>(proof: F::Proof) {
+        for [x, y, z] in
+            [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [3.0, 2.0, 1.0], [-1.0, -2.0, -0.5]]
+        {
+            for spare in [-9.0, 9.0, f64::NAN] {
+                let axes = F::new(proof, [x, y, z, spare]);
+                assert_eq!((axes.least(), axes.greatest()), (x.min(y).min(z), x.max(y).max(z)));
+            }
+        }
+        let late = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
+        assert_eq!((late.least(), late.greatest()), (2.0, 2.0));
+        let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
+        let [low, up] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
+        assert_eq!(low.round().places(), numbers.map(f64::round));
+        assert_eq!(low.whole(), numbers.map(|x| x.round() as i32));
+        assert_eq!(up.whole(), low.whole().map(|n| n + 1));
+        assert_eq!(F::new(proof, numbers.map(|x| -x)).whole(), low.whole().map(|n| -n));
+    }
+
+    #[test]
+    fn portable_arithmetic_is_that_of_single_numbers() {
+        agrees_with_scalars::<Plain>(Portable);
+        selects_and_rounds::<Plain>(Portable);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn the_arithmetic_of_wide_registers_is_that_of_single_numbers() {
+        use crate::math::{instructions::Avx2, wide::Wide};
+        if let Some(proof) = Avx2::detect() {
+            agrees_with_scalars::<Wide>(proof);
+            selects_and_rounds::<Wide>(proof);
+        }
+    }
+}

@@ -80,4 +80,21 @@ mod tests {
         assert_eq!(cross_component(DVec3::splat(0.7), edge(0.1, 0.1), [0, 1]), Scaled::ZERO);
         assert_eq!(cross_component(DVec3::new(0.3, 0.1, 0.0), edge(0.3, 0.1), [0, 1]).sign(), -1);
     }
+
+    #[test]
+    fn volumes_and_area_vectors_are_those_of_whole_numbers() {
+        let corners = [[2, -3, 5], [7, 11, -1], [-4, 6, 9]];
+        let [a, b, c] = corners;
+        for o in [[0, 0, 0], [1, 2, 3], [-5, 4, 8]] {
+            let minus = |p: [i32; 3], q: [i32; 3]| [0, 1, 2].map(|i| p[i] - q[i]);
+            let (p, q, r) = (minus(b, a), minus(c, a), minus(a, o));
+            let area = [[1, 2], [2, 0], [0, 1]].map(|[i, j]| p[i] * q[j] - p[j] * q[i]);
+            let expected: i32 = (0..3).map(|i| r[i] * area[i]).sum();
+            let vector = |v: [i32; 3]| DVec3::from_array(v.map(f64::from));
+            let one = Scaled { significand: 0.5, exponent: 1 };
+            assert_eq!(volume(vector(o), corners.map(vector)).over(one), f64::from(expected), "{o:?}");
+            let found = area_vector(corners.map(|p| vector(minus(p, o)))).map(|x| x.over(one));
+            assert_eq!(found, area.map(f64::from), "{o:?}");
+        }
+    }
 }

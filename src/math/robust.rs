@@ -191,4 +191,87 @@ mod tests {
         assert!(is_singular(r * scale(0.0) * r));
         assert!(is_singular(DMat3::NAN));
     }
+
+    #[test]
+    fn an_offset_leaves_the_surface_by_its_roundings_on_every_way() {
+        for far in [1.0, 1e6] {
+            let (p, reach) = (far * DVec3::new(1.0, 2.0, -3.0), far * 4.0);
+            let expected = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * far * (3.0 + 4.0);
+            for slope in [1.0, 0.6, 0.3, 0.2, 1e-9, -1e-9, -0.2, -0.3, -0.6, -1.0] {
+                let direction = DVec3::new(f64::sqrt(1.0 - slope * slope), slope, 0.0);
+                let off = offset_origin(p, DVec3::Y, direction, reach) - p;
+                let away = off.y * slope.signum();
+                assert!((away / expected - 1.0).abs() < 0.1, "{far} {slope}: {away} {expected}");
+                // Along the direction, so that the ray stays on its line, unless that is a long way.
+                let aside = if slope.abs() > 0.25 { away * direction.x / slope.abs() } else { 0.0 };
+                assert!((off.x - aside).abs() < 0.1 * expected && off.z == 0.0, "{far} {slope}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_transformed_point_is_rounded_but_once() {
+        // The large terms cancel, and plain sums in any order lose some of the small ones.
+        let linear = DMat3::from_cols_array(&[1e17, 1.0, 0.5, 3.0, 1e17, -1e16, -1e17, -1e17, 1e16]);
+        let map = DAffine3 { matrix3: linear, translation: DVec3::new(7.0, 0.25, -2.0) };
+        let exact = |row: DVec3, shift: f64| {
+            let whole = |x: f64| (x * 4.0) as i128;
+            (whole(row.x) + whole(row.y) + whole(row.z) + whole(shift)) as f64 / 4.0
+        };
+        let rows = map.matrix3.transpose();
+        let expected =
+            [(rows.x_axis, 7.0), (rows.y_axis, 0.25), (rows.z_axis, -2.0)].map(|(r, s)| exact(r, s));
+        assert_eq!(transformed(&map, DVec3::ONE).to_array(), expected);
+    }
+
+    #[test]
+    fn a_transformed_normal_stands_upright_on_the_transformed_surface() {
+        let r = DMat3::from_cols_array(&[0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0]);
+        let normal = DVec3::new(1.0, -2.0, 0.5);
+        for scale in
+            [DVec3::ONE, DVec3::new(1.0, 4.0, -2.0), DVec3::new(64.0, 0.125, 1.0), DVec3::new(-3.0, 1e3, 7.0)]
+        {
+            let m = r * DMat3::from_diagonal(scale) * r.transpose();
+            let there = unit(transformed_normal(m, normal));
+            for tangent in [DVec3::new(2.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 4.0)] {
+                assert!(there.dot(unit(m * tangent)).abs() < 1e-12, "{scale}");
+            }
+            assert!(there.dot(m * normal) > 0.0, "{scale}");
+        }
+    }
+
+    #[test]
+    fn only_similarities_have_a_scale() {
+        let r = DMat3::from_cols_array(&[0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0]);
+        for scale in [1e-200, 0.3, 1.0, 5.0, 1e200] {
+            for m in [r, r.transpose(), -r, DMat3::IDENTITY] {
+                let found = similarity_scale(m * scale).unwrap_or(f64::NAN);
+                assert!((found / scale - 1.0).abs() < 1e-15, "{scale}: {found}");
+            }
+            let sheared = DMat3::from_cols(DVec3::X, DVec3::new(1e-6, 1.0, 0.0), DVec3::Z);
+            let uneven = DMat3::from_diagonal(DVec3::new(1.0, 1.0 + 1e-6, 1.0));
+            for m in [sheared, uneven, r * sheared, uneven * r, sheared.transpose()] {
+                assert_eq!(similarity_scale(m * scale), None, "{scale}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_flattens_turns_no_hand() {
+        assert!(!is_mirroring(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0))));
+    }
+
+    #[test]
+    fn a_determinant_counts_as_zero_up_to_its_share_of_the_bound() {
+        // The two long columns are sqrt(2) long, so the bound is 2; so are the rows.
+        let with_share = |roundings: f64| {
+            let e = 2.0 * roundings * UNIT_ROUNDOFF;
+            DMat3::from_cols(DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 1.0 + e, 0.0), DVec3::Z)
+        };
+        for scale in [1e-100, 1.0, 1e100] {
+            assert!(is_singular(with_share(SINGULAR_ROUNDINGS - 2.0) * scale));
+            assert!(!is_singular(with_share(SINGULAR_ROUNDINGS + 2.0) * scale));
+        }
+        assert!(is_singular(DMat3::from_diagonal(DVec3::INFINITY)));
+    }
 }

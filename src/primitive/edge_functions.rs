@@ -90,3 +90,64 @@ pub fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
     let extent = |p: f64, q: f64, r: f64| greatest([p, q, r]) - least([p, q, r]);
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [DVec3; 3] =
+        [DVec3::new(-1.0, -1.0, 3.0), DVec3::new(2.0, -1.0, 4.0), DVec3::new(0.0, 2.0, 5.0)];
+
+    #[test]
+    fn a_clear_case_needs_no_more_digits() {
+        let [a, b, c] = CORNERS;
+        for [a, b, c] in [[a, b, c], [a, c, b]] {
+            assert_eq!(sides(edge_functions([a, b, c]), [a, b, c]), Sides::Inside);
+            for aside in [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y] {
+                let moved = [a, b, c].map(|v| v + 5.0 * aside);
+                assert_eq!(sides(edge_functions(moved), moved), Sides::Outside);
+            }
+        }
+    }
+
+    #[test]
+    fn a_doubt_about_any_edge_is_a_doubt() {
+        let doubt = 0.5 * edge_error_bound(CORNERS);
+        for k in 0..3 {
+            for (sign, unclear) in [(1.0, doubt), (1.0, -doubt), (-1.0, doubt), (-1.0, -doubt), (1.0, 0.0)] {
+                let mut found = [sign; 3];
+                found[k] = unclear;
+                assert_eq!(sides(found, CORNERS), Sides::Unsure, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_error_bound_is_that_of_the_proof_at_every_scale() {
+        let u = UNIT_ROUNDOFF;
+        for far in [1e-20, 1.0, 1e6, 1e60] {
+            for (x, y, z) in [(1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (1e-17, 1e-16, 1.0), (3.0, 1.0, 0.0)] {
+                let (across, reach) = (far * (x + y), far * (x + y + z));
+                let expected = EDGE_ROUNDINGS * u * reach * (across + SHEAR_ROUNDINGS * u * reach);
+                let corners = [DVec3::new(-x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), DVec3::new(0.0, 0.0, -z)];
+                let found = edge_error_bound(corners.map(|v| far * v));
+                assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+            }
+        }
+        assert!(edge_error_bound([DVec3::ZERO; 3]) > 0.0);
+    }
+
+    #[test]
+    fn a_triangle_is_well_seen_up_to_a_steepness() {
+        for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 0.5)] {
+            let steepest = 32.0 * x * y / (x + y);
+            for from in [DVec3::ZERO, DVec3::new(-0.3, -0.2, 40.0), DVec3::new(0.0, 0.0, -7.0)] {
+                let corners = |z: f64| [from, from + DVec3::new(x, 0.0, -z), from + DVec3::new(0.0, y, 0.0)];
+                for area in [x * y, -x * y] {
+                    assert!(is_well_seen(corners(0.99 * steepest), area), "{x} {y} {from}");
+                    assert!(!is_well_seen(corners(1.01 * steepest), area), "{x} {y} {from}");
+                }
+            }
+        }
+    }
+}

@@ -227,6 +227,27 @@ mod tests {
     }
 
     #[test]
+    fn the_t_of_a_tilted_triangle_is_right_within_and_on_an_edge() {
+        let [a, b, c, d] =
+            [[0.0, 0.0, 1.0], [1.0, 0.0, 2.0], [0.0, 1.0, 4.0], [1.0, 1.0, 5.0]].map(DVec3::from);
+        for (x, y) in [(0.25, 0.25), (0.125, 0.5), (0.75, 0.25), (0.5, 0.5), (0.5, 0.75)] {
+            let hits = [[a, b, c], [b, d, c]].map(|t| test(DVec3::new(x, y, -2.0), DVec3::Z * 0.5, t));
+            let depth = 1.0 + x + 3.0 * y + 2.0;
+            assert_eq!(hits.into_iter().flatten().collect::<Vec<_>>(), [2.0 * depth], "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn normals_are_right_at_every_size() {
+        for size in [1e-300, 1e-150, 1e-72, 1e-68, 1.0, 1e68, 1e72, 1e150, 1e300] {
+            let t = [DVec3::ZERO, size * DVec3::X, size * DVec3::Y];
+            for (t, expected) in [(t, DVec3::Z), ([t[0], t[2], t[1]], -DVec3::Z)] {
+                assert!((normal(t) - expected).length() < f64::EPSILON, "{size:e}");
+            }
+        }
+    }
+
+    #[test]
     fn degenerate_and_edge_on_triangles_are_missed() {
         let p = DVec3::new(1.0, 2.0, 3.0);
         let q = DVec3::new(-2.0, 0.5, 1.0);
