@@ -168,10 +168,10 @@ mod tests {
     #[test]
     fn whether_a_line_meets_a_sphere_is_decided_exactly() {
         let (mut met, mut missed) = (0, 0);
-        for (i, radius) in (1..600).zip([1e-3, 1.0, 1e8].into_iter().cycle()) {
+        for (i, radius) in (1..1200).zip([1e-3, 1.0, 1e8].into_iter().cycle()) {
             let away = [3.0, 1e3, 1e6, 1e11][i as usize % 4];
             let inside = (i as f64 * 2f64.sqrt()).fract() - 0.5;
-            let (sphere, origin, along) = grazing(i, radius, away, inside * away * 4.0 * UNIT_ROUNDOFF);
+            let (sphere, origin, along) = grazing(i, radius, away, inside * away * UNIT_ROUNDOFF);
             let [.., discriminant] = quadratic(&sphere, origin, along);
             let meets = !discriminant.is_negative();
             assert_eq!(sphere.roots(origin, along).is_some(), meets, "{i}");
