@@ -48,7 +48,7 @@ pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 /// 7 u M Z and 2 u M^2 to first order, and by another u M^2 of its own roundings. The second order is less than
 /// 24.5 u^2 Z^2 where M is small. `proofs/edge_functions.g` adds it all up, with the roundings of the bound itself.
 ///
-/// Products that underflow move it by less than 2^-1072 (1 + M) more. [`LEAST_EDGE_BOUND`] is far above that, so
+/// Products that underflow move it by less than 2^-1072 (1 + M) more. `LEAST_EDGE_BOUND` is far above that, so
 /// that where the edge functions are above the bound nothing underflows that matters; and the bound overflows
 /// long before they do, or what is computed of them.
 #[inline(always)]
