@@ -63,7 +63,8 @@ pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
 /// Roundings of M (M + Z) by which an edge function may be off.
 const EDGE_ROUNDINGS: f64 = 7.0;
 
-/// Roundings of M + Z that count as part of M: where M is less than these, errors are larger than it.
+/// Roundings of M + Z that count as part of M, for errors of the second order. The proof needs them; a search found
+/// no input that does.
 const SHEAR_ROUNDINGS: f64 = 5.0;
 
 /// 2^500.

@@ -14,7 +14,6 @@ use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
 use crate::primitive::edge_functions::{Sides, edge_functions, is_well_seen, sides};
 use glam::DVec3;
-use std::ops::Range;
 
 /// What the test needs of a ray, computed once per ray: the shear that turns its direction into
 /// the z axis, and the axes permuted so that z is the one along which the ray is longest.
@@ -44,8 +43,8 @@ impl<'r> Shear<'r> {
         let z = usize::from(!((x > y) & (x > z))) + usize::from((z >= x) & (z >= y));
         static ACROSS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
         let [x, y] = ACROSS[z];
-        // Where the inverse would lose digits, NaN leaves every t to be computed exactly.
-        let inverse = if USUAL.contains(&d[z].abs()) { 1.0 / d[z] } else { f64::NAN };
+        // Of an infinite length no t is right; NaN makes it no number, and so every triangle a miss.
+        let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
         let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
         let o = ray.origin.to_array();
         Self { ray, axes: [x, y, z], origin: DVec3::new(o[x], o[y], o[z]), scale }
@@ -153,20 +152,17 @@ impl<'r> Shear<'r> {
     }
 }
 
-/// The sizes of a ray's direction whose inverse has all its digits.
-const USUAL: Range<f64> = 1e-300..1e300;
-
 /// The outward unit normal: vertices run counter-clockwise seen from outside. Right to 2^-20 for every triangle
 /// with an area, and NaN for one without.
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     /// The square of the tangent of the angle at which the rounding of two edges moves the normal by so much.
     const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
-    /// The squares of lengths at which nothing that matters underflows or overflows.
-    const USUAL: Range<f64> = 1e-280..1e280;
+    /// The square of a length above which nothing has underflowed that matters.
+    const SHORT: f64 = 1e-280;
     let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
     let square = normal.length_squared();
-    let is_accurate = square > NEEDLE * (along * along) + USUAL.start && square < USUAL.end;
+    let is_accurate = square > NEEDLE * (along * along) + SHORT && square.is_finite();
     if is_accurate { normal.normalize() } else { exact_normal([a, b, c]) }
 }
 
