@@ -2,7 +2,7 @@
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
 #@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
-#@ src/grid/filter.rs FARTHEST = 2.5
+#@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
 # The derivation is that of filter_portable.g. A sum of products begins with the third, so that the first is
 # rounded once, the second twice, and the third three times; and of a difference of two products one is not
@@ -11,7 +11,7 @@
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
 DEPTH_ROUNDINGS = 113.5;
-FARTHEST = 2.5;
+MAX_DEPTH = 2.5;
 
 # Stored numbers, as they are off by what filter_stored.g proves.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
@@ -127,9 +127,9 @@ depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error -
 w in [0,4.0625] /\
 uv in [0,4.0625] /\
 |det| <= 0x1.00001p2 /\
-far / FARTHEST in [-1, 1] /\
+far / MAX_DEPTH in [-1, 1] /\
 |dfar| <= 0x2.0004p-24 /\
-t / FARTHEST in [-1, 1] /\
+t / MAX_DEPTH in [-1, 1] /\
 |t_error| <= 1b-23 /\
 bound in [0, 0x1p-17]
 ->

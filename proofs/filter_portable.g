@@ -2,12 +2,12 @@
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
 #@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
-#@ src/grid/filter.rs FARTHEST = 2.5
+#@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
 # Names are those of src/grid/filter.rs; a trailing f marks what is computed in f32, and r is 2^-24.
 #
 # Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4,
-# which changes no rounding: then all are at most 1, and t, too, is at most FARTHEST. What stands behind an edge,
+# which changes no rounding: then all are at most 1, and t, too, is at most MAX_DEPTH. What stands behind an edge,
 # u, v, w, n, det and n.s, is divided by b, or b^2, which need not be a power of two; so their roundings are
 # modelled by a relative error of their own each, re, rn, rq, ru, rd, rs, ra, rb, rp, of at most r, and not by the
 # distance of floats there. Goals then are multiples of r b c, r b^2 and r b^2 c.
@@ -51,7 +51,7 @@
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
 DEPTH_ROUNDINGS = 113.5;
-FARTHEST = 2.5;
+MAX_DEPTH = 2.5;
 
 # Stored numbers, as they are off by what filter_stored.g proves.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
@@ -173,9 +173,9 @@ depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error -
 w in [0,4.0625] /\
 uv in [0,4.0625] /\
 |det| <= 0x1.00001p2 /\
-far / FARTHEST in [-1, 1] /\
+far / MAX_DEPTH in [-1, 1] /\
 |dfar| <= 0x2.0004p-24 /\
-t / FARTHEST in [-1, 1] /\
+t / MAX_DEPTH in [-1, 1] /\
 |t_error| <= 1b-23 /\
 bound in [0, 0x1p-17] /\
 |rp| <= 1b-24

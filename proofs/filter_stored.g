@@ -1,5 +1,5 @@
 # The numbers that the filter in f32 starts from are off by no more than its two other proofs take for granted.
-#@ src/grid/filter.rs FARTHEST = 2.5
+#@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
 # Names are those of filter_portable.g: a, o and d are a coordinate of the corner, the origin and the direction as
 # f64 has them, at, ot and dt the true ones. The origin, (o - center + entry direction) scale, has two roundings of
@@ -7,7 +7,7 @@
 # entry: 2^-31 is more than either. All are divided by c, a power of two.
 
 @f32 = float<ieee_32, ne>;
-FARTHEST = 2.5;
+MAX_DEPTH = 2.5;
 
 af = f32(a);
 of = f32(o);
@@ -22,7 +22,7 @@ other = f32(ef * tf);
 {
   |a| <= 1 /\ |at - a| <= 1b-52 /\ |o| <= 0x1.00000008p0 /\ |ot - o| <= 1b-31 /\ |ot| <= 0x1.00000008p0 /\
   |at| <= 0x1.00000008p0 /\ |d| <= 1 /\ |dt - d| <= 1b-52 /\ |ef| <= 1 /\ |tf| <= 2 /\
-  far64 / FARTHEST in [-1, 1] /\ |far - far64| <= 1b-50
+  far64 / MAX_DEPTH in [-1, 1] /\ |far - far64| <= 1b-50
 ->
   |sf| <= 2 /\
   |s| <= 0x1.00000008p1 /\

@@ -6,7 +6,7 @@
 # normals as f64 computes them, each operation rounded relatively, n.p is off zero by at most PLANE_ROUNDINGS
 # roundings; undone, the division makes it times the cube of the length. The further roundings, of the normal's
 # products with a cell's centre, are relative to the normal, 2^-22 of it for up to 2^29 cells, and are far less
-# than the normal times PLACE_ERROR_BOUND, by which cells are widened.
+# than the normal times POSITION_ERROR_BOUND, by which cells are widened.
 
 PLANE_ROUNDINGS = 32.0;
 

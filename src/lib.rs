@@ -11,7 +11,7 @@ pub mod world;
 pub mod grid;
 pub mod shading;
 pub mod camera;
-pub mod projection;
+pub mod raster;
 pub mod trace;
 pub mod sampling;
 pub mod picture;

@@ -68,7 +68,7 @@ impl Path {
 struct Branch {
     ray: Ray,
     /// The triangle that it starts at.
-    leaving: Option<u32>,
+    exclude: Option<u32>,
     path: Path,
 }
 
@@ -106,9 +106,9 @@ impl Tracer<'_> {
     /// Adds the colours of the secondary rays that wait, and of those that they leave in turn.
     #[cold]
     fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
-        while let Some(Branch { ray, leaving, path }) = pending.0.pop() {
+        while let Some(Branch { ray, exclude, path }) = pending.0.pop() {
             probe.non_shadow_ray();
-            let hit = self.caster.nearest(&ray, leaving, probe);
+            let hit = self.caster.nearest(&ray, exclude, probe);
             let surface = hit.map(|hit| self.world().surface(&ray, hit));
             color += path.filter * self.follow(&ray, &path, surface.as_ref(), pending, probe);
         }
@@ -198,14 +198,17 @@ impl Tracer<'_> {
     }
 
     fn secondary(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
-        Ray::new(offset_origin(surface.position, surface.normal, direction, self.world().reach), direction)
+        Ray::new(
+            offset_origin(surface.position, surface.normal, direction, self.world().max_abs_coord),
+            direction,
+        )
     }
 
     fn reflect(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
         let Some((filter, weight)) = self.passes(path, lit.material.phong.reflective) else { return };
         let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        pending.0.push(Branch { ray, leaving: lit.surface.triangle, path });
+        pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
     }
 
     fn refract(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
@@ -217,7 +220,7 @@ impl Tracer<'_> {
         let Some(direction) = refracted(d, normal, path.index / index) else { return };
         let ray = self.secondary(lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        pending.0.push(Branch { ray, leaving: lit.surface.triangle, path });
+        pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
     }
 
     /// The filter and weight of a secondary ray, if it weighs enough to be followed.

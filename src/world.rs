@@ -44,7 +44,7 @@ pub struct World {
     /// sphere; empty where there are none.
     pub bounds: Aabb,
     /// The largest absolute coordinate of a finite primitive: the scale of its rounding.
-    pub reach: f64,
+    pub max_abs_coord: f64,
     /// The material from each primitive's number on, up to the next entry's.
     material_runs: Vec<(u32, u32)>,
 }
@@ -157,7 +157,7 @@ impl World {
             // The course's rule: a scene without lights is lit evenly, which shows flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
             bounds: Aabb::EMPTY,
-            reach: 0.0,
+            max_abs_coord: 0.0,
             material_runs: vec![],
         }
     }
@@ -168,8 +168,8 @@ impl World {
     }
 
     /// The primitive of a number.
-    pub fn primitive(&self, number: u32) -> Primitive {
-        let i = number as usize;
+    pub fn primitive(&self, id: u32) -> Primitive {
+        let i = id as usize;
         let first_ellipsoid = self.triangles.len() + self.spheres.len();
         if i < self.triangles.len() {
             Primitive::Triangle(i)
@@ -194,8 +194,8 @@ impl World {
     }
 
     /// The tight box of a finite primitive; nothing's of a plane.
-    pub fn box_of(&self, number: u32) -> Aabb {
-        match self.primitive(number) {
+    pub fn box_of(&self, id: u32) -> Aabb {
+        match self.primitive(id) {
             Primitive::Triangle(i) => Aabb::around(self.corners(i)),
             Primitive::Sphere(i) => self.spheres[i].bounds(),
             Primitive::Ellipsoid(i) => self.ellipsoids[i].bounds(),
@@ -318,12 +318,12 @@ mod tests {
     fn every_number_is_that_of_one_primitive_and_its_material() {
         use Primitive::*;
         let world = world();
-        let kinds: Vec<Primitive> = (0..12).map(|number| world.primitive(number)).collect();
+        let kinds: Vec<Primitive> = (0..12).map(|id| world.primitive(id)).collect();
         let triangles = (0..6).map(Triangle);
         let others = [Sphere(0), Sphere(1), Ellipsoid(0), Ellipsoid(1), Plane(0), Plane(1)];
         assert_eq!(kinds, triangles.chain(others).collect::<Vec<_>>());
         assert_eq!((world.finite_count(), world.first_plane()), (10, 10));
-        let materials: Vec<MaterialId> = (0..12).map(|number| world.material_of(number)).collect();
+        let materials: Vec<MaterialId> = (0..12).map(|id| world.material_of(id)).collect();
         assert_eq!(materials, [3, 4, 5, 9, 10, 11, 2, 8, 1, 7, 0, 6]);
         let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
         let left = |primitive| world.surface(&ray, Hit { t: 5.0, primitive }).triangle;
@@ -339,7 +339,7 @@ mod tests {
         for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
             assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
             // Triangles 1 and 4 stand before the others, whose places are the same.
-            let rank = |number| if number < 6 { (number % 3 != 1, number) } else { (true, number) };
+            let rank = |id| if id < 6 { (id % 3 != 1, id) } else { (true, id) };
             let expected = rank(one) < rank(other);
             let is_between_kinds = (one < 6) != (other < 6);
             let expected = if is_between_kinds { one < other } else { expected };

@@ -3,7 +3,7 @@
 use crate::contestant::{Cast, FlatRay};
 use raytracer::grid::cell_lists::GridTooLarge;
 use raytracer::grid::options::GridOptions;
-use raytracer::grid::stream::{Query, STREAM};
+use raytracer::grid::packet::{PACKET_SIZE, PacketRay};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::Quiet;
@@ -16,7 +16,7 @@ impl Cast for Caster<'_> {
     }
 
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.chunks(STREAM).map(|rays| count_hits(self, rays)).sum()
+        rays.chunks(PACKET_SIZE).map(|rays| count_hits(self, rays)).sum()
     }
 
     #[inline(always)]
@@ -27,9 +27,9 @@ impl Cast for Caster<'_> {
 
 fn count_hits(caster: &Caster, rays: &[FlatRay]) -> usize {
     let ray = |i: usize| rays[i.min(rays.len() - 1)].exact();
-    let mut asked: [Asked; STREAM] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
+    let mut asked: [Asked; PACKET_SIZE] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
     let asked = &mut asked[..rays.len()];
-    caster.nearest_each(asked, &mut Quiet);
+    caster.nearest_of_packet(asked, &mut Quiet);
     asked.iter().filter(|asked| asked.hits).count()
 }
 
@@ -39,14 +39,14 @@ struct Asked {
     hits: bool,
 }
 
-impl Query for Asked {
+impl PacketRay for Asked {
     #[inline(always)]
     fn ray(&self) -> &Ray {
         &self.ray
     }
 
     #[inline(always)]
-    fn answer(&mut self, hit: Option<Hit>) {
+    fn set_hit(&mut self, hit: Option<Hit>) {
         self.hits = hit.is_some();
     }
 }

@@ -18,13 +18,13 @@
 //! growth with the powers 1.10 and 1.09; up to 6,670 for each of 1,000,000 where many are, since their grid
 //! has two levels from the start. Meshes need 2 to 6 entries and a cost of 30 to 100.
 
-use crate::grid::budget::ENTRY_COST;
+use crate::grid::budget::REFERENCE_COST;
 
 /// e of an automatic grid that stands in no other.
-const ENTRIES_PER_PRIMITIVE: f64 = 16.0;
+const REFERENCES_PER_PRIMITIVE: f64 = 16.0;
 
 /// Or so many entries in all, where that is more, so that few primitives get the cells that suit them.
-const FREE_ENTRIES: f64 = 65536.0;
+const FREE_REFERENCES: f64 = 65536.0;
 
 /// A grid within a cell is given up before it is begun where less than so many entries are allowed for each
 /// primitive, since hardly any grid needs less.
@@ -45,38 +45,42 @@ const DEPTH: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
     /// A cell with more primitives than this may get a grid of its own.
-    pub crowd: usize,
+    pub max_per_cell: usize,
     depth: usize,
     /// e: entries for each primitive of the grid.
-    entries: f64,
+    references: f64,
 }
 
 impl Allowance {
     /// For a grid of `count` primitives that stands in no other.
-    pub fn new(crowd: usize, count: usize) -> Self {
-        Self { crowd, depth: DEPTH, entries: ENTRIES_PER_PRIMITIVE.max(FREE_ENTRIES / count as f64) }
+    pub fn new(max_per_cell: usize, count: usize) -> Self {
+        Self {
+            max_per_cell,
+            depth: DEPTH,
+            references: REFERENCES_PER_PRIMITIVE.max(FREE_REFERENCES / count as f64),
+        }
     }
 
     /// What filling a grid of `count` primitives may cost, in the units of a
     /// [`Budget`](crate::grid::budget::Budget). A cell that is looked at and not entered costs less than an
     /// entry, but a primitive may have many of those.
     pub fn cost(&self, count: usize) -> usize {
-        (self.entries * (ENTRY_COST * count) as f64) as usize
+        (self.references * (REFERENCE_COST * count) as f64) as usize
     }
 
     /// What may be built in the cells of a grid that holds `count` primitives by so many entries; none where
     /// it is not worth it.
-    pub fn within(&self, count: usize, entries: usize) -> Option<Self> {
-        let spread = (entries as f64 / count as f64).max(1.0);
-        let within = Self { depth: self.depth - 1, entries: self.entries / spread, ..*self };
-        (within.depth > 0 && within.entries >= WORTH_A_GRID).then_some(within)
+    pub fn within(&self, count: usize, references: usize) -> Option<Self> {
+        let spread = (references as f64 / count as f64).max(1.0);
+        let within = Self { depth: self.depth - 1, references: self.references / spread, ..*self };
+        (within.depth > 0 && within.references >= WORTH_A_GRID).then_some(within)
     }
 }
 
 /// Whether a grid with so many primitives in its cells, by index, separates those `count` that it holds.
-pub fn separates(counts: &[u32], count: usize, entries: usize) -> bool {
-    let occupied = counts.iter().filter(|&&held| held > 0).count();
-    entries as f64 <= count as f64 * f64::max(CLOSE_TOGETHER, PART_OF_ALL * occupied as f64)
+pub fn separates(counts: &[u32], count: usize, references: usize) -> bool {
+    let occupied = counts.iter().filter(|&&count| count > 0).count();
+    references as f64 <= count as f64 * f64::max(CLOSE_TOGETHER, PART_OF_ALL * occupied as f64)
 }
 
 /// Three quarters as many cells along each axis; none where there is but one cell.
@@ -90,8 +94,8 @@ mod tests {
     use super::*;
 
     /// What may be spent on a grid of `count` primitives with so many entries allowed for each.
-    fn cost(count: usize, entries: usize) -> usize {
-        ENTRY_COST * count * entries
+    fn cost(count: usize, references: usize) -> usize {
+        REFERENCE_COST * count * references
     }
 
     #[test]
@@ -103,13 +107,13 @@ mod tests {
     #[test]
     fn grids_within_cells_share_what_their_grid_has_left() {
         let outer = Allowance::new(96, 1_000_000);
-        let within = |count, entries| outer.within(count, entries).map(|inner| inner.cost(50));
+        let within = |count, references| outer.within(count, references).map(|inner| inner.cost(50));
         assert_eq!(within(100, 400), Some(cost(50, 4)));
         // Cells that leave primitives out give no more to the others.
         assert_eq!(within(100, 25), Some(cost(50, 16)));
         assert_eq!(within(100, 800), Some(cost(50, 2)));
         assert_eq!(within(100, 801), None);
-        assert_eq!(outer.within(100, 400).map(|inner| inner.crowd), Some(96));
+        assert_eq!(outer.within(100, 400).map(|inner| inner.max_per_cell), Some(96));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The cost of entering a shape in a cell, where looking at a cell costs 1: an entry takes up memory and is
 /// copied several times.
-pub const ENTRY_COST: usize = 16;
+pub const REFERENCE_COST: usize = 16;
 
 /// What all threads together may still spend on filling a grid.
 #[derive(Debug)]
@@ -71,8 +71,8 @@ impl<'a> TouchedCells<'a> {
 
     /// Pays for what was entered since there were `before` entries.
     #[inline(always)]
-    pub fn pay_entries(&mut self, before: usize) -> Result<(), GridTooLarge> {
-        self.pay(ENTRY_COST * (self.indices.len() - before))
+    pub fn pay_references(&mut self, before: usize) -> Result<(), GridTooLarge> {
+        self.pay(REFERENCE_COST * (self.indices.len() - before))
     }
 
     #[inline(always)]
@@ -112,7 +112,7 @@ mod tests {
         let mut list = TouchedCells::new(&budget);
         list.look_at(5).unwrap();
         list.push(7);
-        list.pay_entries(0).unwrap();
-        assert_eq!((list.spent, list.indices), (5 + ENTRY_COST, vec![7]));
+        list.pay_references(0).unwrap();
+        assert_eq!((list.spent, list.indices), (5 + REFERENCE_COST, vec![7]));
     }
 }

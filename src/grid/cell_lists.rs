@@ -8,14 +8,14 @@ use rayon::prelude::*;
 
 /// The cells of each primitive.
 #[derive(Clone, Debug)]
-pub struct Rows {
-    /// [`PER_RUN`] primitives each, but for the last.
-    runs: Vec<Run>,
+pub struct CellLists {
+    /// [`PRIMS_PER_CHUNK`] primitives each, but for the last.
+    chunks: Vec<Chunk>,
 }
 
 /// The cells of some primitives, one primitive's after the other's.
 #[derive(Clone, Debug)]
-struct Run {
+struct Chunk {
     /// Where each primitive's cells end.
     ends: Vec<u32>,
     cells: Vec<u32>,
@@ -23,7 +23,7 @@ struct Run {
     cost: usize,
 }
 
-const PER_RUN: usize = 4096;
+const PRIMS_PER_CHUNK: usize = 4096;
 
 /// Why a grid cannot be built: its cells or their contents do not fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl std::fmt::Display for GridTooLarge {
 
 impl std::error::Error for GridTooLarge {}
 
-impl Rows {
+impl CellLists {
     /// Of the primitives numbered below `count`; `cells_of` appends the indices of one's cells. The
     /// cells are found on all threads, and the result depends on none.
     pub fn new(
@@ -56,103 +56,103 @@ impl Rows {
         cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
     ) -> Result<Self, GridTooLarge> {
         lattice.fits()?;
-        let runs: Vec<Run> = (0..Self::run_count(count))
+        let chunks: Vec<Chunk> = (0..Self::chunk_count(count))
             .into_par_iter()
-            .map(|k| Run::new(budget, k * PER_RUN..count.min((k + 1) * PER_RUN), &cells_of))
+            .map(|k| Chunk::new(budget, k * PRIMS_PER_CHUNK..count.min((k + 1) * PRIMS_PER_CHUNK), &cells_of))
             .collect::<Result<_, _>>()?;
-        let rows = Self { runs };
-        if rows.entries() <= u32::MAX as usize { Ok(rows) } else { Err(GridTooLarge) }
+        let cell_lists = Self { chunks };
+        if cell_lists.references() <= u32::MAX as usize { Ok(cell_lists) } else { Err(GridTooLarge) }
     }
 
     /// How many lists the cells of so many primitives are kept in.
-    pub fn run_count(count: usize) -> usize {
-        count.div_ceil(PER_RUN)
+    pub fn chunk_count(count: usize) -> usize {
+        count.div_ceil(PRIMS_PER_CHUNK)
     }
 
     /// How many cells all primitives have together.
-    pub fn entries(&self) -> usize {
-        self.runs.iter().map(|run| run.cells.len()).sum()
+    pub fn references(&self) -> usize {
+        self.chunks.iter().map(|chunk| chunk.cells.len()).sum()
     }
 
     /// What finding the cells has cost, in the units of a [`Budget`].
     pub fn cost(&self) -> usize {
-        self.runs.iter().map(|run| run.cost).sum()
+        self.chunks.iter().map(|chunk| chunk.cost).sum()
     }
 
     /// How many primitives each cell holds, by index.
     pub fn counts(&self, lattice: &Lattice) -> Result<Vec<u32>, GridTooLarge> {
         let mut counts = filled_with(0u32, lattice.index_count())?;
-        for &cell in self.runs.iter().flat_map(|run| &run.cells) {
+        for &cell in self.chunks.iter().flat_map(|chunk| &chunk.cells) {
             counts[cell as usize] += 1;
         }
         Ok(counts)
     }
 
-    /// Takes out the cells that hold more than `crowd` primitives, as [`counts`](Self::counts) has counted
+    /// Takes out the cells that hold more than `max_per_cell` primitives, as [`counts`](Self::counts) has counted
     /// them; gives them in ascending order, with what they hold.
     pub fn take_crowded(
         &mut self,
         counts: &[u32],
-        crowd: usize,
+        max_per_cell: usize,
     ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
-        let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > crowd);
+        let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > max_per_cell);
         let mut crowded = crowded
             .map(|(cell, &count)| Ok((cell as u32, with_room_for(count as usize)?)))
             .collect::<Result<Vec<_>, _>>()?;
         if !crowded.is_empty() {
-            for (run, first) in self.runs.iter_mut().zip((0..).step_by(PER_RUN)) {
-                run.take(first, counts, crowd, &mut crowded);
+            for (chunk, first) in self.chunks.iter_mut().zip((0..).step_by(PRIMS_PER_CHUNK)) {
+                chunk.take(first, counts, max_per_cell, &mut crowded);
             }
         }
         Ok(crowded)
     }
 
-    /// The cells of all primitives numbered below `number`, in some pieces.
-    pub fn cells_below(&self, number: usize) -> impl Iterator<Item = &[u32]> {
-        self.runs.iter().enumerate().map_while(move |(k, run)| {
-            let last = number.checked_sub(k * PER_RUN + 1)?.min(run.ends.len() - 1);
-            Some(&run.cells[..run.ends[last] as usize])
+    /// The cells of all primitives numbered below `id`, in some pieces.
+    pub fn cells_below(&self, id: usize) -> impl Iterator<Item = &[u32]> {
+        self.chunks.iter().enumerate().map_while(move |(k, chunk)| {
+            let last = id.checked_sub(k * PRIMS_PER_CHUNK + 1)?.min(chunk.ends.len() - 1);
+            Some(&chunk.cells[..chunk.ends[last] as usize])
         })
     }
 
     /// The indices of a primitive's cells.
     #[inline]
-    pub fn cells_of(&self, number: usize) -> &[u32] {
-        let Run { ends, cells, .. } = &self.runs[number / PER_RUN];
-        let place = number % PER_RUN;
+    pub fn cells_of(&self, id: usize) -> &[u32] {
+        let Chunk { ends, cells, .. } = &self.chunks[id / PRIMS_PER_CHUNK];
+        let place = id % PRIMS_PER_CHUNK;
         let start = if place == 0 { 0 } else { ends[place - 1] };
         &cells[start as usize..ends[place] as usize]
     }
 }
 
-impl Run {
+impl Chunk {
     fn new(
         budget: &Budget,
-        numbers: std::ops::Range<usize>,
+        ids: std::ops::Range<usize>,
         cells_of: &impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge>,
     ) -> Result<Self, GridTooLarge> {
         let mut touched = TouchedCells::new(budget);
-        touched.indices.reserve(4 * numbers.len());
-        let mut ends = Vec::with_capacity(numbers.len());
-        for number in numbers {
+        touched.indices.reserve(4 * ids.len());
+        let mut ends = Vec::with_capacity(ids.len());
+        for id in ids {
             let before = touched.indices.len();
-            cells_of(number, &mut touched)?;
-            touched.pay_entries(before)?;
+            cells_of(id, &mut touched)?;
+            touched.pay_references(before)?;
             ends.push(touched.indices.len() as u32);
         }
         Ok(Self { ends, cost: touched.spent, cells: touched.indices })
     }
 
     /// Moves what stands in crowded cells from here to the list of its cell.
-    fn take(&mut self, first: u32, counts: &[u32], crowd: usize, crowded: &mut [(u32, Vec<u32>)]) {
+    fn take(&mut self, first: u32, counts: &[u32], max_per_cell: usize, crowded: &mut [(u32, Vec<u32>)]) {
         let all = std::mem::take(&mut self.cells);
         let mut start = 0;
-        for (number, end) in (first..).zip(&mut self.ends) {
+        for (id, end) in (first..).zip(&mut self.ends) {
             for &cell in &all[start..*end as usize] {
-                if counts[cell as usize] as usize <= crowd {
+                if counts[cell as usize] as usize <= max_per_cell {
                     self.cells.push(cell);
                 } else if let Ok(place) = crowded.binary_search_by_key(&cell, |c| c.0) {
-                    crowded[place].1.push(number);
+                    crowded[place].1.push(id);
                 }
             }
             start = *end as usize;
@@ -182,12 +182,12 @@ pub fn widened(bounds: Aabb) -> Aabb {
     let largest = extent.max_element();
     // Powers of two, so that a scene scaled by a power of two has the same cells.
     let thinnest = (largest * 0.5f64.powi(10)).max(coordinate * 0.5f64.powi(30)).max(f64::MIN_POSITIVE);
-    let margin = [0, 1, 2].map(|axis| {
+    let padding = [0, 1, 2].map(|axis| {
         let flat = extent[axis] < thinnest;
         if flat { thinnest } else { extent[axis] * 0.5f64.powi(20) }
     });
-    let margin = DVec3::from_array(margin);
-    Aabb { min: bounds.min - margin, max: bounds.max + margin }
+    let padding = DVec3::from_array(padding);
+    Aabb { min: bounds.min - padding, max: bounds.max + padding }
 }
 
 #[cfg(test)]
@@ -203,17 +203,17 @@ mod tests {
             .collect();
         let lattice =
             Lattice::new(widened(Aabb { min: DVec3::ZERO, max: DVec3::new(20.0, 20.0, 1.0) }), [7, 5, 2]);
-        let rows =
-            Rows::new(&lattice, boxes.len(), |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out))
+        let cell_lists =
+            CellLists::new(&lattice, boxes.len(), |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out))
                 .unwrap();
-        let below = |number| rows.cells_below(number).flatten().count();
+        let below = |id| cell_lists.cells_below(id).flatten().count();
         assert_eq!(below(0), 0);
         let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
             let budget = Budget::unlimited();
             let mut expected = TouchedCells::new(&budget);
             voxelize::of_box(&lattice, b, 1e-6, &mut expected).unwrap();
-            assert_eq!(rows.cells_of(i), expected.indices);
+            assert_eq!(cell_lists.cells_of(i), expected.indices);
             cells += expected.indices.len();
             assert_eq!(below(i + 1), cells);
         }
@@ -230,15 +230,15 @@ mod tests {
     #[test]
     fn a_widened_box_is_larger_by_little_on_all_sides_and_thin_nowhere() {
         let bounds = Aabb { min: DVec3::new(-1.0, 3.0, 5.0), max: DVec3::new(1.0, 4.0, 5.0) };
-        let wide = widened(bounds);
-        let [below, above] = [bounds.min - wide.min, wide.max - bounds.max];
+        let larger = widened(bounds);
+        let [below, above] = [bounds.min - larger.min, larger.max - bounds.max];
         assert_eq!(below, DVec3::new(2.0 / 1048576.0, 1.0 / 1048576.0, 2.0 / 1024.0));
         assert_eq!(below, above);
         // Far from the origin, where coordinates are coarse.
         let far = DVec3::new(1.0, -1048576.0, 2.0);
-        let wide = widened(Aabb { min: far, max: far });
+        let larger = widened(Aabb { min: far, max: far });
         assert_eq!(
-            (far - wide.min, wide.max - far),
+            (far - larger.min, larger.max - far),
             (DVec3::splat(1.0 / 1024.0), DVec3::splat(1.0 / 1024.0))
         );
     }
@@ -247,40 +247,40 @@ mod tests {
     #[test]
     fn crowded_cells_are_taken_out_with_what_they_hold() {
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [20, 20, 20]);
-        let (crowd, count) = (3, PER_RUN + 100);
-        let cells_of = |number: usize| -> Vec<u32> {
-            let own = 100 + number as u32 % 2000;
-            if number.is_multiple_of(1000) { vec![7, own, 9] } else { vec![own] }
+        let (max_per_cell, count) = (3, PRIMS_PER_CHUNK + 100);
+        let cells_of = |id: usize| -> Vec<u32> {
+            let own = 100 + id as u32 % 2000;
+            if id.is_multiple_of(1000) { vec![7, own, 9] } else { vec![own] }
         };
-        let mut rows = Rows::new(&lattice, count, |number, out| {
-            cells_of(number).into_iter().for_each(|cell| out.push(cell));
+        let mut cell_lists = CellLists::new(&lattice, count, |id, out| {
+            cells_of(id).into_iter().for_each(|cell| out.push(cell));
             Ok(())
         })
         .unwrap();
-        let counts = rows.counts(&lattice).unwrap();
+        let counts = cell_lists.counts(&lattice).unwrap();
         let holders = |cell: u32| (0..count as u32).filter(move |&n| cells_of(n as usize).contains(&cell));
-        for (cell, &held) in counts.iter().enumerate().step_by(37).chain(counts.iter().enumerate().take(20)) {
-            assert_eq!(held as usize, holders(cell as u32).count(), "{cell}");
+        for (cell, &ids) in counts.iter().enumerate().step_by(37).chain(counts.iter().enumerate().take(20)) {
+            assert_eq!(ids as usize, holders(cell as u32).count(), "{cell}");
         }
-        let taken = rows.take_crowded(&counts, crowd).unwrap();
+        let taken = cell_lists.take_crowded(&counts, max_per_cell).unwrap();
         let crowded: Vec<u32> = (0..counts.len() as u32).filter(|&c| counts[c as usize] > 3).collect();
         assert_eq!(taken.iter().map(|(cell, _)| *cell).collect::<Vec<_>>(), crowded);
         assert_eq!(crowded, [7, 9]);
-        for (cell, held) in &taken {
-            assert_eq!(*held, holders(*cell).collect::<Vec<_>>());
+        for (cell, ids) in &taken {
+            assert_eq!(*ids, holders(*cell).collect::<Vec<_>>());
         }
-        for number in 0..count {
-            let left: Vec<u32> = cells_of(number).into_iter().filter(|c| !crowded.contains(c)).collect();
-            assert_eq!(rows.cells_of(number), left, "{number}");
+        for id in 0..count {
+            let left: Vec<u32> = cells_of(id).into_iter().filter(|c| !crowded.contains(c)).collect();
+            assert_eq!(cell_lists.cells_of(id), left, "{id}");
         }
-        assert_eq!(rows.entries(), count);
-        assert_eq!(rows.cost(), super::super::budget::ENTRY_COST * (count + 2 * 5));
+        assert_eq!(cell_lists.references(), count);
+        assert_eq!(cell_lists.cost(), super::super::budget::REFERENCE_COST * (count + 2 * 5));
     }
 
     #[test]
     fn an_absurd_grid_is_an_error() {
         let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
         let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);
-        assert_eq!(Rows::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));
+        assert_eq!(CellLists::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));
     }
 }

@@ -8,29 +8,29 @@
 //! *Drift.* A face's tick is the rounded one of the first face plus a whole number of rounded
 //! distances, so after k steps along an axis it is off by at most (k + 1) / 2 ticks, and by less than
 //! half a tick more for what f64 rounds. A cell of that axis is at least 2^29 / n ticks long for n
-//! cells, so the schedule is off by at most (n + 2) n / 2^30 cells, which is [`drift`]; `proofs/march.g`
+//! cells, so the schedule is off by at most (n + 2) n / 2^30 cells, which is [`face_error_bound`]; `proofs/dda.g`
 //! lets a machine check the parts of this sum. Cells are filled with what touches them widened by it.
 //! Then whatever the ray meets at a time t stands in the cell that the schedule names for t, and a
 //! search that goes through all cells up to the time of its best hit has missed nothing nearer.
 
-use super::fixed_point::Ticks;
-use super::lattice::{Ahead, Lattice};
-use super::ray_aabb::{Passage, clip};
-use crate::math::extremes::greater;
-use crate::math::four::{Four, Plain, TO_WHOLE};
+use super::fixed_t::FixedT;
+use super::lattice::{DdaTables, Lattice};
+use super::ray_aabb::{RayInterval, intersect_aabb};
+use crate::math::extremes::max;
+use crate::math::f64x4::{F64x4, ROUND_TO_INTEGER, Scalar};
 use crate::math::instructions::Portable;
-use crate::math::packet::Along;
 use crate::math::ray::Ray;
+use crate::math::ray_lanes::RayLanes;
 
 /// The ray's whole way through the lattice, in ticks.
-pub const WAY: f64 = (1u64 << 29) as f64;
+pub const T_ONE: f64 = (1u64 << 29) as f64;
 
 /// Later than any face that the march comes to, and small enough for one more distance on top.
-const NEVER: f64 = (1u64 << 30) as f64;
+const T_NEVER: f64 = (1u64 << 30) as f64;
 
 /// An upper bound on how far the march's idea of the cells' faces is off, in cells.
-pub fn drift(lattice: &Lattice) -> f64 {
-    let of_axis = |&n: &usize| (n as f64 + SETUP_ROUNDINGS) * n as f64 / (2.0 * WAY);
+pub fn face_error_bound(lattice: &Lattice) -> f64 {
+    let of_axis = |&n: &usize| (n as f64 + SETUP_ROUNDINGS) * n as f64 / (2.0 * T_ONE);
     lattice.cells().iter().map(of_axis).fold(1e-6, f64::max)
 }
 
@@ -39,109 +39,115 @@ const SETUP_ROUNDINGS: f64 = 2.0;
 
 /// A position on the march through a lattice.
 #[derive(Clone, Copy, Debug)]
-pub struct March<'l> {
+pub struct Dda<'l> {
     /// Index of the current cell.
     index: usize,
     /// The tick at which the ray crosses the next face along each axis.
-    next: Ticks,
+    t_next: FixedT,
     /// The ticks between such crossings.
-    between: Ticks,
+    t_delta: FixedT,
     /// What to add to the index, by the set of axes that do not step (bit 0 for x).
-    moves: &'l [isize; 16],
+    step_offsets: &'l [isize; 16],
     /// t at tick 0.
     entry: f64,
-    per_tick: f64,
+    fixed_per_t: f64,
 }
 
 /// What the march takes from the lattice: of all axes, for one ray, or of one axis, for four rays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Faces<F> {
+pub(crate) struct LatticeLanes<F> {
     pub low: F,
     pub cell_size: F,
-    pub per_unit: F,
+    pub cells_per_unit: F,
     /// The last cell.
     pub last: F,
 }
 
 /// When faces are crossed: by one ray along each axis, or by four rays along one axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Schedule {
+pub(crate) struct DdaSetup {
     /// The cell where the march begins.
     pub cell: [i32; 4],
-    /// In ticks, as in [`March`].
-    pub next: [i32; 4],
-    pub between: [i32; 4],
+    /// In ticks, as in [`Dda`].
+    pub t_next: [i32; 4],
+    pub t_delta: [i32; 4],
 }
 
-impl Schedule {
+impl DdaSetup {
     /// Of rays that enter the lattice at `entry`. What does not depend on that is computed while the
     /// processor waits for it.
     #[inline(always)]
-    pub fn new<F: Four>(faces: &Faces<F>, along: &Along<F>, entry: F, per_tick: F) -> Self {
-        let Along { origin, direction, inverse } = *along;
+    pub fn new<F: F64x4>(
+        lattice_lanes: &LatticeLanes<F>,
+        ray_lanes: &RayLanes<F>,
+        entry: F,
+        fixed_per_t: F,
+    ) -> Self {
+        let RayLanes { origin, direction, inv_direction } = *ray_lanes;
         // In units of cells from here on.
-        let from = (origin - faces.low) * faces.per_unit;
-        let per_cell = inverse * faces.cell_size;
+        let from = (origin - lattice_lanes.low) * lattice_lanes.cells_per_unit;
+        let per_cell = inv_direction * lattice_lanes.cell_size;
         // On a face either cell will do: the march corrects it with its first step.
-        let at = (from - from.all(0.5)) + entry * (direction * faces.per_unit);
-        let at = at.max(from.all(0.0)).min(faces.last);
-        let crossing = ((at.round() + (inverse.is_positive() - from)) * per_cell - entry) * per_tick;
+        let at = (from - from.broadcast(0.5)) + entry * (direction * lattice_lanes.cells_per_unit);
+        let at = at.max(from.broadcast(0.0)).min(lattice_lanes.last);
+        let crossing =
+            ((at.round() + (inv_direction.one_where_positive() - from)) * per_cell - entry) * fixed_per_t;
         Self {
-            cell: at.whole(),
+            cell: at.to_i32(),
             // Alongside a face the crossing is infinite, or NaN within it.
-            next: ticks(crossing.unless_infinite(inverse, NEVER)),
-            between: ticks(per_cell.abs() * per_tick),
+            t_next: to_fixed(crossing.unless_infinite(inv_direction, T_NEVER)),
+            t_delta: to_fixed(per_cell.abs() * fixed_per_t),
         }
     }
 }
 
 /// The nearest ticks, cut to what the march comes to.
 #[inline(always)]
-fn ticks<F: Four>(t: F) -> [i32; 4] {
-    t.max(t.all(-WAY)).min(t.all(NEVER)).whole()
+fn to_fixed<F: F64x4>(t: F) -> [i32; 4] {
+    t.max(t.broadcast(-T_ONE)).min(t.broadcast(T_NEVER)).to_i32()
 }
 
 /// Ways through the lattice count as not shorter, so that no division overflows for a ray that but touches
 /// a corner.
-pub(crate) const SHORTEST_WAY: f64 = f64::MIN_POSITIVE * WAY;
+pub(crate) const SHORTEST_INTERVAL: f64 = f64::MIN_POSITIVE * T_ONE;
 
-impl<'l> March<'l> {
+impl<'l> Dda<'l> {
     /// The march of a ray by itself, and the t at which it enters and leaves the lattice's bounds; none of a
     /// ray that misses them.
     pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
-        let along = Along::<Plain>::all_axes(Portable, ray);
-        let passage = clip(lattice.slab(), along, ray.t_min, ray.t_max)?;
-        Some((Self::new(lattice, &passage), [passage.entry, passage.exit]))
+        let ray_lanes = RayLanes::<Scalar>::all_axes(Portable, ray);
+        let interval = intersect_aabb(lattice.simd_bounds(), ray_lanes, ray.t_min, ray.t_max)?;
+        Some((Self::new(lattice, &interval), [interval.entry, interval.exit]))
     }
 
-    /// Starts at the cell where a ray's `passage` through the lattice's bounds begins.
+    /// Starts at the cell where a ray's `interval` through the lattice's bounds begins.
     #[inline(always)]
-    pub(crate) fn new<F: Four>(lattice: &'l Lattice, passage: &Passage<F>) -> Self {
-        let Passage { entry, exit, along } = passage;
-        let per_tick = WAY / greater(exit - entry, SHORTEST_WAY);
-        let faces = lattice.ahead.faces(along.origin.proof());
-        let [start, scale] = [*entry, per_tick].map(|x| along.origin.all(x));
-        let schedule = Schedule::new(&faces, along, start, scale);
-        Self::scheduled(lattice, &schedule, along.inverse.signs(), *entry, per_tick)
+    pub(crate) fn new<F: F64x4>(lattice: &'l Lattice, interval: &RayInterval<F>) -> Self {
+        let RayInterval { entry, exit, ray_lanes } = interval;
+        let fixed_per_t = T_ONE / max(exit - entry, SHORTEST_INTERVAL);
+        let lattice_lanes = lattice.tables.lattice_lanes(ray_lanes.origin.proof());
+        let [start, scale] = [*entry, fixed_per_t].map(|x| ray_lanes.origin.broadcast(x));
+        let setup = DdaSetup::new(&lattice_lanes, ray_lanes, start, scale);
+        Self::with_setup(lattice, &setup, ray_lanes.inv_direction.sign_mask(), *entry, fixed_per_t)
     }
 
     /// Starts as one ray's schedule says; `backwards` are the axes along which the ray runs backwards.
     #[inline(always)]
-    pub(crate) fn scheduled(
+    pub(crate) fn with_setup(
         lattice: &'l Lattice,
-        schedule: &Schedule,
+        setup: &DdaSetup,
         backwards: usize,
         entry: f64,
-        per_tick: f64,
+        fixed_per_t: f64,
     ) -> Self {
-        let Ahead { strides, moves, .. } = &lattice.ahead;
+        let DdaTables { strides, step_offsets, .. } = &lattice.tables;
         Self {
-            index: index(schedule.cell, strides),
-            next: Ticks::new(schedule.next),
-            between: Ticks::new(schedule.between),
-            moves: &moves[backwards],
+            index: index(setup.cell, strides),
+            t_next: FixedT::new(setup.t_next),
+            t_delta: FixedT::new(setup.t_delta),
+            step_offsets: &step_offsets[backwards],
             entry,
-            per_tick,
+            fixed_per_t,
         }
     }
 
@@ -154,15 +160,15 @@ impl<'l> March<'l> {
     /// The tick at which the ray leaves the current cell.
     #[inline(always)]
     pub fn exit(&self) -> i32 {
-        self.next.least()
+        self.t_next.min3()
     }
 
     /// The first tick not before `t`.
     #[inline(always)]
-    pub fn tick(&self, t: f64) -> i32 {
-        let after = (t - self.entry) * self.per_tick;
+    pub fn fixed_t(&self, t: f64) -> i32 {
+        let after = (t - self.entry) * self.fixed_per_t;
         // Half a tick more, so that the nearest whole number is never before t.
-        (if after < NEVER { after + 0.5 } else { NEVER } + TO_WHOLE).to_bits() as i32
+        (if after < T_NEVER { after + 0.5 } else { T_NEVER } + ROUND_TO_INTEGER).to_bits() as i32
     }
 
     /// Goes on to the next cell, or over an edge or a corner to the one behind it; gives the set of
@@ -170,14 +176,14 @@ impl<'l> March<'l> {
     #[inline(always)]
     pub fn step(&mut self) -> usize {
         // A ray that but touches a corner may come to "never"; it wraps, and the border ends it.
-        let stays = self.next.step(self.between);
-        self.index = self.index.wrapping_add_signed(self.moves[stays]);
+        let stays = self.t_next.step(self.t_delta);
+        self.index = self.index.wrapping_add_signed(self.step_offsets[stays]);
         stays
     }
 
     /// What a step along one axis adds to the index.
     pub fn stride(&self, axis: usize) -> isize {
-        self.moves[7 & !(1 << axis)]
+        self.step_offsets[7 & !(1 << axis)]
     }
 }
 
@@ -198,21 +204,21 @@ mod tests {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)
     }
 
-    fn place(lattice: &Lattice, index: usize) -> [i64; 3] {
+    fn cell_coords(lattice: &Lattice, index: usize) -> [i64; 3] {
         lattice.cell_of(index).to_array().map(|i| i as i64)
     }
 
     fn is_inside(lattice: &Lattice, index: usize) -> bool {
-        place(lattice, index).iter().zip(lattice.cells()).all(|(&i, n)| i >= 0 && (i as usize) < n)
+        cell_coords(lattice, index).iter().zip(lattice.cells()).all(|(&i, n)| i >= 0 && (i as usize) < n)
     }
 
     fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
         let lattice = unit(n);
-        let Some((mut march, _)) = March::of_ray(&lattice, ray) else { return vec![] };
+        let Some((mut dda, _)) = Dda::of_ray(&lattice, ray) else { return vec![] };
         let mut list = vec![];
-        while is_inside(&lattice, march.index) {
-            list.push(place(&lattice, march.index));
-            march.step();
+        while is_inside(&lattice, dda.index) {
+            list.push(cell_coords(&lattice, dda.index));
+            dda.step();
         }
         list
     }
@@ -244,17 +250,17 @@ mod tests {
     fn the_schedule_keeps_within_its_drift() {
         for n in [[9, 8, 7], [64, 1, 500], [1000, 1000, 1000], [4096, 3, 2]] {
             let lattice = unit(n);
-            let bound = drift(&lattice);
+            let bound = face_error_bound(&lattice);
             for k in 0..200u32 {
                 let angle = |k: u32| (k as f64 * 0.618_034) % 1.0;
                 let target = DVec3::new(angle(k), angle(3 * k + 1), angle(7 * k + 2));
                 let origin = DVec3::new(-1.3 + angle(11 * k), 2.0 * angle(5 * k) - 0.5, -0.7);
                 let ray = Ray::new(origin, target - origin);
-                let Some((mut march, [entry, _])) = March::of_ray(&lattice, &ray) else { continue };
-                while is_inside(&lattice, march.index) {
-                    let t = entry + march.exit() as f64 / march.per_tick;
+                let Some((mut dda, [entry, _])) = Dda::of_ray(&lattice, &ray) else { continue };
+                while is_inside(&lattice, dda.index) {
+                    let t = entry + dda.exit() as f64 / dda.fixed_per_t;
                     let at = lattice.to_cells(ray.at(t));
-                    let cell = place(&lattice, march.index);
+                    let cell = cell_coords(&lattice, dda.index);
                     for axis in 0..3 {
                         let low = cell[axis] as f64 - bound;
                         assert!(
@@ -262,7 +268,7 @@ mod tests {
                             "{n:?} {at} {cell:?}"
                         );
                     }
-                    march.step();
+                    dda.step();
                 }
             }
         }

@@ -1,73 +1,75 @@
 //! Four marches, set up together.
 
 use super::Lattice;
-use super::dda::{March, SHORTEST_WAY, Schedule, WAY};
-use super::ray_aabb::Passages;
-use crate::math::four::Four;
-use crate::math::packet::Packet;
+use super::dda::{Dda, DdaSetup, SHORTEST_INTERVAL, T_ONE};
+use super::ray_aabb::RayIntervals;
+use crate::math::f64x4::F64x4;
+use crate::math::ray_lanes::RayPacket4;
 
 /// Where four rays start, and when they cross faces. Of a ray that misses the lattice it says nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Marches {
-    axes: [Schedule; 3],
+pub struct Dda4 {
+    axes: [DdaSetup; 3],
     /// The axes along which each ray runs backwards (bit 0 for x).
     backwards: [i32; 4],
     entry: [f64; 4],
-    per_tick: [f64; 4],
+    fixed_per_t: [f64; 4],
 }
 
-impl Marches {
+impl Dda4 {
     /// Of rays with these passages through the lattice's bounds.
     #[inline(always)]
-    pub fn new<F: Four>(lattice: &Lattice, packet: &Packet<F>, passages: &Passages<F>) -> Self {
-        let Passages { entry, exit, .. } = *passages;
-        let per_tick = exit.all(WAY) / (exit - entry).max(exit.all(SHORTEST_WAY));
+    pub fn new<F: F64x4>(lattice: &Lattice, packet: &RayPacket4<F>, intervals: &RayIntervals<F>) -> Self {
+        let RayIntervals { entry, exit, .. } = *intervals;
+        let fixed_per_t = exit.broadcast(T_ONE) / (exit - entry).max(exit.broadcast(SHORTEST_INTERVAL));
         let [x, y, z] = &packet.axes;
-        let (ahead, proof) = (&lattice.ahead, entry.proof());
-        let backwards = x.inverse.sign_of(1.0) + y.inverse.sign_of(2.0) + z.inverse.sign_of(4.0);
+        let (tables, proof) = (&lattice.tables, entry.proof());
+        let backwards = x.inv_direction.where_negative(1.0)
+            + y.inv_direction.where_negative(2.0)
+            + z.inv_direction.where_negative(4.0);
         Self {
             axes: [
-                Schedule::new(&ahead.faces_along(proof, 0), x, entry, per_tick),
-                Schedule::new(&ahead.faces_along(proof, 1), y, entry, per_tick),
-                Schedule::new(&ahead.faces_along(proof, 2), z, entry, per_tick),
+                DdaSetup::new(&tables.lattice_lanes_of_axis(proof, 0), x, entry, fixed_per_t),
+                DdaSetup::new(&tables.lattice_lanes_of_axis(proof, 1), y, entry, fixed_per_t),
+                DdaSetup::new(&tables.lattice_lanes_of_axis(proof, 2), z, entry, fixed_per_t),
             ],
-            backwards: backwards.whole(),
-            entry: entry.places(),
-            per_tick: per_tick.places(),
+            backwards: backwards.to_i32(),
+            entry: entry.to_array(),
+            fixed_per_t: fixed_per_t.to_array(),
         }
     }
 
     /// The march of one of the rays.
     #[inline(always)]
-    pub fn march<'l>(&self, lattice: &'l Lattice, ray: usize) -> March<'l> {
+    pub fn dda<'l>(&self, lattice: &'l Lattice, ray: usize) -> Dda<'l> {
         let [x, y, z] = &self.axes;
-        let schedule = Schedule {
+        let setup = DdaSetup {
             cell: [x.cell[ray], y.cell[ray], z.cell[ray], 0],
-            next: [x.next[ray], y.next[ray], z.next[ray], 0],
-            between: [x.between[ray], y.between[ray], z.between[ray], 0],
+            t_next: [x.t_next[ray], y.t_next[ray], z.t_next[ray], 0],
+            t_delta: [x.t_delta[ray], y.t_delta[ray], z.t_delta[ray], 0],
         };
         let backwards = self.backwards[ray] as usize & 7;
-        March::scheduled(lattice, &schedule, backwards, self.entry[ray], self.per_tick[ray])
+        Dda::with_setup(lattice, &setup, backwards, self.entry[ray], self.fixed_per_t[ray])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::ray_aabb::{clip, clip_packet};
+    use crate::grid::ray_aabb::{intersect_aabb, intersect_aabb4};
     use crate::math::aabb::Aabb;
-    use crate::math::four::Plain;
+    use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
-    use crate::math::packet::Along;
     use crate::math::ray::Ray;
+    use crate::math::ray_lanes::RayLanes;
     use glam::DVec3;
 
     /// The cells and the ticks of a march through a lattice of `cells`, and a few steps beyond.
-    fn way(mut march: March, cells: [usize; 3]) -> Vec<(usize, i32)> {
+    fn way(mut dda: Dda, cells: [usize; 3]) -> Vec<(usize, i32)> {
         let mut way = vec![];
         for _ in 0..cells.iter().sum() {
-            way.push((march.index(), march.exit()));
-            march.step();
+            way.push((dda.index(), dda.exit()));
+            dda.step();
         }
         way
     }
@@ -87,15 +89,19 @@ mod tests {
         let mut entered = 0;
         for first in (0..4000).step_by(4) {
             let rays = [0, 1, 2, 3].map(|i| ray(first + i));
-            let packet = Packet::<Plain>::new(Portable, rays.each_ref());
-            let passages = clip_packet(lattice.slab(), &packet);
-            let marches = Marches::new(&lattice, &packet, &passages);
+            let packet = RayPacket4::<Scalar>::new(Portable, rays.each_ref());
+            let intervals = intersect_aabb4(lattice.simd_bounds(), &packet);
+            let dda4 = Dda4::new(&lattice, &packet, &intervals);
             for (i, ray) in rays.iter().enumerate() {
-                let passage =
-                    clip(lattice.slab(), Along::<Plain>::all_axes(Portable, ray), ray.t_min, ray.t_max);
-                assert_eq!(passages.set >> i & 1 != 0, passage.is_some(), "{ray:?}");
-                if let Some(passage) = passage {
-                    let (one, of_four) = (March::new(&lattice, &passage), marches.march(&lattice, i));
+                let interval = intersect_aabb(
+                    lattice.simd_bounds(),
+                    RayLanes::<Scalar>::all_axes(Portable, ray),
+                    ray.t_min,
+                    ray.t_max,
+                );
+                assert_eq!(intervals.set >> i & 1 != 0, interval.is_some(), "{ray:?}");
+                if let Some(interval) = interval {
+                    let (one, of_four) = (Dda::new(&lattice, &interval), dda4.dda(&lattice, i));
                     assert_eq!(way(of_four, cells), way(one, cells), "{ray:?}");
                     entered += 1;
                 }

@@ -34,14 +34,14 @@
 //! second order and the double-precision test's own error of a few 2^-53 of the way from the ray's
 //! origin, which stays below 2 r for origins up to 2^20 boxes away; farther ones do not come here. They
 //! also say why a wrong sign of det does no harm, and why that holds for misses that are nearly hits.
-//! [`Slack`] rounds the bounds up, and adds what may be lost to underflow.
+//! [`FilterErrorBounds`] rounds the bounds up, and adds what may be lost to underflow.
 
-use super::triangle8::{Block, LANES, Slack};
-use crate::math::four::{Four, Plain};
+use super::triangle8::{Block, FilterErrorBounds, LANES};
+use crate::math::f64x4::{F64x4, Scalar};
 use crate::math::instructions::{Instructions, Portable};
 
 /// No hit lies farther along the ray: the box is 2 wide. Larger values are cut to this.
-pub const FARTHEST: f64 = 2.5;
+pub const MAX_DEPTH: f64 = 2.5;
 
 /// A ray as the filter wants it, in the coordinates of a frame. Its origin lies in the box, its
 /// direction's largest coordinate is 1.
@@ -52,7 +52,7 @@ pub struct FilterRay {
     /// Its largest absolute coordinate is 1.
     pub direction: [f32; 4],
     /// How far along the ray a hit still counts.
-    pub farthest: f32,
+    pub max_depth: f32,
 }
 
 /// What the filter says of a block. Sets of lanes have bit 0 for the first.
@@ -77,15 +77,15 @@ impl Verdict {
     /// quotients take 20, and 8 are left for what is made of them in double precision.
     #[inline(always)]
     pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
-        let (depth, det, slack) = (self.depth[lane], self.det[lane], block.slack.depth);
-        [(depth + slack) / det, (depth - slack) / det]
+        let (depth, det, padding) = (self.depth[lane], self.det[lane], block.error_bounds.depth);
+        [(depth + padding) / det, (depth - padding) / det]
     }
 }
 
 /// One way to run the inner loop: the proof that the processor has its instructions. What its filter
 /// says of a lane may differ between kernels, what is true not.
 pub(crate) trait Kernel: Copy {
-    type Four: Four<Proof = Self>;
+    type F64x4: F64x4<Proof = Self>;
     /// Tests a block against a ray.
     fn test(self, block: &Block, ray: &FilterRay) -> Verdict;
 }
@@ -100,11 +100,11 @@ pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay) -> Verdi
 }
 
 impl Kernel for Portable {
-    type Four = Plain;
+    type F64x4 = Scalar;
 
     #[inline(always)]
     fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
-        let Slack { edge: edge_slack, depth: depth_slack } = block.slack;
+        let FilterErrorBounds { edge: edge_error_bound, depth: depth_error_bound } = block.error_bounds;
         let mut verdict = Verdict::NONE;
         for lane in 0..LANES {
             let [e1, e2] = block.edges.map(|edge| edge.map(|c| c[lane]));
@@ -118,11 +118,13 @@ impl Kernel for Portable {
             let det = det.abs();
             let w = det - (u + v);
             let inside = u.min(v).min(w);
-            let before = ray.farthest * det - depth;
+            let before = ray.max_depth * det - depth;
             // NaN lanes fail the comparisons; `min` would hide the NaN of a single operand, but an
             // empty lane has three.
-            let possible = inside >= edge_slack && depth >= depth_slack && before >= depth_slack;
-            let certain = inside > -edge_slack && depth > -depth_slack && before > -depth_slack;
+            let possible =
+                inside >= edge_error_bound && depth >= depth_error_bound && before >= depth_error_bound;
+            let certain =
+                inside > -edge_error_bound && depth > -depth_error_bound && before > -depth_error_bound;
             verdict.possible |= (possible as u32) << lane;
             verdict.certain |= (certain as u32) << lane;
             verdict.depth[lane] = depth;
@@ -147,12 +149,12 @@ mod avx2 {
     //! Eight lanes in one register each.
 
     use super::*;
+    use crate::math::avx::Avx;
     use crate::math::instructions::Avx2;
-    use crate::math::wide::Wide;
     use std::arch::x86_64::*;
 
     impl Kernel for Avx2 {
-        type Four = Wide;
+        type F64x4 = Avx;
 
         #[inline(always)]
         fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
@@ -193,7 +195,7 @@ mod avx2 {
     #[inline]
     fn test(block: &Block, ray: &FilterRay) -> Verdict {
         let [o, d] = [ray.origin, ray.direction].map(|[x, y, z, _]| [x, y, z].map(|x| _mm256_set1_ps(x)));
-        let three = |rows: &[[f32; LANES]; 3]| [load(&rows[0]), load(&rows[1]), load(&rows[2])];
+        let three = |axes: &[[f32; LANES]; 3]| [load(&axes[0]), load(&axes[1]), load(&axes[2])];
         let corner = three(&block.corner);
         let [e1, e2] = [three(&block.edges[0]), three(&block.edges[1])];
         let n = three(&block.normal);
@@ -207,9 +209,10 @@ mod avx2 {
         let [u, v, depth] = [u, v, depth].map(|x| _mm256_xor_ps(x, sign));
         let w = _mm256_sub_ps(det, _mm256_add_ps(u, v));
         let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
-        let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.farthest), det, depth);
+        let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
         let within = _mm256_min_ps(depth, before);
-        let [edge, deep] = [&block.slack.edge, &block.slack.depth].map(|x| _mm256_broadcast_ss(x));
+        let [edge, deep] =
+            [&block.error_bounds.edge, &block.error_bounds.depth].map(|x| _mm256_broadcast_ss(x));
         let possible = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge),
             _mm256_cmp_ps::<_CMP_GE_OQ>(within, deep),

@@ -2,10 +2,10 @@
 //! primitive is.
 
 use super::cell_lists::GridTooLarge;
-use super::dda::Faces;
-use super::ray_aabb::Slab;
+use super::dda::LatticeLanes;
+use super::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
-use crate::math::four::Four;
+use crate::math::f64x4::F64x4;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -21,30 +21,30 @@ pub struct Lattice {
     cells: [usize; 3],
     /// Edge lengths of a cell.
     pub cell_size: DVec3,
-    per_unit: DVec3,
+    cells_per_unit: DVec3,
     /// For the march.
-    pub(super) ahead: Ahead,
+    pub(super) tables: DdaTables,
 }
 
 /// What every march through a lattice needs, computed once.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ahead {
-    slab: Slab,
+pub(super) struct DdaTables {
+    simd_bounds: SimdAabb,
     cell_size: [f64; 4],
-    per_unit: [f64; 4],
+    cells_per_unit: [f64; 4],
     /// The last cell along each axis, and how an index changes from one to the next.
     last: [f64; 4],
     pub strides: [u32; 3],
     /// What to add to an index, by the axes along which a ray runs backwards (bit 0 for x) and by
     /// the axes that do not step. The latter's bit 3 is a spare one.
-    pub moves: [[isize; 16]; 8],
+    pub step_offsets: [[isize; 16]; 8],
 }
 
-impl Ahead {
-    fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, per_unit: DVec3) -> Self {
+impl DdaTables {
+    fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, cells_per_unit: DVec3) -> Self {
         let [nx, ny, _] = cells;
         let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
-        let moved = |backwards: usize, stays: usize| {
+        let step_offset = |backwards: usize, stays: usize| {
             let one = |axis: usize| {
                 let stride = strides[axis] as isize;
                 if backwards >> axis & 1 == 1 { -stride } else { stride }
@@ -53,33 +53,35 @@ impl Ahead {
         };
         let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
         Self {
-            slab: Slab::new(bounds),
+            simd_bounds: SimdAabb::new(bounds),
             cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
-            per_unit: [per_unit.x, per_unit.y, per_unit.z, 1.0],
+            cells_per_unit: [cells_per_unit.x, cells_per_unit.y, cells_per_unit.z, 1.0],
             last: floats(cells.map(|n| n - 1)),
             strides: strides.map(|stride| stride as u32),
-            moves: std::array::from_fn(|backwards| std::array::from_fn(|stays| moved(backwards, stays))),
+            step_offsets: std::array::from_fn(|backwards| {
+                std::array::from_fn(|stays| step_offset(backwards, stays))
+            }),
         }
     }
 
     /// What a march takes from all axes.
     #[inline(always)]
-    pub fn faces<F: Four>(&self, proof: F::Proof) -> Faces<F> {
-        Faces {
-            low: F::new(proof, self.slab.low),
+    pub fn lattice_lanes<F: F64x4>(&self, proof: F::Proof) -> LatticeLanes<F> {
+        LatticeLanes {
+            low: F::new(proof, self.simd_bounds.low),
             cell_size: F::new(proof, self.cell_size),
-            per_unit: F::new(proof, self.per_unit),
+            cells_per_unit: F::new(proof, self.cells_per_unit),
             last: F::new(proof, self.last),
         }
     }
 
     /// What four marches take from one axis.
     #[inline(always)]
-    pub fn faces_along<F: Four>(&self, proof: F::Proof, axis: usize) -> Faces<F> {
-        Faces {
-            low: F::splat(proof, self.slab.low[axis]),
+    pub fn lattice_lanes_of_axis<F: F64x4>(&self, proof: F::Proof, axis: usize) -> LatticeLanes<F> {
+        LatticeLanes {
+            low: F::splat(proof, self.simd_bounds.low[axis]),
             cell_size: F::splat(proof, self.cell_size[axis]),
-            per_unit: F::splat(proof, self.per_unit[axis]),
+            cells_per_unit: F::splat(proof, self.cells_per_unit[axis]),
             last: F::splat(proof, self.last[axis]),
         }
     }
@@ -90,9 +92,9 @@ impl Lattice {
     pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
         let count = DVec3::from_array(cells.map(|n| n as f64));
         let extent = bounds.extent();
-        let (cell_size, per_unit) = (extent / count, count / extent);
-        let ahead = Ahead::new(&bounds, cells, cell_size, per_unit);
-        Self { bounds, cells, cell_size, per_unit, ahead }
+        let (cell_size, cells_per_unit) = (extent / count, count / extent);
+        let tables = DdaTables::new(&bounds, cells, cell_size, cells_per_unit);
+        Self { bounds, cells, cell_size, cells_per_unit, tables }
     }
 
     /// Cells along each axis without the border, at least one. They never change, since a march relies on
@@ -101,9 +103,9 @@ impl Lattice {
         self.cells
     }
 
-    /// The bounds as [`clip`](super::ray_aabb::clip) reads them.
-    pub(crate) fn slab(&self) -> &Slab {
-        &self.ahead.slab
+    /// The bounds as [`intersect_aabb`](super::ray_aabb::clip) reads them.
+    pub(crate) fn simd_bounds(&self) -> &SimdAabb {
+        &self.tables.simd_bounds
     }
 
     /// How many indices there are, those of the border included.
@@ -130,7 +132,7 @@ impl Lattice {
     }
 
     /// The indices of each row of cells along x, in ascending order.
-    pub fn rows(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
+    pub fn x_runs(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
         let [nx, ny, nz] = self.cells;
         let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| self.index([0, y, z])));
         starts.map(move |start| start..start + nx)
@@ -144,7 +146,7 @@ impl Lattice {
 
     /// A point in units of cells from the lattice's lower corner.
     pub fn to_cells(&self, point: DVec3) -> DVec3 {
-        (point - self.bounds.min) * self.per_unit
+        (point - self.bounds.min) * self.cells_per_unit
     }
 
     /// The cell along `axis` that holds a coordinate in units of cells; the nearest one for a

@@ -5,18 +5,18 @@ pub mod budget;
 mod build;
 pub mod cell_lists;
 mod cell_table;
-mod cells;
+mod cell_contents;
 pub mod dda;
 pub(crate) mod dda4;
 pub mod filter;
 mod fitting;
-mod fixed_point;
+mod fixed_t;
 mod lattice;
 pub mod options;
 mod prim_set;
 mod query;
 pub(crate) mod ray_aabb;
-pub mod stream;
+pub mod packet;
 mod traverse;
 pub mod triangle8;
 pub mod voxelize;
@@ -27,14 +27,14 @@ use crate::math::instructions::Portable;
 use crate::math::ray::{Hit, Ray};
 use crate::stats::Probe;
 use crate::world::World;
-pub use build::Size;
-use build::Structure;
+use build::AccelerationStructure;
+pub use build::StructureSize;
 use cell_lists::GridTooLarge;
 use glam::DVec2;
 pub use lattice::Lattice;
 use options::GridOptions;
-use query::Search;
-use traverse::{Approach, Nest};
+use query::RayQuery;
+use traverse::{Entry, TraversalKernel};
 
 pub use crate::math::instructions::Instructions;
 
@@ -45,7 +45,7 @@ pub struct Caster<'w> {
     pub world: &'w World,
     instructions: Instructions,
     /// What everything finite lies in; none where nothing is finite.
-    structure: Option<Structure>,
+    structure: Option<AccelerationStructure>,
 }
 
 impl<'w> Caster<'w> {
@@ -62,23 +62,23 @@ impl<'w> Caster<'w> {
         instructions: Instructions,
     ) -> Result<Self, GridTooLarge> {
         let finite = world.finite_count() > 0;
-        let structure = finite.then(|| Structure::new(world, options)).transpose()?;
+        let structure = finite.then(|| AccelerationStructure::new(world, options)).transpose()?;
         Ok(Self { world, instructions, structure })
     }
 
     /// Whether a ray meets but a few of the primitives.
     pub fn has_grid(&self) -> bool {
-        self.structure.as_ref().is_some_and(|structure| structure.words.is_some())
+        self.structure.as_ref().is_some_and(|structure| structure.table.is_some())
     }
 
     /// The cells along each axis of its grid, which may be fewer than those of an automatic one's options.
     pub fn cells(&self) -> Option<[usize; 3]> {
-        Some(self.structure.as_ref()?.words.as_ref()?.lattice().cells())
+        Some(self.structure.as_ref()?.table.as_ref()?.lattice().cells())
     }
 
     /// How large what the rays are cast into is, for tests.
-    pub fn size(&self) -> Size {
-        self.structure.as_ref().map_or(Size::default(), Structure::size)
+    pub fn size(&self) -> StructureSize {
+        self.structure.as_ref().map_or(StructureSize::default(), AccelerationStructure::size)
     }
 
     /// The nearest hit on the ray.
@@ -91,10 +91,10 @@ impl<'w> Caster<'w> {
     /// to know it: not less than the right one, and more by some roundings of single precision at most.
     /// For who looks at the triangle anyway, such as [`World::surface`].
     ///
-    /// `leaving` is the triangle that the ray starts at and does not meet again, so that need not be found out.
+    /// `exclude` is the triangle that the ray starts at and does not meet again, so that need not be found out.
     #[inline]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
-        self.run::<P, false>(ray, leaving, probe)
+    pub fn nearest<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> Option<Hit> {
+        self.run::<P, false>(ray, exclude, probe)
     }
 
     /// Whether anything stands on the ray.
@@ -105,57 +105,57 @@ impl<'w> Caster<'w> {
 
     /// The same for a ray that leaves a triangle, as for [`nearest`](Self::nearest).
     #[inline]
-    pub fn any_from<P: Probe>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> bool {
+    pub fn any_from<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> bool {
         if P::COUNTS {
             // The course's program looks for the nearest hit also where any would do.
-            return self.nearest(ray, leaving, probe).is_some();
+            return self.nearest(ray, exclude, probe).is_some();
         }
-        self.run::<P, true>(ray, leaving, probe).is_some()
+        self.run::<P, true>(ray, exclude, probe).is_some()
     }
 
     #[inline(always)]
-    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaving: Option<u32>, probe: &mut P) -> Option<Hit> {
-        let leaving = leaving.unwrap_or(triangle8::NONE);
+    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> Option<Hit> {
+        let exclude = exclude.unwrap_or(triangle8::NONE);
         let hit = match self.instructions {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2(avx2) => {
                 let [a, b, c, d] = ray.pairs();
                 // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaving, probe) }
+                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, exclude, probe) }
             }
-            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, leaving, probe),
+            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, exclude, probe),
         };
         (hit.primitive != triangle8::NONE).then_some(hit)
     }
 
     /// The best hit, of [`triangle8::NONE`] where there is none: unlike an option it is returned in registers.
     #[inline(always)]
-    fn run_with<K: Nest, P: Probe, const ANY: bool>(
+    fn run_with<K: TraversalKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         ray: Ray,
-        leaving: u32,
+        exclude: u32,
         probe: &mut P,
     ) -> Hit {
-        let approach = match &self.structure {
-            Some(structure) => structure.approach::<K::Four>(kernel, &ray, ray.t_max),
-            None => Approach::Misses,
+        let ray_entry = match &self.structure {
+            Some(structure) => structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max),
+            None => Entry::Misses,
         };
         // Most of the rays that hit nothing have nothing else to do.
-        if !P::COUNTS && matches!(approach, Approach::Misses) && self.world.planes.is_empty() {
+        if !P::COUNTS && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
             return Hit { t: ray.t_max, primitive: triangle8::NONE };
         }
         // For what is called out of line. All else takes `ray` itself, which stays in registers.
         let stored = ray;
-        let mut search = Search::new(self.world, &stored, leaving);
-        search.test_planes(&ray, probe);
-        if ANY && search.hit().is_some() {
-            return search.best;
+        let mut query = RayQuery::new(self.world, &stored, exclude);
+        query.test_planes(&ray, probe);
+        if ANY && query.hit().is_some() {
+            return query.best;
         }
         if let Some(structure) = &self.structure {
-            structure.run::<K, P, ANY>(kernel, &approach, &mut search, probe);
+            structure.run::<K, P, ANY>(kernel, &ray_entry, &mut query, probe);
         }
-        search.best
+        query.best
     }
 }
 
@@ -171,8 +171,8 @@ fn run_avx2<P: Probe, const ANY: bool>(
     b: DVec2,
     c: DVec2,
     d: DVec2,
-    leaving: u32,
+    exclude: u32,
     probe: &mut P,
 ) -> Hit {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaving, probe)
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), exclude, probe)
 }

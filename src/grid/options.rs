@@ -10,10 +10,10 @@ pub enum CellRule {
     /// Those it touches.
     Exact,
     /// Those it touches, in a grid that is no finer than a bound on its size allows, in which a cell with
-    /// more than `crowd` primitives is cut into cells of its own where these separate them.
+    /// more than `max_per_cell` primitives is cut into cells of its own where these separate them.
     Nested {
         /// More primitives than this in a cell are a crowd.
-        crowd: usize,
+        max_per_cell: usize,
     },
     /// Those that the course's program enters it in, for counters that compare with the course's.
     Course {
@@ -44,7 +44,7 @@ impl GridOptions {
     pub fn automatic(world: &World, rays: usize) -> Self {
         let count = world.finite_count();
         let cells = Resolution::Auto.cells(&world.bounds, count, rays);
-        Self { cells: Some(cells), rule: CellRule::Nested { crowd: crowd(count, rays) } }
+        Self { cells: Some(cells), rule: CellRule::Nested { max_per_cell: max_per_cell(count, rays) } }
     }
 
     /// What is asked for, in a world for about so many rays; with cells entered as the course's program enters
@@ -77,11 +77,11 @@ impl Resolution {
     /// Many rays through many primitives want few cells, which are crowded and cut again, each to fit
     /// what it holds: at 2.5 million rays are 24 to 46% faster, and building takes 1.5 to 2.3 times as long.
     pub fn cells(self, bounds: &Aabb, count: usize, rays: usize) -> [usize; 3] {
-        const MANY: usize = 200_000;
+        const MANY_BLOCKS: usize = 200_000;
         let per_primitive = match self {
             Self::Cells(cells) => return cells,
             Self::Auto if rays < MANY_RAYS * count => 0.4,
-            Self::Auto if count < MANY => 1.0,
+            Self::Auto if count < MANY_BLOCKS => 1.0,
             Self::Auto => 1.0 / 1024.0,
         };
         cubic(bounds, per_primitive * count as f64)
@@ -95,7 +95,7 @@ const MANY_RAYS: usize = 8;
 ///
 /// 96 is five times what the cells of an even mesh of 40,000 hold that hold any. Where few rays come,
 /// only a cell is cut that would take each of them microseconds.
-fn crowd(count: usize, rays: usize) -> usize {
+fn max_per_cell(count: usize, rays: usize) -> usize {
     if rays < MANY_RAYS * count { 2048 } else { 96 }
 }
 
@@ -156,7 +156,7 @@ mod tests {
     fn eight_rays_for_each_primitive_are_many() {
         assert_eq!(auto(DVec3::ONE, 2160, 8 * 2160 - 1), [10; 3]);
         assert_eq!(auto(DVec3::ONE, 2197, 8 * 2197), [13; 3]);
-        assert!(crowd(1000, 7999) > crowd(1000, 8000));
+        assert!(max_per_cell(1000, 7999) > max_per_cell(1000, 8000));
     }
 
     #[test]
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn few_rays_want_few_grids_within_grids() {
-        assert!(crowd(1_000_000, 1_000_000) > crowd(1_000_000, 100_000_000));
+        assert!(max_per_cell(1_000_000, 1_000_000) > max_per_cell(1_000_000, 100_000_000));
     }
 
     #[test]

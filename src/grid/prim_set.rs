@@ -4,17 +4,17 @@ use crate::world::World;
 
 /// Finite primitives of a world, counted from 0 in the order of their numbers.
 #[derive(Debug)]
-pub enum Items {
+pub enum PrimSet {
     All,
     /// Those of these numbers, which ascend.
-    These(Vec<u32>),
+    Subset(Vec<u32>),
 }
 
-impl Items {
+impl PrimSet {
     pub fn count(&self, world: &World) -> usize {
         match self {
             Self::All => world.finite_count(),
-            Self::These(numbers) => numbers.len(),
+            Self::Subset(ids) => ids.len(),
         }
     }
 
@@ -23,16 +23,16 @@ impl Items {
         let all = world.triangles.len();
         match self {
             Self::All => all,
-            Self::These(numbers) => numbers.partition_point(|&number| (number as usize) < all),
+            Self::Subset(ids) => ids.partition_point(|&id| (id as usize) < all),
         }
     }
 
     /// The number in the world of the i-th.
     #[inline]
-    pub fn number(&self, i: usize) -> u32 {
+    pub fn id(&self, i: usize) -> u32 {
         match self {
             Self::All => i as u32,
-            Self::These(numbers) => numbers[i],
+            Self::Subset(ids) => ids[i],
         }
     }
 }

@@ -1,145 +1,172 @@
 //! A ray's way through a structure: its cells in order, and grids within cells, until no nearer hit can
 //! follow.
 
-use super::build::Structure;
-use super::cell_table::{BORDER, EMPTY, Walk};
-use super::cells::{Cells, NESTED};
+use super::build::AccelerationStructure;
+use super::cell_contents::{CellContents, NESTED};
+use super::cell_table::{BORDER, CellCursor, EMPTY};
 use super::filter::Kernel;
-use super::query::{Filtered, Search};
+use super::query::{FilterState, RayQuery};
 use super::triangle8::Block;
-use crate::grid::ray_aabb::{Passage, clip};
-use crate::math::four::Four;
+use crate::grid::ray_aabb::{RayInterval, intersect_aabb};
+use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
-use crate::math::packet::Along;
 use crate::math::ray::Ray;
+use crate::math::ray_lanes::RayLanes;
 use crate::stats::Probe;
 
 /// A kernel that can search structures within structures. A function searches one of them and is
 /// called for each that a ray meets, so that the common case, a grid with nothing nested, keeps its
 /// registers.
-pub(crate) trait Nest: Kernel {
-    fn search<P: Probe, const ANY: bool>(self, structure: &Structure, search: &mut Search, probe: &mut P);
+pub(crate) trait TraversalKernel: Kernel {
+    fn traverse<P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        query: &mut RayQuery,
+        probe: &mut P,
+    );
 }
 
-impl Nest for Portable {
+impl TraversalKernel for Portable {
     #[inline(never)]
-    fn search<P: Probe, const ANY: bool>(self, structure: &Structure, search: &mut Search, probe: &mut P) {
-        structure.search::<_, P, ANY>(self, search, probe);
+    fn traverse<P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
+        structure.traverse::<_, P, ANY>(self, query, probe);
     }
 }
 
 #[cfg(target_arch = "x86_64")]
-impl Nest for Avx2 {
+impl TraversalKernel for Avx2 {
     #[inline(always)]
-    fn search<P: Probe, const ANY: bool>(self, structure: &Structure, search: &mut Search, probe: &mut P) {
+    fn traverse<P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { search_avx2::<P, ANY>(self, structure, search, probe) }
+        unsafe { traverse_avx2::<P, ANY>(self, structure, query, probe) }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn search_avx2<P: Probe, const ANY: bool>(
+fn traverse_avx2<P: Probe, const ANY: bool>(
     avx2: Avx2,
-    structure: &Structure,
-    search: &mut Search,
+    structure: &AccelerationStructure,
+    query: &mut RayQuery,
     probe: &mut P,
 ) {
-    structure.search::<_, P, ANY>(avx2, search, probe);
+    structure.traverse::<_, P, ANY>(avx2, query, probe);
 }
 
 /// How a ray comes upon a structure.
 #[derive(Clone, Copy, Debug)]
-pub enum Approach<F> {
+pub enum Entry<F> {
     Misses,
-    Passes(Passage<F>),
+    Passes(RayInterval<F>),
     /// From so far that the proofs of filter and march do not hold.
     TooFar,
 }
 
-impl Structure {
+impl AccelerationStructure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
-    fn search<K: Nest, P: Probe, const ANY: bool>(&self, kernel: K, search: &mut Search, probe: &mut P) {
-        let approach = self.approach::<K::Four>(kernel, search.ray, search.best.t);
-        self.run::<K, P, ANY>(kernel, &approach, search, probe);
+    fn traverse<K: TraversalKernel, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
+        let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t);
+        self.run::<K, P, ANY>(kernel, &ray_entry, query, probe);
     }
 
     /// How the ray, as far as `last`, comes upon the structure.
     #[inline(always)]
-    pub fn approach<F: Four>(&self, proof: F::Proof, ray: &Ray, last: f64) -> Approach<F> {
-        let along = Along::<F>::all_axes(proof, ray);
-        if !self.is_near::<F>(proof, ray) {
-            return Approach::TooFar;
+    pub fn ray_entry<F: F64x4>(&self, proof: F::Proof, ray: &Ray, last: f64) -> Entry<F> {
+        let ray_lanes = RayLanes::<F>::all_axes(proof, ray);
+        if !self.is_in_proven_range::<F>(proof, ray) {
+            return Entry::TooFar;
         }
-        clip(&self.slab, along, ray.t_min, last).map_or(Approach::Misses, Approach::Passes)
+        intersect_aabb(&self.simd_bounds, ray_lanes, ray.t_min, last).map_or(Entry::Misses, Entry::Passes)
     }
 
-    /// The same as [`search`](Self::search), for a search whose ray has this approach.
+    /// The same as [`query`](Self::search), for a search whose ray has this approach.
     #[inline(always)]
-    pub fn run<K: Nest, P: Probe, const ANY: bool>(
+    pub fn run<K: TraversalKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
-        approach: &Approach<K::Four>,
-        search: &mut Search,
+        ray_entry: &Entry<K::F64x4>,
+        query: &mut RayQuery,
         probe: &mut P,
     ) {
-        let passage = match approach {
-            Approach::TooFar => return self.run_all::<P, ANY>(search, probe),
-            Approach::Passes(passage) if passage.entry <= search.best.t => *passage,
+        let interval = match ray_entry {
+            Entry::TooFar => return self.run_all::<P, ANY>(query, probe),
+            Entry::Passes(interval) if interval.entry <= query.best.t => *interval,
             _ => {
                 // The course's program tests everything; what is outside the box misses.
-                let untested = if self.words.is_none() { self.items.count(search.world) } else { 0 };
+                let untested = if self.table.is_none() { self.prims.count(query.world) } else { 0 };
                 return probe.intersections(untested);
             }
         };
         let blocks = self.cells.blocks.as_slice();
-        let mut filtered = Filtered::on(&passage, &self.cells.frame, search.best.t);
-        match &self.words {
-            Some(words) => {
-                self.march::<K, P, ANY>(kernel, words.walk(&passage), blocks, &mut filtered, search, probe);
+        let mut filter_state = FilterState::on(&interval, &self.cells.frame, query.best.t);
+        match &self.table {
+            Some(table) => {
+                self.traverse_cells::<K, P, ANY>(
+                    kernel,
+                    table.cursor(&interval),
+                    blocks,
+                    &mut filter_state,
+                    query,
+                    probe,
+                );
             }
             None => {
-                search.test_cell::<K, P, ANY>(kernel, &self.cells, blocks, &mut filtered, probe);
+                query.test_cell::<K, P, ANY>(kernel, &self.cells, blocks, &mut filter_state, probe);
             }
         }
     }
 
     /// Whether the proofs of filter and march hold for the ray; not for one with a NaN.
     #[inline(always)]
-    fn is_near<F: Four>(&self, proof: F::Proof, ray: &Ray) -> bool {
+    fn is_in_proven_range<F: F64x4>(&self, proof: F::Proof, ray: &Ray) -> bool {
         let o = ray.origin;
         let from_middle = F::new(proof, [o.x, o.y, o.z, 0.0]) - F::new(proof, self.cells.frame.center);
-        from_middle.abs().greatest() <= self.farthest
+        from_middle.abs().max3() <= self.max_origin_distance
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    pub fn march<K: Nest, P: Probe, const ANY: bool>(
+    pub fn traverse_cells<K: TraversalKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
-        mut walk: Walk,
+        mut cursor: CellCursor,
         blocks: &[Block],
-        filtered: &mut Filtered,
-        search: &mut Search,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
         probe: &mut P,
     ) {
-        let mut last_tick = walk.tick(search.best.t);
+        let mut last_t = cursor.fixed_t(query.best.t);
         loop {
             if !P::COUNTS {
-                walk.skip();
+                cursor.skip();
             }
-            let word = walk.word();
-            if word != EMPTY {
+            let entry = cursor.entry();
+            if entry != EMPTY {
                 unlikely();
-                let changed = if word < NESTED {
-                    let own = Cells::blocks_of(blocks, word);
-                    search.test_cell::<K, P, ANY>(kernel, &self.cells, own, filtered, probe)
-                } else if word != BORDER {
-                    self.test_nested::<K, P, ANY>(kernel, word, filtered, search, probe)
+                let changed = if entry < NESTED {
+                    let own = CellContents::blocks_of(blocks, entry);
+                    query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe)
+                } else if entry != BORDER {
+                    self.test_nested::<K, P, ANY>(kernel, entry, filter_state, query, probe)
                 } else {
                     return;
                 };
@@ -147,13 +174,13 @@ impl Structure {
                     if ANY {
                         return;
                     }
-                    last_tick = walk.tick(search.best.t);
+                    last_t = cursor.fixed_t(query.best.t);
                 }
             }
-            if last_tick <= walk.exit() {
+            if last_t <= cursor.exit() {
                 return;
             }
-            let stays = walk.step();
+            let stays = cursor.step();
             if P::COUNTS {
                 (stays.count_ones()..3).for_each(|_| probe.cell());
             }
@@ -162,36 +189,36 @@ impl Structure {
 
     /// Searches what a word names; says whether the best hit changed.
     #[inline(always)]
-    fn test_nested<K: Nest, P: Probe, const ANY: bool>(
+    fn test_nested<K: TraversalKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
-        word: u32,
-        filtered: &mut Filtered,
-        search: &mut Search,
+        entry: u32,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
-        let before = search.best;
-        let crowd = &self.nested[(word - NESTED) as usize];
-        for structure in crowd.wide.iter().chain([&crowd.fine]) {
-            kernel.search::<P, ANY>(structure, search, probe);
-            if ANY && search.best != before {
+        let before = query.best;
+        let nested = &self.nested[(entry - NESTED) as usize];
+        for structure in nested.spanning.iter().chain([&nested.grid]) {
+            kernel.traverse::<P, ANY>(structure, query, probe);
+            if ANY && query.best != before {
                 return true;
             }
         }
-        filtered.cut(search.best.t);
-        search.best != before
+        filter_state.shorten(query.best.t);
+        query.best != before
     }
 
     /// Without filter and march: every primitive by itself, unless the ray surely misses them all.
     #[cold]
-    fn run_all<P: Probe, const ANY: bool>(&self, search: &mut Search, probe: &mut P) {
-        let count = self.items.count(search.world);
-        if self.slab.is_surely_missed(search.ray) {
+    fn run_all<P: Probe, const ANY: bool>(&self, query: &mut RayQuery, probe: &mut P) {
+        let count = self.prims.count(query.world);
+        if self.simd_bounds.is_surely_missed(query.ray) {
             return probe.intersections(count);
         }
         for i in 0..count {
             probe.intersections(1);
-            if search.test(self.items.number(i)) && ANY {
+            if query.test(self.prims.id(i)) && ANY {
                 return;
             }
         }

@@ -1,7 +1,7 @@
 //! Triangles as the filter wants them: eight side by side, in single precision around one centre.
 
 use crate::math::aabb::Aabb;
-use crate::math::extremes::{box_corners, greater, greatest};
+use crate::math::extremes::{box_corners, max, max3};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -24,11 +24,11 @@ pub struct Block {
     /// The edges' cross product.
     pub normal: [[f32; LANES]; 3],
     /// How far the filter may be off for these triangles.
-    pub slack: Slack,
+    pub error_bounds: FilterErrorBounds,
     /// The triangles' numbers in their world; [`NONE`] in an empty lane.
-    pub numbers: [u32; LANES],
+    pub ids: [u32; LANES],
     /// In a cell's last block: where in the list of what is no triangle the cell's own begin and end.
-    pub others: [u32; 2],
+    pub non_triangles: [u32; 2],
     /// In a cell's first block: how many there are.
     pub count: u32,
     /// The rest of the last cache line.
@@ -38,17 +38,17 @@ pub struct Block {
 impl Block {
     /// Fills a block of zeros with the triangles of these numbers, which end at the first [`NONE`].
     /// `all_within` says that the frame's box holds them all.
-    pub fn fill(&mut self, world: &World, frame: &Frame, all_within: bool, numbers: &[u32; LANES]) {
-        self.numbers = *numbers;
+    pub fn fill(&mut self, world: &World, frame: &Frame, all_within: bool, ids: &[u32; LANES]) {
+        self.ids = *ids;
         self.corner = [[f32::NAN; LANES]; 3];
-        let mut farthest = 1.0;
-        let used = numbers.iter().take_while(|&&number| number != NONE);
-        for (lane, &number) in used.enumerate() {
-            let corners = world.corners(number as usize);
-            let reach = if all_within { 1.0 } else { frame.reach(corners) };
-            if reach <= FARTHEST_CORNER {
+        let mut max_abs_coord_of_lanes = 1.0;
+        let used = ids.iter().take_while(|&&id| id != NONE);
+        for (lane, &id) in used.enumerate() {
+            let corners = world.corners(id as usize);
+            let max_abs_coord = if all_within { 1.0 } else { frame.max_abs_coord(corners) };
+            if max_abs_coord <= MAX_CORNER_COORD {
                 self.set(lane, frame, corners);
-                farthest = f64::max(farthest, reach);
+                max_abs_coord_of_lanes = f64::max(max_abs_coord_of_lanes, max_abs_coord);
             } else {
                 // All zeros: the filter never rejects it, nor is ever certain of it.
                 self.corner.iter_mut().for_each(|row| row[lane] = 0.0);
@@ -57,10 +57,10 @@ impl Block {
         // Straight through all lanes, since an empty one's edges are 0.
         let mut longest = [0.0f32; LANES];
         for row in self.edges.as_flattened() {
-            longest = std::array::from_fn(|lane| greater(longest[lane], row[lane].abs()));
+            longest = std::array::from_fn(|lane| max(longest[lane], row[lane].abs()));
         }
-        let longest = longest.into_iter().fold(0.0, greater);
-        self.slack = Slack::of(longest, farthest);
+        let longest = longest.into_iter().fold(0.0, max);
+        self.error_bounds = FilterErrorBounds::of(longest, max_abs_coord_of_lanes);
     }
 
     #[inline(always)]
@@ -79,13 +79,13 @@ impl Block {
 
 /// No corner in a block has a larger coordinate. In the frame of a grid within a cell a triangle may
 /// reach far out; one that reaches farther is left open, for the sake of its neighbours' error bounds.
-const FARTHEST_CORNER: f64 = 4.0;
+const MAX_CORNER_COORD: f64 = 4.0;
 
 /// How far below zero the filter's quantities may come out for the triangles of one block where in truth
 /// they are not negative: minus the error bounds that are derived in [`super::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Slack {
+pub struct FilterErrorBounds {
     /// u, v and w.
     pub edge: f32,
     /// n.s - t det.
@@ -104,13 +104,13 @@ const DEPTH_ROUNDINGS: f32 = 113.5;
 /// More than all that single precision loses where its products underflow, less than 2^-144.
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
-impl Slack {
-    /// `longest` is b, the largest absolute coordinate of the block's edges, and `farthest` that of its
+impl FilterErrorBounds {
+    /// `longest` is b, the largest absolute coordinate of the block's edges, and `max_abs_coord_of_lanes` that of its
     /// corners, from which c follows: a power of two, so that a division by it rounds nothing.
-    pub fn of(longest: f32, farthest: f64) -> Self {
+    pub fn of(longest: f32, max_abs_coord_of_lanes: f64) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
         let mut corner = 1.0;
-        while f64::from(corner) < farthest {
+        while f64::from(corner) < max_abs_coord_of_lanes {
             corner *= 2.0;
         }
         let edge = EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest;
@@ -136,9 +136,9 @@ impl Frame {
     /// Of a box that is not empty.
     pub fn new(bounds: &Aabb) -> Self {
         let center = 0.5 * (bounds.min + bounds.max);
-        let reach = (bounds.max - center).max(center - bounds.min).max_element();
+        let max_abs_coord = (bounds.max - center).max(center - bounds.min).max_element();
         // 2^-e for the least 2^e above the reach.
-        let exponent = libm::frexp(reach).1;
+        let exponent = libm::frexp(max_abs_coord).1;
         Self {
             center: [center.x, center.y, center.z, 0.0],
             scale: libm::ldexp(1.0, -exponent),
@@ -153,9 +153,9 @@ impl Frame {
     }
 
     /// The largest absolute coordinate of three corners.
-    fn reach(&self, [a, b, c]: [DVec3; 3]) -> f64 {
+    fn max_abs_coord(&self, [a, b, c]: [DVec3; 3]) -> f64 {
         let points = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
-        greatest(box_corners(points)[1].to_array())
+        max3(box_corners(points)[1].to_array())
     }
 
     /// A point in these coordinates.

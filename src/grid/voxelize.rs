@@ -4,55 +4,60 @@ use super::Lattice;
 use super::budget::TouchedCells;
 use super::cell_lists::GridTooLarge;
 use crate::math::aabb::Aabb;
-use crate::math::extremes::{box_corners, greatest, least};
+use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
-/// Appends the index of every cell that the box, widened by `slack` cells, touches.
+/// Appends the index of every cell that the box, widened by `padding` cells, touches.
 pub fn of_box(
     lattice: &Lattice,
     bounds: &Aabb,
-    slack: f64,
+    padding: f64,
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
-    let range = Range::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), slack);
+    let range = Range::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
     range.enter_met(lattice, out, |_| true)
 }
 
 /// Appends the index of every cell whose centre lies within the radius and half the cell's diagonal
-/// of the centre, each cell widened by `slack` cells: the course's rule for spheres. Every cell that
+/// of the centre, each cell widened by `padding` cells: the course's rule for spheres. Every cell that
 /// the ball touches is among them.
 pub fn of_ball_by_centers(
     lattice: &Lattice,
     center: DVec3,
     radius: f64,
-    slack: f64,
+    padding: f64,
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let size = lattice.cell_size;
-    let reach = radius + (0.5 + slack) * size.length();
-    let range = Range::new(lattice, lattice.to_cells(center - reach), lattice.to_cells(center + reach), 0.0);
+    let radius_bound = radius + (0.5 + padding) * size.length();
+    let range = Range::new(
+        lattice,
+        lattice.to_cells(center - radius_bound),
+        lattice.to_cells(center + radius_bound),
+        0.0,
+    );
     range.enter_met(lattice, out, |cell| {
         let middle = lattice.bounds.min + (cell + 0.5) * size;
-        middle.distance(center) <= reach
+        middle.distance(center) <= radius_bound
     })
 }
 
-/// Appends the index of every cell that the sphere's surface touches, each cell widened by `slack`
+/// Appends the index of every cell that the sphere's surface touches, each cell widened by `padding`
 /// cells. Cells within the sphere are left out: no ray hits it there.
 pub fn of_sphere(
     lattice: &Lattice,
     center: DVec3,
     radius: f64,
-    slack: f64,
+    padding: f64,
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let (middle, size) = (lattice.to_cells(center), lattice.cell_size);
     let range =
-        Range::new(lattice, lattice.to_cells(center - radius), lattice.to_cells(center + radius), slack);
+        Range::new(lattice, lattice.to_cells(center - radius), lattice.to_cells(center + radius), padding);
     let square = radius * radius;
     range.enter_met(lattice, out, |cell| {
-        let (low, high) = (cell - slack, cell + (1.0 + slack));
+        let (low, high) = (cell - padding, cell + (1.0 + padding));
         let nearest = (middle - middle.clamp(low, high)) * size;
         let farthest = (middle - low).abs().max((high - middle).abs()) * size;
         // The slack may vanish in the rounding of a radius that is large in cells.
@@ -61,20 +66,20 @@ pub fn of_sphere(
     })
 }
 
-/// Appends the index of every cell that the triangle touches, each cell widened by `slack` cells:
+/// Appends the index of every cell that the triangle touches, each cell widened by `padding` cells:
 /// the triangle's plane and its outline along each axis must meet the cell (Schwarz, Seidel, "Fast
 /// Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010).
 #[inline]
 pub fn of_triangle(
     lattice: &Lattice,
     corners: [DVec3; 3],
-    slack: f64,
+    padding: f64,
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     let v = corners.map(|p| lattice.to_cells(p));
     let [low, high] = box_corners(v);
-    let range = Range::new(lattice, low, high, slack);
-    let half = 0.5 + slack;
+    let range = Range::new(lattice, low, high, padding);
+    let half = 0.5 + padding;
     match range.spanned() {
         [true, true, true] => {
             let solid = Solid::new(v, half);
@@ -85,9 +90,9 @@ pub fn of_triangle(
         [false, true, true] => range.enter_layer(lattice, &Flat::<1, 2>::new(v, half), out),
         [true, false, true] => range.enter_layer(lattice, &Flat::<2, 0>::new(v, half), out),
         // A row of cells along one axis is touched as a whole.
-        [true, false, false] => range.enter_row(lattice, 0, out),
-        [false, true, false] => range.enter_row(lattice, 1, out),
-        [false, false, _] => range.enter_row(lattice, 2, out),
+        [true, false, false] => range.enter_x_run(lattice, 0, out),
+        [false, true, false] => range.enter_x_run(lattice, 1, out),
+        [false, false, _] => range.enter_x_run(lattice, 2, out),
     }
 }
 
@@ -98,13 +103,13 @@ struct Range {
 }
 
 impl Range {
-    /// Between two points in units of cells, widened by `slack` cells. Points outside the lattice
+    /// Between two points in units of cells, widened by `padding` cells. Points outside the lattice
     /// count as in its nearest cell.
     #[inline(always)]
-    fn new(lattice: &Lattice, low: DVec3, high: DVec3, slack: f64) -> Self {
+    fn new(lattice: &Lattice, low: DVec3, high: DVec3, padding: f64) -> Self {
         // The conversion cuts below at 0, and gives 0 for a NaN.
         let cell = |x: f64, axis: usize| (x as u32).min(lattice.cells()[axis] as u32 - 1);
-        let (low, high) = ((low - slack).to_array(), (high + slack).to_array());
+        let (low, high) = ((low - padding).to_array(), (high + padding).to_array());
         Self {
             low: [0, 1, 2].map(|axis| cell(low[axis], axis)),
             end: [0, 1, 2].map(|axis| cell(high[axis], axis) + 1),
@@ -120,18 +125,23 @@ impl Range {
     /// The index of the first cell.
     #[inline(always)]
     fn first(&self, lattice: &Lattice) -> u32 {
-        let [sx, sy, sz] = lattice.ahead.strides;
+        let [sx, sy, sz] = lattice.tables.strides;
         (self.low[0] + 1) * sx + (self.low[1] + 1) * sy + (self.low[2] + 1) * sz
     }
 
     /// Appends all cells, which stand in a row along one axis.
     #[inline(always)]
-    fn enter_row(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) -> Result<(), GridTooLarge> {
+    fn enter_x_run(
+        &self,
+        lattice: &Lattice,
+        axis: usize,
+        out: &mut TouchedCells,
+    ) -> Result<(), GridTooLarge> {
         let mut index = self.first(lattice);
         out.look_at(self.end[axis] - self.low[axis])?;
         for _ in self.low[axis]..self.end[axis] {
             out.push(index);
-            index += lattice.ahead.strides[axis];
+            index += lattice.tables.strides[axis];
         }
         Ok(())
     }
@@ -152,9 +162,9 @@ impl Range {
                 if outline.meets([u, v].map(|i| f64::from(i) + 0.5)) {
                     out.push(index);
                 }
-                index += lattice.ahead.strides[U];
+                index += lattice.tables.strides[U];
             }
-            start += lattice.ahead.strides[V];
+            start += lattice.tables.strides[V];
         }
         Ok(())
     }
@@ -208,7 +218,7 @@ impl<const U: usize, const V: usize> Flat<U, V> {
     /// Whether the cell around a centre, in units of cells, is met.
     #[inline(always)]
     fn meets(&self, [u, v]: [f64; 2]) -> bool {
-        least(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
+        min3(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
     }
 }
 
@@ -219,7 +229,7 @@ struct Solid {
     normal: DVec3,
     offset: f64,
     /// How far the plane may be from a cell's centre, scaled by the normal.
-    reach: f64,
+    radius_bound: f64,
     xy: Flat<0, 1>,
     yz: Flat<1, 2>,
     zx: Flat<2, 0>,
@@ -233,12 +243,12 @@ impl Solid {
         let normal = sides[0].cross(v[2] - v[0]);
         // A needle's normal is little but rounding, in proportion to its squared length, and may point
         // anywhere; over that length its plane is off by as much again times the length.
-        let length = greatest(box_corners(sides.map(DVec3::abs))[1].to_array());
+        let length = max3(box_corners(sides.map(DVec3::abs))[1].to_array());
         let rounding = PLANE_ROUNDINGS * UNIT_ROUNDOFF * length * length * length;
         Self {
             normal,
             offset: normal.dot(v[0]),
-            reach: half * normal.abs().element_sum() + rounding,
+            radius_bound: half * normal.abs().element_sum() + rounding,
             xy: Flat::new(v, half),
             yz: Flat::new(v, half),
             zx: Flat::new(v, half),
@@ -249,7 +259,7 @@ impl Solid {
     #[inline(always)]
     fn meets(&self, center: DVec3) -> bool {
         let [x, y, z] = center.to_array();
-        (self.normal.dot(center) - self.offset).abs() <= self.reach
+        (self.normal.dot(center) - self.offset).abs() <= self.radius_bound
             && self.xy.meets([x, y])
             && self.yz.meets([y, z])
             && self.zx.meets([z, x])

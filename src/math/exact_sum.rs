@@ -142,10 +142,10 @@ mod tests {
 
     #[test]
     fn the_smallest_and_the_largest_products_are_in_reach() {
-        let (least, most) = (f64::from_bits(1), f64::MAX);
-        assert_eq!(sum(&[[least; 3]]), Scaled { significand: 0.5, exponent: -3221 });
+        let (min3, most) = (f64::from_bits(1), f64::MAX);
+        assert_eq!(sum(&[[min3; 3]]), Scaled { significand: 0.5, exponent: -3221 });
         assert_eq!(sum(&[[-most; 3]]), Scaled { significand: -1.0 + 3.0 * 0.5f64.powi(53), exponent: 3072 });
-        let all = [[most; 3], [least; 3], [-most, most, most], [least, -least, least], [least; 3]];
+        let all = [[most; 3], [min3; 3], [-most, most, most], [min3, -min3, min3], [min3; 3]];
         assert_eq!(sum(&all), Scaled { significand: 0.5, exponent: -3221 });
     }
 

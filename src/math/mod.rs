@@ -4,13 +4,13 @@ pub mod aabb;
 pub mod double_double;
 pub(crate) mod exact_sum;
 pub mod extremes;
-pub(crate) mod four;
+pub(crate) mod f64x4;
 pub mod instructions;
-pub(crate) mod packet;
+pub(crate) mod ray_lanes;
 pub mod predicate;
 pub(crate) mod prefetch;
 pub mod ray;
 pub mod robust;
 pub mod scaled;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod wide;
+pub(crate) mod avx;

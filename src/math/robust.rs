@@ -13,14 +13,14 @@ const OFFSET_ROUNDINGS: f64 = 32.0;
 /// surface it leaves nor skips what stands close by.
 ///
 /// A point computed on a surface is off it by a few roundings of its coordinates and of those of
-/// the primitives around it, the largest of which is `reach`. `OFFSET_ROUNDINGS` cover both that error
+/// the primitives around it, the largest of which is `max_abs_coord`. `OFFSET_ROUNDINGS` cover both that error
 /// and the intersection test's own (`proofs/offset.g`): measured 0 false and 0 missed shadows at scales 1e-6 to 1e6.
 ///
 /// The point moves that far from the surface along the direction, so that it stays on its line and
 /// a path's error does not grow with its bounces; along the normal where that would be a long way.
-pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, reach: f64) -> DVec3 {
+pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, max_abs_coord: f64) -> DVec3 {
     const STEEP: f64 = 0.25;
-    let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * (point.abs().max_element() + reach);
+    let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * (point.abs().max_element() + max_abs_coord);
     let slope = direction.dot(unit_normal);
     if slope.abs() > STEEP {
         return point + (distance / slope.abs()) * direction;
@@ -195,11 +195,11 @@ mod tests {
     #[test]
     fn an_offset_leaves_the_surface_by_its_roundings_on_every_way() {
         for far in [1.0, 1e6] {
-            let (p, reach) = (far * DVec3::new(1.0, 2.0, -3.0), far * 4.0);
+            let (p, max_abs_coord) = (far * DVec3::new(1.0, 2.0, -3.0), far * 4.0);
             let expected = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * far * (3.0 + 4.0);
             for slope in [1.0, 0.6, 0.3, 0.2, 1e-9, -1e-9, -0.2, -0.3, -0.6, -1.0] {
                 let direction = DVec3::new(f64::sqrt(1.0 - slope * slope), slope, 0.0);
-                let off = offset_origin(p, DVec3::Y, direction, reach) - p;
+                let off = offset_origin(p, DVec3::Y, direction, max_abs_coord) - p;
                 let away = off.y * slope.signum();
                 assert!((away / expected - 1.0).abs() < 0.1, "{far} {slope}: {away} {expected}");
                 // Along the direction, so that the ray stays on its line, unless that is a long way.
@@ -215,8 +215,8 @@ mod tests {
         let linear = DMat3::from_cols_array(&[1e17, 1.0, 0.5, 3.0, 1e17, -1e16, -1e17, -1e17, 1e16]);
         let map = DAffine3 { matrix3: linear, translation: DVec3::new(7.0, 0.25, -2.0) };
         let exact = |row: DVec3, shift: f64| {
-            let whole = |x: f64| (x * 4.0) as i128;
-            (whole(row.x) + whole(row.y) + whole(row.z) + whole(shift)) as f64 / 4.0
+            let to_i32 = |x: f64| (x * 4.0) as i128;
+            (to_i32(row.x) + to_i32(row.y) + to_i32(row.z) + to_i32(shift)) as f64 / 4.0
         };
         let rows = map.matrix3.transpose();
         let expected =

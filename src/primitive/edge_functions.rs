@@ -3,7 +3,7 @@
 //! The vertices are sheared: the ray is the z axis, and x and y are a vertex' distance from it. They, and what
 //! is computed of them, are double precision.
 
-use crate::math::extremes::{greatest, least};
+use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub enum Sides {
 /// On which sides of a triangle's edges the ray lies that has these edge functions for these sheared vertices.
 #[inline(always)]
 pub fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
-    let (lowest, highest) = (least(edge_functions), greatest(edge_functions));
+    let (lowest, highest) = (min3(edge_functions), max3(edge_functions));
     let error_bound = edge_error_bound(sheared);
     if lowest < -error_bound && highest > error_bound {
         Sides::Outside
@@ -53,10 +53,10 @@ pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 /// long before they do, or what is computed of them.
 #[inline(always)]
 pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
-    let largest = |p: f64, q: f64, r: f64| greatest([p.abs(), q.abs(), r.abs()]);
+    let largest = |p: f64, q: f64, r: f64| max3([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
-    let reach = across + largest(a.z, b.z, c.z);
-    let square = HUGE * reach * (across + SHEAR_ROUNDINGS * UNIT_ROUNDOFF * reach);
+    let extent = across + largest(a.z, b.z, c.z);
+    let square = HUGE * extent * (across + SHEAR_ROUNDINGS * UNIT_ROUNDOFF * extent);
     EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * square + LEAST_EDGE_BOUND
 }
 
@@ -88,7 +88,7 @@ const fn power_of_two(exponent: i64) -> f64 {
 #[inline(always)]
 pub fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
     // By axis: the vectors' own selections share registers, and become four times as many steps.
-    let extent = |p: f64, q: f64, r: f64| greatest([p, q, r]) - least([p, q, r]);
+    let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
 }
 
@@ -113,9 +113,15 @@ mod tests {
 
     #[test]
     fn a_doubt_about_any_edge_is_a_doubt() {
-        let doubt = 0.5 * edge_error_bound(CORNERS);
+        let half_error_bound = 0.5 * edge_error_bound(CORNERS);
         for k in 0..3 {
-            for (sign, unclear) in [(1.0, doubt), (1.0, -doubt), (-1.0, doubt), (-1.0, -doubt), (1.0, 0.0)] {
+            for (sign, unclear) in [
+                (1.0, half_error_bound),
+                (1.0, -half_error_bound),
+                (-1.0, half_error_bound),
+                (-1.0, -half_error_bound),
+                (1.0, 0.0),
+            ] {
                 let mut found = [sign; 3];
                 found[k] = unclear;
                 assert_eq!(sides(found, CORNERS), Sides::Unsure, "{found:?}");
@@ -128,8 +134,8 @@ mod tests {
         let u = UNIT_ROUNDOFF;
         for far in [1e-20, 1.0, 1e6, 1e60] {
             for (x, y, z) in [(1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (1e-17, 1e-16, 1.0), (3.0, 1.0, 0.0)] {
-                let (across, reach) = (far * (x + y), far * (x + y + z));
-                let expected = EDGE_ROUNDINGS * u * reach * (across + SHEAR_ROUNDINGS * u * reach);
+                let (across, extent) = (far * (x + y), far * (x + y + z));
+                let expected = EDGE_ROUNDINGS * u * extent * (across + SHEAR_ROUNDINGS * u * extent);
                 let corners = [DVec3::new(-x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), DVec3::new(0.0, 0.0, -z)];
                 let found = edge_error_bound(corners.map(|v| far * v));
                 assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");

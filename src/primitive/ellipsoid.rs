@@ -33,8 +33,8 @@ impl Ellipsoid {
     /// The tight box: along each axis the ellipsoid reaches as far as its matrix' row is long.
     pub fn bounds(&self) -> Aabb {
         let rows = self.linear.transpose();
-        let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        Aabb { min: self.center - reach, max: self.center + reach }
+        let half_extents = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        Aabb { min: self.center - half_extents, max: self.center + half_extents }
     }
 
     /// The lengths of the half axes.

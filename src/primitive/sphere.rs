@@ -38,7 +38,7 @@ impl Sphere {
         let b = -from_center.dot(direction);
         let nearest = from_center + (b / a) * direction;
         let mut discriminant = self.radius * self.radius - nearest.length_squared();
-        if discriminant.abs() <= self.radius * self.discriminant_doubt(from_center) {
+        if discriminant.abs() <= self.radius * self.discriminant_error_bound(from_center) {
             discriminant = self.precise_discriminant(origin, direction);
         }
         if discriminant < 0.0 || discriminant.is_nan() {
@@ -51,7 +51,7 @@ impl Sphere {
     }
 
     /// Below this, times the radius, the discriminant may have lost more than half of its digits.
-    fn discriminant_doubt(&self, from_center: DVec3) -> f64 {
+    fn discriminant_error_bound(&self, from_center: DVec3) -> f64 {
         const CLOSE: f64 = 1.0 / (1 << 20) as f64;
         CLOSE * self.radius + 64.0 * UNIT_ROUNDOFF * from_center.abs().max_element()
     }

@@ -120,8 +120,8 @@ impl<'r> Shear<'r> {
         let t = volume(origin, vertices).over(projected_area(direction, vertices));
         // As the vertices' own t are rounded: so t is the same for triangles in one plane across an axis.
         let [p, q, r] = depths.map(|z| self.scale.z * z);
-        let (least, greatest) = (p.min(q).min(r), p.max(q).max(r));
-        let t = if least.is_finite() && greatest.is_finite() { t.max(least).min(greatest) } else { t };
+        let (min3, max3) = (p.min(q).min(r), p.max(q).max(r));
+        let t = if min3.is_finite() && max3.is_finite() { t.max(min3).min(max3) } else { t };
         t.is_finite().then_some(t)
     }
 

@@ -5,7 +5,7 @@
 
 use crate::grid::budget::{Budget, TouchedCells};
 use crate::grid::cell_lists::{GridTooLarge, filled_with};
-use crate::grid::dda::March;
+use crate::grid::dda::Dda;
 use crate::grid::{Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
@@ -89,14 +89,14 @@ impl Occupancy {
 
     /// The first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let (mut march, [entry, _]) = March::of_ray(&self.lattice, ray)?;
-        let mut face = self.face(march.index(), entry, self.face_at(entry, ray), ray);
+        let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
+        let mut face = self.face(dda.index(), entry, self.face_at(entry, ray), ray);
         while face.is_none() {
-            let mut index = march.index();
-            let stays = march.step();
+            let mut index = dda.index();
+            let stays = dda.step();
             // Where faces meet, cells are passed one by one: x before y before z.
             for axis in (0..3).filter(|axis| stays >> axis & 1 == 0) {
-                index = index.wrapping_add_signed(march.stride(axis));
+                index = index.wrapping_add_signed(dda.stride(axis));
                 if self.counts[index] == BORDER {
                     return None;
                 }

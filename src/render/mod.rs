@@ -1,6 +1,6 @@
 //! Rows of pixels in parallel: samples -> film -> pictures.
 
-mod batch;
+mod sample_packet;
 pub mod grid_view;
 mod request;
 mod row;
@@ -56,12 +56,12 @@ pub fn render<P: Probe>(
         (ROWS_IN_FLIGHT / Row::<P>::bytes(request)).max(rayon::current_num_threads()).clamp(1, height.max(1));
     for first in (0..height).step_by(batch) {
         let rows = first..height.min(first + batch);
-        let projection = request.projection::<P>(camera, caster, rows.clone());
+        let visibility = request.visibility::<P>(camera, caster, rows.clone());
         let rows: Vec<Row<P>> = rows
             .into_par_iter()
             // Left to itself the pool cuts the rows in a few large pieces, and waits for the last.
             .with_max_len(ROWS_AT_ONCE)
-            .map(|j| Row::traced(camera, caster, request, projection.as_ref(), j))
+            .map(|j| Row::traced(camera, caster, request, visibility.as_ref(), j))
             .collect();
         for row in rows {
             pictures.take(&row);

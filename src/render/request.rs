@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::projection::Projection;
+use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Occupancy;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
@@ -58,13 +58,13 @@ impl Request<'_> {
 
     /// What the rays through the pixels' centres in these rows hit first, if they are cast, none of them is
     /// counted, and there is a cheaper way than casting them.
-    pub fn projection<P: Probe>(
+    pub fn visibility<P: Probe>(
         &self,
         camera: &Camera,
         caster: &Caster,
         rows: Range<usize>,
-    ) -> Option<Projection> {
+    ) -> Option<VisibilityBuffer> {
         let asks = self.measures() || self.casts_centers::<P>();
-        (asks && !P::COUNTS).then(|| Projection::new(camera, caster, self.size, rows))?
+        (asks && !P::COUNTS).then(|| VisibilityBuffer::new(camera, caster, self.size, rows))?
     }
 }

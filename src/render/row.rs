@@ -1,12 +1,12 @@
 //! A row of pixels: its samples traced, and what they leave for the pictures.
 
-use super::batch::{Batch, Sample};
 use super::request::{Request, View};
+use super::sample_packet::{Sample, SamplePacket};
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::picture::quantize;
-use crate::projection::Projection;
+use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
@@ -61,12 +61,12 @@ impl<P: Probe> Row<P> {
         spread + request.size[0] * 32
     }
 
-    /// Traces row `j`. `projection` says what its centres see, as far as it is known.
+    /// Traces row `j`. `visibility` says what its centres see, as far as it is known.
     pub fn traced(
         camera: &Camera,
         caster: &Caster,
         request: &Request,
-        projection: Option<&Projection>,
+        visibility: Option<&VisibilityBuffer>,
         j: usize,
     ) -> Self {
         let [width, _] = request.size;
@@ -84,15 +84,15 @@ impl<P: Probe> Row<P> {
             camera,
             caster,
             request,
-            projection,
+            visibility,
             pending: Pending::default(),
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             row,
         };
-        let mut batch = Batch::default();
-        for first in (0..width).step_by(Batch::SIZE) {
-            painter.paint(first..width.min(first + Batch::SIZE), &mut batch);
+        let mut batch = SamplePacket::default();
+        for first in (0..width).step_by(SamplePacket::SIZE) {
+            painter.paint(first..width.min(first + SamplePacket::SIZE), &mut batch);
         }
         painter.row
     }
@@ -103,7 +103,7 @@ struct Painter<'a, P> {
     camera: &'a Camera,
     caster: &'a Caster<'a>,
     request: &'a Request<'a>,
-    projection: Option<&'a Projection>,
+    visibility: Option<&'a VisibilityBuffer>,
     pending: Pending,
     /// The filter's weight of a sample at the pixel's centre.
     center_weight: f64,
@@ -114,7 +114,7 @@ struct Painter<'a, P> {
 
 impl<P: Probe> Painter<'_, P> {
     /// Paints the pixels in these columns, of which there are not more than a batch holds.
-    fn paint(&mut self, columns: Range<usize>, batch: &mut Batch) {
+    fn paint(&mut self, columns: Range<usize>, batch: &mut SamplePacket) {
         let Request { sampler, samples, .. } = *self.request;
         if let Some(zoom) = samples {
             columns.clone().for_each(|i| self.plot_background(i, zoom));
@@ -130,12 +130,12 @@ impl<P: Probe> Painter<'_, P> {
     }
 
     /// Measures the centres of pixels, and colours them if they are what is sampled.
-    fn paint_centers(&mut self, columns: Range<usize>, batch: &mut Batch) {
+    fn paint_centers(&mut self, columns: Range<usize>, batch: &mut SamplePacket) {
         let (measures, casts) = (self.request.measures(), self.request.casts_centers::<P>());
         let j = self.row.j;
         batch.take(self.camera, columns, j);
         if measures || casts {
-            batch.find_hits(self.caster, self.projection, j, &mut self.row.probe);
+            batch.find_hits(self.caster, self.visibility, j, &mut self.row.probe);
         }
         if self.request.normals || casts {
             batch.find_surfaces(self.caster);
@@ -150,20 +150,20 @@ impl<P: Probe> Painter<'_, P> {
     }
 
     /// Adds the samples of a pixel to a batch, and colours it whenever it is full.
-    fn take_samples(&mut self, column: usize, batch: &mut Batch) {
+    fn take_samples(&mut self, column: usize, batch: &mut SamplePacket) {
         let Request { sampler, size: [_, height], .. } = *self.request;
         let j = self.row.j;
         let offsets = sampler.offsets((column * height + j) as u64);
         for (offset, number) in offsets.zip(1..) {
             batch.push(self.camera, [column, j], offset, number == sampler.count());
-            if batch.samples().len() == Batch::SIZE {
+            if batch.samples().len() == SamplePacket::SIZE {
                 self.color_samples(batch);
             }
         }
     }
 
     /// Traces a batch of samples that have not been cast, and empties it.
-    fn color_samples(&mut self, batch: &mut Batch) {
+    fn color_samples(&mut self, batch: &mut SamplePacket) {
         if matches!(self.request.view, View::Scene(_)) {
             batch.find_hits(self.caster, None, self.row.j, &mut self.row.probe);
             batch.find_surfaces(self.caster);
@@ -174,7 +174,7 @@ impl<P: Probe> Painter<'_, P> {
 
     /// Traces on from what is seen at some samples.
     #[inline(always)]
-    fn color<const CENTERS: bool>(&mut self, batch: &Batch) {
+    fn color<const CENTERS: bool>(&mut self, batch: &SamplePacket) {
         let mut sum = self.sum;
         for Sample { column, offset, is_last, ray, surface, .. } in batch.samples() {
             let color = self.color_along(ray, surface.as_ref());

@@ -47,11 +47,11 @@ impl Filter {
 
     /// How many pixels away, along each axis, a pixel's samples still count.
     pub fn support(&self) -> usize {
-        let reach = match *self {
+        let radius = match *self {
             Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
             Self::Gaussian { sigma } => 2.0 * sigma,
         };
-        (reach - 0.5).ceil().max(0.0) as usize
+        (radius - 0.5).ceil().max(0.0) as usize
     }
 }
 

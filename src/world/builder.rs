@@ -83,11 +83,11 @@ impl<'a> Builder<'a> {
         self.note_triangles(first, count, placement, material)
     }
 
-    fn mesh(&mut self, number: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
+    fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
         let map = |p: DVec3| placement.place(p);
-        let mesh = mem::take(&mut self.meshes[number]);
-        self.uses[number] = self.uses[number].saturating_sub(1);
-        let is_last = self.uses[number] == 0;
+        let mesh = mem::take(&mut self.meshes[id]);
+        self.uses[id] = self.uses[id].saturating_sub(1);
+        let is_last = self.uses[id] == 0;
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
                 (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
@@ -100,7 +100,7 @@ impl<'a> Builder<'a> {
                 let vertices = mesh.vertices.iter().map(|&v| map(v));
                 let result = self.triangles(vertices, &mesh.triangles, placement, material);
                 if !is_last {
-                    self.meshes[number] = mesh;
+                    self.meshes[id] = mesh;
                 }
                 result
             }
@@ -137,7 +137,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let matrix = placement.matrix;
         let linear = matrix.matrix3;
-        let (middle, reach) = (placement.place(center), linear * radius);
+        let (middle, max_abs_coord) = (placement.place(center), linear * radius);
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
@@ -147,7 +147,7 @@ impl<'a> Builder<'a> {
             [scale * radius; 3]
         } else {
             note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
-            let ellipsoid = Ellipsoid::new(middle, reach);
+            let ellipsoid = Ellipsoid::new(middle, max_abs_coord);
             self.world.ellipsoids.push(ellipsoid);
             ellipsoid.half_lengths()
         };
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
             start += count as u32;
         }
         if !world.bounds.is_empty() {
-            world.reach = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
+            world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
         Ok(world)
     }

@@ -4,7 +4,7 @@
 use super::uneven_scenes::{automatic, random};
 use glam::DVec3;
 use raytracer::grid::options::{GridOptions, Resolution};
-use raytracer::grid::{Caster, Instructions, Size};
+use raytracer::grid::{Caster, Instructions, StructureSize};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -106,9 +106,9 @@ fn most_entries(count: usize) -> usize {
     (16 * count).max(65536)
 }
 
-fn assert_bounded(name: &str, count: usize, size: Size) {
+fn assert_bounded(name: &str, count: usize, size: StructureSize) {
     let most = most_entries(count);
-    assert!(size.entries <= most, "{name}, {count}: {size:?}");
+    assert!(size.references <= most, "{name}, {count}: {size:?}");
     assert!(size.blocks <= most / 4, "{name}, {count}: {size:?}");
     assert!(size.cells <= 2 * most, "{name}, {count}: {size:?}");
     // So many tries there may be on each of four levels; all levels together hardly need those of one.
@@ -121,9 +121,9 @@ fn size_and_work_are_bounded_by_the_number_of_primitives() {
     // Of each number of primitives, the most entries and the most work in any scene. They are taken with few
     // rays, where one rule chooses the cells: with many, a grid of more than 200,000 primitives has two levels
     // from the start, each with its own tries, so that the work makes a step within the bound.
-    let mut worst: Vec<(usize, Size)> = vec![];
+    let mut worst: Vec<(usize, StructureSize)> = vec![];
     for n in sizes() {
-        let mut most = Size::default();
+        let mut most = StructureSize::default();
         for (name, scene) in SCENES {
             let world = scene(n);
             let count = world.finite_count();
@@ -132,7 +132,7 @@ fn size_and_work_are_bounded_by_the_number_of_primitives() {
                 println!("{name}, {count}, {rays} rays: {size:?}");
                 assert_bounded(name, count, size);
                 if rays == RAYS[0] {
-                    most.entries = most.entries.max(size.entries);
+                    most.references = most.references.max(size.references);
                     most.cost = most.cost.max(size.cost);
                 }
             }
@@ -144,9 +144,9 @@ fn size_and_work_are_bounded_by_the_number_of_primitives() {
         let [(few, smaller), (many, larger)] = [pair[0], pair[1]];
         let power = |few: usize, many: usize| (many as f64 / few as f64).ln();
         let of = |a: usize, b: usize| power(a, b) / power(few, many);
-        let (entries, work) = (of(smaller.entries, larger.entries), of(smaller.cost, larger.cost));
-        println!("from {few} to {many}: entries grow with the power {entries:.2}, work with {work:.2}");
-        assert!(entries <= 1.1 && work <= 1.15, "{few} to {many}: {entries}, {work}");
+        let (references, work) = (of(smaller.references, larger.references), of(smaller.cost, larger.cost));
+        println!("from {few} to {many}: entries grow with the power {references:.2}, work with {work:.2}");
+        assert!(references <= 1.1 && work <= 1.15, "{few} to {many}: {references}, {work}");
     }
 }
 
@@ -160,7 +160,7 @@ fn what_no_grid_separates_stands_in_a_list() {
             let caster = automatic(&world, RAYS[1], Instructions::available()[0]);
             let size = caster.size();
             assert!(!caster.has_grid(), "{name}, {n}");
-            assert_eq!((size.entries, size.cells), (n, 1), "{name}, {n}");
+            assert_eq!((size.references, size.cells), (n, 1), "{name}, {n}");
         }
     }
 }
@@ -208,8 +208,8 @@ fn the_grid_for_counting_is_bounded_too() {
             let count = world.finite_count();
             let options = GridOptions::new(Some(Resolution::Auto), &world, RAYS[1], true);
             let caster = Caster::with(&world, options, Instructions::available()[0]);
-            let entries = caster.unwrap().size().entries;
-            assert!(entries <= most_entries(count), "{name}, {count}: {entries} entries");
+            let references = caster.unwrap().size().references;
+            assert!(references <= most_entries(count), "{name}, {count}: {references} entries");
         }
     }
 }
@@ -219,5 +219,5 @@ fn the_grid_for_counting_is_bounded_too() {
 fn a_grid_of_given_cells_is_taken_literally() {
     let world = SCENES[0].1(300);
     let caster = Caster::new(&world, Some([20; 3])).unwrap();
-    assert!(caster.size().cells == 22 * 22 * 22 && caster.size().entries > 300 * 20 * 10);
+    assert!(caster.size().cells == 22 * 22 * 22 && caster.size().references > 300 * 20 * 10);
 }

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use raytracer::grid::options::{CellRule, GridOptions};
-use raytracer::grid::stream::Query;
+use raytracer::grid::packet::PacketRay;
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -61,7 +61,8 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
-        for rule in [CellRule::Exact, CellRule::Nested { crowd: 96 }, CellRule::Course { is_bounded: false }]
+        for rule in
+            [CellRule::Exact, CellRule::Nested { max_per_cell: 96 }, CellRule::Course { is_bounded: false }]
         {
             for cells in [None, Some([1, 1, 1]), Some(FINE)] {
                 let caster = Caster::with(&world, GridOptions { cells, rule }, instructions).unwrap();
@@ -83,12 +84,12 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
 #[derive(Debug)]
 struct Asked(Ray, Option<Hit>);
 
-impl Query for Asked {
+impl PacketRay for Asked {
     fn ray(&self) -> &Ray {
         &self.0
     }
 
-    fn answer(&mut self, hit: Option<Hit>) {
+    fn set_hit(&mut self, hit: Option<Hit>) {
         self.1 = hit;
     }
 }
@@ -101,7 +102,7 @@ fn streams_answer_as_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
         // Something that must not be left standing.
         let wrong = Some(Hit { t: 0.0, primitive: u32::MAX });
         let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
-        caster.nearest_each(&mut asked, &mut Quiet);
+        caster.nearest_of_packet(&mut asked, &mut Quiet);
         for Asked(ray, hit) in asked {
             assert_eq!(hit, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
         }

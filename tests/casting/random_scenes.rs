@@ -69,7 +69,7 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let plain = Caster::new(&world, None).expect("no grid");
     // Nearly every cell is a crowd then.
-    let nested = |options: GridOptions| GridOptions { rule: CellRule::Nested { crowd: 2 }, ..options };
+    let nested = |options: GridOptions| GridOptions { rule: CellRule::Nested { max_per_cell: 2 }, ..options };
     let ways = [
         (GridOptions::uniform(cells), fastest),
         (GridOptions::uniform(cells), portable),

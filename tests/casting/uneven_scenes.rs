@@ -123,7 +123,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
         objects.join("\n")
     );
     let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
-    let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Nested { crowd: 96 } };
+    let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Nested { max_per_cell: 96 } };
     for instructions in Instructions::available() {
         let caster = Caster::with(&world, nested, instructions).unwrap();
         let mut random = random(5);

@@ -11,8 +11,8 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::grid::Instructions;
 use raytracer::grid::cell_lists::widened;
-use raytracer::grid::filter::{self, FARTHEST, FilterRay, Verdict};
-use raytracer::grid::triangle8::{Block, Frame, LANES, NONE, Slack};
+use raytracer::grid::filter::{self, FilterRay, MAX_DEPTH, Verdict};
+use raytracer::grid::triangle8::{Block, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
@@ -78,19 +78,19 @@ fn ray(rng: &mut Rng, frame: &Frame, corners: [DVec3; 3]) -> Ray {
 }
 
 /// As the search makes it, for a ray that begins in the frame's box.
-fn filter_ray(frame: &Frame, ray: &Ray, farthest: f32) -> FilterRay {
+fn filter_ray(frame: &Frame, ray: &Ray, max_depth: f32) -> FilterRay {
     let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
     let direction = ray.direction / ray.direction.abs().max_element();
-    FilterRay { origin: single(frame.point(ray.origin)), direction: single(direction), farthest }
+    FilterRay { origin: single(frame.point(ray.origin)), direction: single(direction), max_depth }
 }
 
 /// The filter's t at which the exact test hits each lane; none where it does not, or farther than this.
-fn hits(world: &World, frame: &Frame, ray: &Ray, farthest: f32) -> [Option<f64>; LANES] {
+fn hits(world: &World, frame: &Frame, ray: &Ray, max_depth: f32) -> [Option<f64>; LANES] {
     let shear = Shear::new(ray);
     let per_t = ray.direction.abs().max_element() * frame.scale;
     std::array::from_fn(|lane| {
         let depth = shear.intersect(world.corners(lane).each_ref())? * per_t;
-        (depth >= 0.0 && depth <= f64::from(farthest)).then_some(depth)
+        (depth >= 0.0 && depth <= f64::from(max_depth)).then_some(depth)
     })
 }
 
@@ -124,19 +124,19 @@ fn the_filter_is_never_wrong() {
         let all_within = frame.holds(&world.bounds);
         block.fill(&world, &frame, all_within, &std::array::from_fn(|lane| lane as u32));
         let mut without_margin = block;
-        without_margin.slack = Slack { edge: 0.0, depth: 0.0 };
+        without_margin.error_bounds = FilterErrorBounds { edge: 0.0, depth: 0.0 };
         let mut counts = [0; 4];
         for k in 0..RAYS_PER_BLOCK {
             let lane = rng.below(LANES);
             let ray = ray(rng, &frame, world.corners(lane));
-            let farthest = match rng.below(3) {
+            let max_depth = match rng.below(3) {
                 0 => 2.5,
                 1 => rng.range(0.0, 2.5) as f32,
                 // Just where the triangle is.
                 _ => hits(&world, &frame, &ray, 2.5)[lane].unwrap_or(2.5) as f32,
             };
-            let hits = hits(&world, &frame, &ray, farthest);
-            let single = filter_ray(&frame, &ray, farthest);
+            let hits = hits(&world, &frame, &ray, max_depth);
+            let single = filter_ray(&frame, &ray, max_depth);
             for verdict in verdicts(&block, &single) {
                 let wrong = wrong_lanes(&verdict, &block, &hits);
                 counts[0] += wrong as u64;
@@ -206,11 +206,11 @@ impl Blocks {
         let from_center = ray.origin - center(&self.frame) + entry * ray.direction;
         let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
         let direction = ray.direction * (1.0 / ray.direction.abs().max_element());
-        let farthest = FARTHEST as f32;
+        let max_depth = MAX_DEPTH as f32;
         Some(FilterRay {
             origin: single(from_center * self.frame.scale),
             direction: single(direction),
-            farthest,
+            max_depth,
         })
     }
 

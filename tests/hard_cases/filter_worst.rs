@@ -8,8 +8,8 @@ use crate::support::rays;
 use crate::support::rng::Rng;
 use glam::DVec3;
 use rayon::prelude::*;
-use raytracer::grid::filter::{FARTHEST, FilterRay, Verdict};
-use raytracer::grid::triangle8::{Block, Frame, LANES, NONE, Slack};
+use raytracer::grid::filter::{FilterRay, MAX_DEPTH, Verdict};
+use raytracer::grid::triangle8::{Block, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
@@ -121,8 +121,8 @@ impl Trial {
         // As the search makes it.
         let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
         let direction = ray.direction * (1.0 / per_t);
-        let farthest = (last * per_t).min(FARTHEST) as f32;
-        let ray = FilterRay { origin: single(ray.origin), direction: single(direction), farthest };
+        let max_depth = (last * per_t).min(MAX_DEPTH) as f32;
+        let ray = FilterRay { origin: single(ray.origin), direction: single(direction), max_depth };
         Question { block, ray, hit: t.filter(|&t| t >= 0.0 && t <= last).map(|t| t * per_t) }
     }
 }
@@ -131,7 +131,7 @@ impl Question {
     /// Whether the verdict of a kernel is wrong, with so much of the error bound.
     fn is_wrong(&self, kernel: usize, bound: Bound, share: f32) -> bool {
         let mut block = self.block;
-        let Slack { edge, depth } = &mut block.slack;
+        let FilterErrorBounds { edge, depth } = &mut block.error_bounds;
         *(if matches!(bound, Bound::Edge(_)) { edge } else { depth }) *= share;
         is_wrong(&verdicts(&block, &self.ray)[kernel], &block, self.hit)
     }
@@ -193,7 +193,7 @@ fn climb(seed: u64, generations: u64, kernel: usize, bound: Bound) -> (f32, Tria
 fn the_filters_error_bounds_are_needed() {
     const SEED: u64 = 4019;
     let generations = rays(200, 20_000);
-    let still = FilterRay { origin: [0.0; 4], direction: [0.0; 4], farthest: 0.0 };
+    let still = FilterRay { origin: [0.0; 4], direction: [0.0; 4], max_depth: 0.0 };
     let kernels = verdicts(&bytemuck::Zeroable::zeroed(), &still).len();
     // Of w, which has most roundings; of v, whose share of the common bound is half of that, as u's; and of
     // depths, whose bound allows for hits at the far end of a box that this one's hits do not reach.

@@ -12,7 +12,7 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::grid::Caster;
 use raytracer::grid::Lattice;
-use raytracer::grid::stream::Query;
+use raytracer::grid::packet::PacketRay;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -59,16 +59,16 @@ pub fn differences(
 /// What a ray hits that is set up as one of a stream.
 fn in_stream(caster: &Caster, ray: &Ray) -> Option<Hit> {
     struct Asked<'a>(&'a Ray, Option<Hit>);
-    impl Query for Asked<'_> {
+    impl PacketRay for Asked<'_> {
         fn ray(&self) -> &Ray {
             self.0
         }
-        fn answer(&mut self, hit: Option<Hit>) {
+        fn set_hit(&mut self, hit: Option<Hit>) {
             self.1 = hit;
         }
     }
     let mut asked = [Asked(ray, None)];
-    caster.nearest_each(&mut asked, &mut Quiet);
+    caster.nearest_of_packet(&mut asked, &mut Quiet);
     asked[0].1.map(|hit| caster.world.exact(ray, hit))
 }
 

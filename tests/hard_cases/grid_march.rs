@@ -70,9 +70,9 @@ fn case_26_the_cells_along_a_ray() {
                     if asked { textbook(&|steps| collect::<f64>(&lattice, &ray, steps)) } else { 0.0 };
                 ([1, wrong as u64, (in_f32 > margin) as u64], [ours, in_f32, in_f64])
             };
-            let (more, drift) = measure::<3, 3>(n, one);
+            let (more, face_error_bound) = measure::<3, 3>(n, one);
             counts = crate::grid::sum([counts, more]);
-            drifts = std::array::from_fn(|i| drifts[i].max(drift[i]));
+            drifts = std::array::from_fn(|i| drifts[i].max(face_error_bound[i]));
         }
         let margin = margin(&Lattice::new(boxes[0], cells));
         ours.push(format!("{:.1e} of {margin:.1e} at {side}", drifts[0]));
@@ -161,9 +161,9 @@ fn specks_where_the_march_drifts(cells: [usize; 3]) -> (World, Vec<DVec3>) {
     const COUNT: usize = 2000;
     let mut mesh = frame();
     let lattice = lattice(&world_of(&mesh), cells);
-    let (drift, rng) = (margin(&lattice), &mut Rng::new(3027));
+    let (face_error_bound, rng) = (margin(&lattice), &mut Rng::new(3027));
     // From half of a cell a ray along x is off by this, in cells: enough for both distances below.
-    let near = |rng: &mut Rng| rng.range(0.13, 0.25) * drift;
+    let near = |rng: &mut Rng| rng.range(0.13, 0.25) * face_error_bound;
     let mut places = vec![];
     for _ in 0..COUNT {
         let corner = [9 * cells[0] / 10 + rng.below(cells[0] / 10), cells[1] / 2 + rng.below(cells[1] / 3)];
@@ -174,7 +174,7 @@ fn specks_where_the_march_drifts(cells: [usize; 3]) -> (World, Vec<DVec3>) {
             lattice.bounds.min[axis] + lattice.cell_size[axis] * (corner[axis] as f64 + off[axis])
         };
         let place = DVec3::new(inside(0), inside(1), rng.range(0.1, 0.9));
-        let size = 0.01 * drift * lattice.cell_size.x;
+        let size = 0.01 * face_error_bound * lattice.cell_size.x;
         // Across the rays.
         push(
             &mut mesh,

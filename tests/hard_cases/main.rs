@@ -14,7 +14,7 @@ mod hostile_input;
 mod invariance;
 mod near_lights;
 mod offsets;
-mod projection;
+mod raster;
 mod secondary_rays;
 mod shading;
 mod shading_output;

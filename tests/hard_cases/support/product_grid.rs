@@ -2,7 +2,7 @@
 
 use raytracer::grid::Lattice;
 use raytracer::grid::cell_lists::widened;
-use raytracer::grid::dda::{March, drift};
+use raytracer::grid::dda::{Dda, face_error_bound};
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 
@@ -13,7 +13,7 @@ pub fn lattice(world: &World, cells: [usize; 3]) -> Lattice {
 
 /// By how much of a cell the program widens cells for the march's sake.
 pub fn margin(lattice: &Lattice) -> f64 {
-    drift(lattice)
+    face_error_bound(lattice)
 }
 
 /// A cell by its indices along the axes, and the t at which the ray leaves it.
@@ -21,7 +21,7 @@ pub type Step = ([usize; 3], f64);
 
 /// The t at which the ray enters the lattice, and the cells along it.
 pub fn steps(lattice: &Lattice, ray: &Ray) -> (f64, Vec<Step>) {
-    let Some((mut march, [entry, exit])) = March::of_ray(lattice, ray) else { return (0.0, vec![]) };
+    let Some((mut march, [entry, exit])) = Dda::of_ray(lattice, ray) else { return (0.0, vec![]) };
     // The whole passage takes 2^29 ticks.
     let per_tick = (exit - entry) / 2f64.powi(29);
     let mut steps = vec![];

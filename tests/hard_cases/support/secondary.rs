@@ -9,7 +9,7 @@ use raytracer::world::{SurfacePoint, World};
 
 /// The ray along `direction` that leaves a surface.
 pub fn secondary(world: &World, surface: &SurfacePoint, direction: DVec3) -> Ray {
-    Ray::new(offset_origin(surface.position, surface.normal, direction, world.reach), direction)
+    Ray::new(offset_origin(surface.position, surface.normal, direction, world.max_abs_coord), direction)
 }
 
 /// Whether anything stands on it.

@@ -1,6 +1,6 @@
-# The edge functions and the V of the projection are off by less than the bounds in src/projection/outline.rs.
-#@ src/projection/outline.rs EDGE_ROUNDINGS = 17.0
-#@ src/projection/outline.rs VOLUME_ROUNDINGS = 10.0
+# The edge functions and the V of the projection are off by less than the bounds in src/raster/edge_functions.rs.
+#@ src/raster/edge_functions.rs EDGE_ROUNDINGS = 17.0
+#@ src/raster/edge_functions.rs VOLUME_ROUNDINGS = 10.0
 # A sum of products, however it is computed, is the sum of its terms, each times a product of factors 1 + e
 # with |e| <= u, one for each rounding on the term's way. So it is off by at most ((1 + u)^k - 1) times the sum of
 # the terms' magnitudes, k being the longest way.

@@ -1,7 +1,7 @@
-# The march's faces are off by no more than its error bound, for rays from up to 2^32 cells away.
+# The DDA's crossing times are off by no more than its error bound, for rays from up to 2^32 cells away.
 #@ src/grid/dda.rs SETUP_ROUNDINGS = 2.0
-#@ src/grid/build.rs FARTHEST_CELLS = 4294967296.0
-#@ src/grid/fitting.rs PLACE_ERROR_BOUND = 1e-5
+#@ src/grid/build.rs MAX_ORIGIN_CELLS = 4294967296.0
+#@ src/grid/fitting.rs POSITION_ERROR_BOUND = 1e-5
 #
 # Ticks. By definition t = entry + tick / per_tick, with the floats entry and per_tick, so that these two have no
 # error. A face's true tick is c for the first face of an axis, and c + k step for the next ones. The source has the
@@ -15,14 +15,14 @@
 # off by at most (n + SETUP_ROUNDINGS) n / 2^30 cells.
 #
 # Places. Before ticks are made of it, a crossing is computed from the origin's place x, in cells from the lattice's
-# lower corner, up to FARTHEST_CELLS and a few from it: r1 to r3 are the roundings of the difference to that corner,
+# lower corner, up to MAX_ORIGIN_CELLS and a few from it: r1 to r3 are the roundings of the difference to that corner,
 # of per_unit and of their product; r4 that of the difference to a face j; r5 to r8 those of inverse, cell_size,
 # their product and the product with it. The t of a hit carries three such roundings of the way there, r9.
-# Together that is PLACE_ERROR_BOUND of a cell at most.
+# Together that is POSITION_ERROR_BOUND of a cell at most.
 
 SETUP_ROUNDINGS = 2.0;
-FARTHEST_CELLS = 4294967296.0;
-PLACE_ERROR_BOUND = 1e-5;
+MAX_ORIGIN_CELLS = 4294967296.0;
+POSITION_ERROR_BOUND = 1e-5;
 
 nextf = int<ne>(c * (1 + rc));
 stepf = int<ne>(step * (1 + rs));
@@ -36,7 +36,7 @@ hit_error = r9 * (j - x);
 
 {
   |c| <= 0x1p30 /\ |rc| <= 1b-51 /\ step in [0, 0x1p30] /\ |rs| <= 1b-50 /\ way in [0, 0x1p29] /\
-  x / FARTHEST_CELLS in [-1.125, 1.125] /\ j in [0, 0x1p29] /\
+  x / MAX_ORIGIN_CELLS in [-1.125, 1.125] /\ j in [0, 0x1p29] /\
   |r1| <= 1b-53 /\ |r2| <= 1b-53 /\ |r3| <= 1b-53 /\ |r4| <= 1b-53 /\ |r5| <= 1b-53 /\ |r6| <= 1b-53 /\
   |r7| <= 1b-53 /\ |r8| <= 1b-53 /\ |r9| <= 0x1.8001p-52
 ->
@@ -44,7 +44,7 @@ hit_error = r9 * (j - x);
   |stepf - step * (1 + rs)| <= 1b-1 /\
   |f64_errors| <= 1b-21 /\
   (0.5 + 1b-18) / SETUP_ROUNDINGS <= 0.5 /\
-  |(place_error + hit_error) / PLACE_ERROR_BOUND| <= 1
+  |(place_error + hit_error) / POSITION_ERROR_BOUND| <= 1
 }
 
 nextf - c -> (nextf - c * (1 + rc)) + c * rc;

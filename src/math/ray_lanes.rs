@@ -1,21 +1,21 @@
-//! Rays as [`Four`] wants them.
+//! Rays as [`F64x4`] wants them.
 
-use super::four::Four;
+use super::f64x4::F64x4;
 use super::ray::Ray;
 
 /// One ray along all axes, or four rays along one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Along<F> {
+pub struct RayLanes<F> {
     pub origin: F,
     pub direction: F,
     /// One over the direction.
-    pub inverse: F,
+    pub inv_direction: F,
 }
 
-impl<F: Four> Along<F> {
+impl<F: F64x4> RayLanes<F> {
     #[inline(always)]
     pub fn new(origin: F, direction: F) -> Self {
-        Self { origin, direction, inverse: direction.inverse() }
+        Self { origin, direction, inv_direction: direction.recip() }
     }
 
     /// A ray's three axes. What stands in the spare places lets each be read in one piece.
@@ -28,16 +28,16 @@ impl<F: Four> Along<F> {
 
 /// Four rays, axis by axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Packet<F> {
-    pub axes: [Along<F>; 3],
+pub struct RayPacket4<F> {
+    pub axes: [RayLanes<F>; 3],
     pub t_min: F,
     pub t_max: F,
 }
 
-impl<F: Four> Packet<F> {
+impl<F: F64x4> RayPacket4<F> {
     #[inline(always)]
     pub fn new(proof: F::Proof, [a, b, c, d]: [&Ray; 4]) -> Self {
-        let four = |places| F::new(proof, places);
+        let four = |lanes| F::new(proof, lanes);
         let x = four([a.origin.x, b.origin.x, c.origin.x, d.origin.x]);
         let y = four([a.origin.y, b.origin.y, c.origin.y, d.origin.y]);
         let z = four([a.origin.z, b.origin.z, c.origin.z, d.origin.z]);
@@ -45,7 +45,7 @@ impl<F: Four> Packet<F> {
         let to_y = four([a.direction.y, b.direction.y, c.direction.y, d.direction.y]);
         let to_z = four([a.direction.z, b.direction.z, c.direction.z, d.direction.z]);
         Self {
-            axes: [Along::new(x, to_x), Along::new(y, to_y), Along::new(z, to_z)],
+            axes: [RayLanes::new(x, to_x), RayLanes::new(y, to_y), RayLanes::new(z, to_z)],
             t_min: four([a.t_min, b.t_min, c.t_min, d.t_min]),
             t_max: four([a.t_max, b.t_max, c.t_max, d.t_max]),
         }

@@ -1,9 +1,9 @@
-# The depths of triangles and planes in the projection are off by less than the bounds in src/projection/outline.rs.
-#@ src/projection/outline.rs NEARNESS_ROUNDINGS = 64.0
-#@ src/projection/outline.rs VOLUME_ROUNDINGS = 10.0
-#@ src/projection/outline.rs VOLUME_CLEARANCE = 64.0
-#@ src/projection/outline.rs PLANE_ROUNDINGS = 19.0
-#@ src/projection/outline.rs T_ROUNDINGS = 1250.0
+# The depths of triangles and planes in the projection are off by less than the bounds in src/raster/edge_functions.rs.
+#@ src/raster/edge_functions.rs INV_DEPTH_ROUNDINGS = 64.0
+#@ src/raster/edge_functions.rs VOLUME_ROUNDINGS = 10.0
+#@ src/raster/edge_functions.rs VOLUME_CLEARANCE = 64.0
+#@ src/raster/edge_functions.rs PLANE_ROUNDINGS = 19.0
+#@ src/raster/edge_functions.rs T_ROUNDINGS = 1250.0
 # As in projection_edges.g each term of a sum is multiplied by a factor 1 + e for each rounding on its way.
 #
 # A nearness is n = (n_0 + n_1 + n_2).D / V. Beside the 4 roundings of each n_k and the 12 of its product with D there
@@ -17,13 +17,13 @@
 # the product of normal and direction, 2 for the division by ahead, 3 for the sum over 1, x and y, 1 of h and v and 5 of
 # the ray; in the test 3 for the product and 1 for the division. All terms together are at most L / ahead.
 #
-# T_ROUNDINGS: src/projection/outline.rs says how often each error counts. `across` is the error of a sheared corner, in
+# T_ROUNDINGS: src/raster/edge_functions.rs says how often each error counts. `across` is the error of a sheared corner, in
 # R: its own subtraction, the factor, the depth and their product, and the difference; |x| + 3 |z| <= sqrt(10) R, and
 # the difference is at most sqrt(2) R. A weight is off by 4 E_x E_y, and Z / A <= 32 / (E_x + E_y); as
 # E_x E_y / (E_x + E_y) <= (E_x + E_y) / 4 and E_x + E_y <= 4 sqrt(2) R, three weights move the depth by 3 * 32 * that.
 # A ray is sqrt(3) times as long as its longest axis, at most.
 u = 1b-53;
-NEARNESS_ROUNDINGS = 64.0;
+INV_DEPTH_ROUNDINGS = 64.0;
 VOLUME_ROUNDINGS = 10.0;
 VOLUME_CLEARANCE = 64.0;
 PLANE_ROUNDINGS = 19.0;
@@ -54,5 +54,5 @@ t = SQRT3 * (32 * across + weights + formula);
  /\ e9 in [-1b-53, 1b-53] /\ e10 in [-1b-53, 1b-53] /\ e11 in [-1b-53, 1b-53] /\ e12 in [-1b-53, 1b-53]
  /\ e13 in [-1b-53, 1b-53] /\ e14 in [-1b-53, 1b-53] /\ e15 in [-1b-53, 1b-53] /\ e16 in [-1b-53, 1b-53]
  /\ e17 in [-1b-53, 1b-53] /\ e18 in [-1b-53, 1b-53] /\ e19 in [-1b-53, 1b-53] /\ r in [-1b-53, 1b-53]
-    -> |numerator * ratio| / (NEARNESS_ROUNDINGS * u) <= 0.999
+    -> |numerator * ratio| / (INV_DEPTH_ROUNDINGS * u) <= 0.999
     /\ |plane| / (PLANE_ROUNDINGS * u) <= 0.999) }

@@ -4,9 +4,9 @@
 
 use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::grid::stream::{Query, STREAM};
+use crate::grid::packet::{PACKET_SIZE, PacketRay};
 use crate::math::ray::{Hit, Ray};
-use crate::projection::Projection;
+use crate::raster::VisibilityBuffer;
 use crate::stats::Probe;
 use crate::world::SurfacePoint;
 use glam::DVec2;
@@ -26,27 +26,27 @@ pub struct Sample {
     pub surface: Option<SurfacePoint>,
 }
 
-impl Query for Sample {
+impl PacketRay for Sample {
     #[inline(always)]
     fn ray(&self) -> &Ray {
         &self.ray
     }
 
     #[inline(always)]
-    fn answer(&mut self, hit: Option<Hit>) {
+    fn set_hit(&mut self, hit: Option<Hit>) {
         self.hit = hit;
     }
 }
 
 /// Some samples of a row.
 #[derive(Debug, Default)]
-pub struct Batch {
+pub struct SamplePacket {
     samples: Vec<Sample>,
 }
 
-impl Batch {
+impl SamplePacket {
     /// As many as the caster takes together.
-    pub const SIZE: usize = STREAM;
+    pub const SIZE: usize = PACKET_SIZE;
 
     pub fn samples(&self) -> &[Sample] {
         &self.samples
@@ -68,20 +68,20 @@ impl Batch {
         self.samples.push(Sample { column, offset, is_last, ray, hit: None, surface: None });
     }
 
-    /// Finds what each ray hits; `projection` says what is seen through the centres of row `j`, if these
+    /// Finds what each ray hits; `visibility` says what is seen through the centres of row `j`, if these
     /// are the samples, and as far as it is known.
     pub fn find_hits<P: Probe>(
         &mut self,
         caster: &Caster,
-        projection: Option<&Projection>,
+        visibility: Option<&VisibilityBuffer>,
         j: usize,
         probe: &mut P,
     ) {
-        let Some(projection) = projection else {
-            return caster.nearest_each(&mut self.samples, probe);
+        let Some(visibility) = visibility else {
+            return caster.nearest_of_packet(&mut self.samples, probe);
         };
         for Sample { column, ray, hit, .. } in &mut self.samples {
-            let known = projection.hit(caster.world, ray, *column, j);
+            let known = visibility.hit(caster.world, ray, *column, j);
             *hit = known.unwrap_or_else(|| caster.nearest(ray, None, probe));
         }
     }

@@ -6,7 +6,7 @@
 //! D, is the functions' sum over V. All are affine in a pixel's x and y (Olano and Greer, Triangle
 //! scan conversion using 2D homogeneous coordinates, Graphics Hardware 1997).
 //!
-//! *Error bounds*, as `proofs/projection_edges.g` and `proofs/projection_depths.g` prove them. Let u = 2^-53 be
+//! *Error bounds*, as `proofs/raster_edges.g` and `proofs/raster_depths.g` prove them. Let u = 2^-53 be
 //! the unit roundoff, R the length of the longest of a, b and c, and L the canvas's reach.
 //!
 //! | quantity | at most | error at most |
@@ -29,16 +29,16 @@
 //! 1234 u R along the ray. Elsewhere t is taken from the exact plane. Hence 1 / t, which is n in
 //! lengths of D, is off by less than T_ROUNDINGS u R n of itself.
 
-use super::{Affine, Canvas};
-use crate::math::extremes::greatest;
+use super::{Affine, Viewport};
+use crate::math::extremes::max3;
 use crate::math::robust::UNIT_ROUNDOFF as U;
 use crate::primitive::plane::Plane;
 use glam::DVec3;
 use std::ops::Range;
 
 /// How near something is to the eye, and how far that may be off.
-pub struct Layer {
-    pub nearness: Affine,
+pub struct InvDepthPlane {
+    pub inv_depth: Affine,
     pub error_bound: ErrorBound,
 }
 
@@ -49,16 +49,16 @@ pub struct ErrorBound(pub [f64; 3]);
 
 impl ErrorBound {
     /// For values of this magnitude at most.
-    pub fn at(self, most: f64) -> f64 {
+    pub fn at(self, bound: f64) -> f64 {
         let [constant, linear, square] = self.0;
-        constant + (linear + square * most) * most
+        constant + (linear + square * bound) * bound
     }
 }
 
 /// How far an edge function may be off, in roundings of R^2 L.
 const EDGE_ROUNDINGS: f64 = 17.0;
 /// How far a nearness may be off, in roundings of R^2 L / V.
-const NEARNESS_ROUNDINGS: f64 = 64.0;
+const INV_DEPTH_ROUNDINGS: f64 = 64.0;
 /// How far V may be off, in roundings of R^3.
 const VOLUME_ROUNDINGS: f64 = 10.0;
 /// How many of its error bounds V has to be away from zero.
@@ -68,14 +68,18 @@ const T_ROUNDINGS: f64 = 1250.0;
 /// How far the nearness of a plane may be off, in roundings of L over its distance ahead.
 const PLANE_ROUNDINGS: f64 = 19.0;
 
-impl Layer {
+impl InvDepthPlane {
     /// Of a plane: its normal times the direction over its distance ahead.
-    pub fn of_plane(canvas: &Canvas, plane: &Plane) -> Self {
+    pub fn of_plane(viewport: &Viewport, plane: &Plane) -> Self {
         // The ray's test computes the same difference of the same numbers, so that its error changes nothing.
-        let ahead = canvas.scale * plane.ahead_of(canvas.eye.center);
+        let ahead = viewport.scale * plane.ahead_of(viewport.eye.center);
         Self {
-            nearness: canvas.affine(plane.normal).scaled(1.0 / ahead),
-            error_bound: ErrorBound([PLANE_ROUNDINGS * U * canvas.reach / ahead.abs(), 0.0, 0.0]),
+            inv_depth: viewport.affine(plane.normal).scaled(1.0 / ahead),
+            error_bound: ErrorBound([
+                PLANE_ROUNDINGS * U * viewport.max_direction_length / ahead.abs(),
+                0.0,
+                0.0,
+            ]),
         }
     }
 }
@@ -92,37 +96,37 @@ pub fn volume_error_bound(longest: f64) -> f64 {
 }
 
 /// A triangle in front of the eye.
-pub struct Outline {
+pub struct EdgeFunctions {
     /// Positive within the triangle.
     pub edges: [Affine; 3],
     pub edge_error_bound: f64,
-    pub layer: Layer,
+    pub inv_depth_plane: InvDepthPlane,
 }
 
-impl Outline {
+impl EdgeFunctions {
     /// None where the eye may lie in the triangle's plane, so that signs mean nothing. All numbers are
     /// finite otherwise.
-    pub fn new(canvas: &Canvas, corners: [DVec3; 3]) -> Option<Self> {
+    pub fn new(viewport: &Viewport, corners: [DVec3; 3]) -> Option<Self> {
         /// Distances whose cubes keep their digits.
         const KNOWN: Range<f64> = 1e-9..2.0;
-        let [a, b, c] = corners.map(|corner| canvas.seen(corner));
-        let longest = greatest([a.length_squared(), b.length_squared(), c.length_squared()]).sqrt();
+        let [a, b, c] = corners.map(|corner| viewport.eye_space(corner));
+        let longest = max3([a.length_squared(), b.length_squared(), c.length_squared()]).sqrt();
         let (normals, volume) = normals_and_volume([a, b, c]);
         let volume_error_bound = volume_error_bound(longest);
         if !(KNOWN.contains(&longest) && volume.abs() > VOLUME_CLEARANCE * volume_error_bound) {
             return None;
         }
         let inverse = 1.0 / volume.abs();
-        let edges = normals.map(|normal| canvas.affine(volume.signum() * normal));
-        let product = U * longest * longest * canvas.reach;
-        let layer = Layer {
-            nearness: edges[0].plus(edges[1]).plus(edges[2]).scaled(inverse),
+        let edges = normals.map(|normal| viewport.affine(volume.signum() * normal));
+        let product = U * longest * longest * viewport.max_direction_length;
+        let inv_depth_plane = InvDepthPlane {
+            inv_depth: edges[0].plus(edges[1]).plus(edges[2]).scaled(inverse),
             error_bound: ErrorBound([
-                NEARNESS_ROUNDINGS * product * inverse,
+                INV_DEPTH_ROUNDINGS * product * inverse,
                 volume_error_bound * inverse,
                 T_ROUNDINGS * U * longest,
             ]),
         };
-        Some(Self { edges, edge_error_bound: EDGE_ROUNDINGS * product, layer })
+        Some(Self { edges, edge_error_bound: EDGE_ROUNDINGS * product, inv_depth_plane })
     }
 }

@@ -7,25 +7,25 @@ use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Arithmetic place by place. Every implementation gives the same bits.
-pub trait Four:
+pub trait F64x4:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// The proof that the processor has the instructions that the arithmetic takes.
     type Proof: Copy;
     /// The proof without which this value would not be.
     fn proof(self) -> Self::Proof;
-    fn new(proof: Self::Proof, places: [f64; 4]) -> Self;
+    fn new(proof: Self::Proof, lanes: [f64; 4]) -> Self;
     fn splat(proof: Self::Proof, x: f64) -> Self;
     /// Any other number in all places.
     #[inline(always)]
-    fn all(self, x: f64) -> Self {
+    fn broadcast(self, x: f64) -> Self {
         Self::splat(self.proof(), x)
     }
-    fn places(self) -> [f64; 4];
+    fn to_array(self) -> [f64; 4];
     /// One over each.
     #[inline(always)]
-    fn inverse(self) -> Self {
-        self.all(1.0) / self
+    fn recip(self) -> Self {
+        self.broadcast(1.0) / self
     }
     fn abs(self) -> Self;
     /// The lesser; the other's where this one is NaN.
@@ -33,39 +33,39 @@ pub trait Four:
     /// The greater; the other's where this one is NaN.
     fn max(self, other: Self) -> Self;
     /// 1 where this is positive, 0 elsewhere.
-    fn is_positive(self) -> Self;
+    fn one_where_positive(self) -> Self;
     /// `one` where this has a sign, 0 elsewhere.
-    fn sign_of(self, one: f64) -> Self;
+    fn where_negative(self, one: f64) -> Self;
     /// This where `other` is finite or NaN, `instead` where it is infinite.
     fn unless_infinite(self, other: Self, instead: f64) -> Self;
     /// The places where this is at most `other`, bit 0 for the first; none where one is NaN.
-    fn at_most(self, other: Self) -> u32;
+    fn le_mask(self, other: Self) -> u32;
     /// Which of the three axes have a sign, bit 0 for x.
-    fn signs(self) -> usize;
+    fn sign_mask(self) -> usize;
     /// The nearest whole numbers, of numbers that are below 2^31.
-    fn whole(self) -> [i32; 4];
+    fn to_i32(self) -> [i32; 4];
     /// To the nearest whole numbers, of numbers from 0 to 2^51.
     #[inline(always)]
     fn round(self) -> Self {
-        (self + self.all(TO_WHOLE)) - self.all(TO_WHOLE)
+        (self + self.broadcast(ROUND_TO_INTEGER)) - self.broadcast(ROUND_TO_INTEGER)
     }
     /// To single precision.
-    fn single(self) -> [f32; 4];
+    fn to_f32(self) -> [f32; 4];
     /// The least of the three axes; the later one's where an axis is NaN.
-    fn least(self) -> f64;
+    fn min3(self) -> f64;
     /// The greatest of the three axes; the later one's where an axis is NaN.
-    fn greatest(self) -> f64;
+    fn max3(self) -> f64;
 }
 
 /// Added to a number below 2^51 it leaves no bits for a fraction, and the nearest whole number in
 /// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
-pub const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+pub const ROUND_TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// Runs on every machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plain([f64; 4]);
+pub struct Scalar([f64; 4]);
 
-impl Plain {
+impl Scalar {
     /// Place by place.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
@@ -79,7 +79,7 @@ impl Plain {
     }
 }
 
-impl Four for Plain {
+impl F64x4 for Scalar {
     type Proof = Portable;
 
     #[inline(always)]
@@ -88,8 +88,8 @@ impl Four for Plain {
     }
 
     #[inline(always)]
-    fn new(_: Portable, places: [f64; 4]) -> Self {
-        Self(places)
+    fn new(_: Portable, lanes: [f64; 4]) -> Self {
+        Self(lanes)
     }
 
     #[inline(always)]
@@ -98,7 +98,7 @@ impl Four for Plain {
     }
 
     #[inline(always)]
-    fn places(self) -> [f64; 4] {
+    fn to_array(self) -> [f64; 4] {
         self.0
     }
 
@@ -118,12 +118,12 @@ impl Four for Plain {
     }
 
     #[inline(always)]
-    fn is_positive(self) -> Self {
+    fn one_where_positive(self) -> Self {
         self.map(|x| if x > 0.0 { 1.0 } else { 0.0 })
     }
 
     #[inline(always)]
-    fn sign_of(self, one: f64) -> Self {
+    fn where_negative(self, one: f64) -> Self {
         self.map(|x| if x.is_sign_negative() { one } else { 0.0 })
     }
 
@@ -133,40 +133,40 @@ impl Four for Plain {
     }
 
     #[inline(always)]
-    fn at_most(self, other: Self) -> u32 {
+    fn le_mask(self, other: Self) -> u32 {
         (0..4).fold(0, |set, i| set | u32::from(self.0[i] <= other.0[i]) << i)
     }
 
     #[inline(always)]
-    fn signs(self) -> usize {
+    fn sign_mask(self) -> usize {
         let sign = |axis: usize| usize::from(self.0[axis].is_sign_negative()) << axis;
         sign(0) | sign(1) | sign(2)
     }
 
     #[inline(always)]
-    fn whole(self) -> [i32; 4] {
-        self.0.map(|x| (x + TO_WHOLE).to_bits() as i32)
+    fn to_i32(self) -> [i32; 4] {
+        self.0.map(|x| (x + ROUND_TO_INTEGER).to_bits() as i32)
     }
 
     #[inline(always)]
-    fn single(self) -> [f32; 4] {
+    fn to_f32(self) -> [f32; 4] {
         self.0.map(|x| x as f32)
     }
 
     #[inline(always)]
-    fn least(self) -> f64 {
-        let least = |a: f64, b: f64| if a < b { a } else { b };
-        least(least(self.0[0], self.0[1]), self.0[2])
+    fn min3(self) -> f64 {
+        let min3 = |a: f64, b: f64| if a < b { a } else { b };
+        min3(min3(self.0[0], self.0[1]), self.0[2])
     }
 
     #[inline(always)]
-    fn greatest(self) -> f64 {
-        let greatest = |a: f64, b: f64| if a > b { a } else { b };
-        greatest(greatest(self.0[0], self.0[1]), self.0[2])
+    fn max3(self) -> f64 {
+        let max3 = |a: f64, b: f64| if a > b { a } else { b };
+        max3(max3(self.0[0], self.0[1]), self.0[2])
     }
 }
 
-impl Add for Plain {
+impl Add for Scalar {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -174,7 +174,7 @@ impl Add for Plain {
     }
 }
 
-impl Sub for Plain {
+impl Sub for Scalar {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -182,7 +182,7 @@ impl Sub for Plain {
     }
 }
 
-impl Mul for Plain {
+impl Mul for Scalar {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -190,7 +190,7 @@ impl Mul for Plain {
     }
 }
 
-impl Div for Plain {
+impl Div for Scalar {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
@@ -210,13 +210,13 @@ mod tests {
     }
 
     /// What an implementation makes of numbers of all kinds is what scalar arithmetic makes of each.
-    fn agrees_with_scalars<F: Four>(proof: F::Proof) {
+    fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
         let numbers = [0.0, -0.0, 1.5, -2.75, 7.0, BIG, -BIG, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
         let four = |i: usize| [0, 1, 3, 4].map(|k| numbers[(i + k) % numbers.len()]);
         for (a, b) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (four(i), four(j)))) {
             let (x, y) = (F::new(proof, a), F::new(proof, b));
             let check = |name: &str, found: F, expected: fn(f64, f64) -> f64| {
-                for (k, found) in found.places().into_iter().enumerate() {
+                for (k, found) in found.to_array().into_iter().enumerate() {
                     let expected = expected(a[k], b[k]);
                     assert!(same(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
                 }
@@ -225,59 +225,63 @@ mod tests {
             check("difference", x - y, |a, b| a - b);
             check("product", x * y, |a, b| a * b);
             check("quotient", x / y, |a, b| a / b);
-            check("inverse", x.inverse(), |a, _| 1.0 / a);
+            check("inverse", x.recip(), |a, _| 1.0 / a);
             check("size", x.abs(), |a, _| a.abs());
             check("lesser", x.min(y), |a, b| if a < b { a } else { b });
             check("greater", x.max(y), |a, b| if a > b { a } else { b });
-            check("is positive", x.is_positive(), |a, _| f64::from(a > 0.0));
-            check("seven by sign", x.sign_of(7.0), |a, _| if a.is_sign_negative() { 7.0 } else { 0.0 });
+            check("is positive", x.one_where_positive(), |a, _| f64::from(a > 0.0));
+            check(
+                "seven by sign",
+                x.where_negative(7.0),
+                |a, _| if a.is_sign_negative() { 7.0 } else { 0.0 },
+            );
             check(
                 "three for infinite",
                 x.unless_infinite(y, 3.0),
                 |a, b| if b.is_infinite() { 3.0 } else { a },
             );
-            let at_most = (0..4).filter(|&k| a[k] <= b[k]).map(|k| 1 << k).sum::<u32>();
-            assert_eq!(x.at_most(y), at_most, "{a:?} {b:?}");
-            let signs = (0..3).filter(|&k| a[k].is_sign_negative()).map(|k| 1 << k).sum::<usize>();
-            assert_eq!(x.signs(), signs, "{a:?}");
-            let single = x.single();
-            assert!((0..4).all(|k| same(single[k].into(), (a[k] as f32).into())), "{a:?}: {single:?}");
+            let le_mask = (0..4).filter(|&k| a[k] <= b[k]).map(|k| 1 << k).sum::<u32>();
+            assert_eq!(x.le_mask(y), le_mask, "{a:?} {b:?}");
+            let sign_mask = (0..3).filter(|&k| a[k].is_sign_negative()).map(|k| 1 << k).sum::<usize>();
+            assert_eq!(x.sign_mask(), sign_mask, "{a:?}");
+            let to_f32 = x.to_f32();
+            assert!((0..4).all(|k| same(to_f32[k].into(), (a[k] as f32).into())), "{a:?}: {to_f32:?}");
         }
     }
 
     /// The least and the greatest of the axes, the nearest whole numbers, and that the spare place counts not.
-    fn selects_and_rounds<F: Four>(proof: F::Proof) {
+    fn selects_and_rounds<F: F64x4>(proof: F::Proof) {
         for [x, y, z] in
             [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [3.0, 2.0, 1.0], [-1.0, -2.0, -0.5]]
         {
             for spare in [-9.0, 9.0, f64::NAN] {
                 let axes = F::new(proof, [x, y, z, spare]);
-                assert_eq!((axes.least(), axes.greatest()), (x.min(y).min(z), x.max(y).max(z)));
+                assert_eq!((axes.min3(), axes.max3()), (x.min(y).min(z), x.max(y).max(z)));
             }
         }
         let late = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
-        assert_eq!((late.least(), late.greatest()), (2.0, 2.0));
+        assert_eq!((late.min3(), late.max3()), (2.0, 2.0));
         let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
         let [low, up] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
-        assert_eq!(low.round().places(), numbers.map(f64::round));
-        assert_eq!(low.whole(), numbers.map(|x| x.round() as i32));
-        assert_eq!(up.whole(), low.whole().map(|n| n + 1));
-        assert_eq!(F::new(proof, numbers.map(|x| -x)).whole(), low.whole().map(|n| -n));
+        assert_eq!(low.round().to_array(), numbers.map(f64::round));
+        assert_eq!(low.to_i32(), numbers.map(|x| x.round() as i32));
+        assert_eq!(up.to_i32(), low.to_i32().map(|n| n + 1));
+        assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), low.to_i32().map(|n| -n));
     }
 
     #[test]
     fn portable_arithmetic_is_that_of_single_numbers() {
-        agrees_with_scalars::<Plain>(Portable);
-        selects_and_rounds::<Plain>(Portable);
+        agrees_with_scalars::<Scalar>(Portable);
+        selects_and_rounds::<Scalar>(Portable);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn the_arithmetic_of_wide_registers_is_that_of_single_numbers() {
-        use crate::math::{instructions::Avx2, wide::Wide};
+        use crate::math::{avx::Avx, instructions::Avx2};
         if let Some(proof) = Avx2::detect() {
-            agrees_with_scalars::<Wide>(proof);
-            selects_and_rounds::<Wide>(proof);
+            agrees_with_scalars::<Avx>(proof);
+            selects_and_rounds::<Avx>(proof);
         }
     }
 }

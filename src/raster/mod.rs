@@ -4,9 +4,10 @@
 //! than each ray for its triangle. The answer is the one that casting the ray gives, or none: where
 //! rounding leaves a doubt, the ray has to be cast.
 
-mod band;
-mod outline;
-mod sprite;
+mod edge_functions;
+
+mod tile;
+mod triangle_bounds;
 #[cfg(test)]
 mod worst_cases;
 
@@ -15,21 +16,21 @@ use crate::grid::Caster;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray};
 use crate::world::{Primitive, World};
-use band::Band;
+use edge_functions::InvDepthPlane;
 use glam::DVec3;
-use outline::Layer;
 use rayon::prelude::*;
-use sprite::{Place, Sprite};
 use std::ops::Range;
+use tile::Tile;
+use triangle_bounds::{ScreenVertex, TriangleBounds};
 
 /// What the rays through the centres of some rows of pixels hit first.
 #[derive(Debug)]
-pub struct Projection {
+pub struct VisibilityBuffer {
     /// From one row to the next.
     stride: usize,
     first_row: usize,
     /// A primitive's number for each pixel, or one of the two below.
-    seen: Vec<u32>,
+    visible_ids: Vec<u32>,
 }
 
 /// The number of no primitive.
@@ -38,51 +39,53 @@ const NOTHING: u32 = u32::MAX;
 const UNSURE: u32 = u32::MAX - 1;
 
 /// Rows of pixels that are drawn at a time, by one thread, in memory that is close to it.
-const BAND: usize = 32;
+const TILE_ROWS: usize = 32;
 
 /// How many pixels may be looked at for each ray that need not be cast.
 const PIXELS_PER_RAY: usize = 16;
 
-impl Projection {
+impl VisibilityBuffer {
     /// What `caster` finds in a world of triangles and planes, for the rays through the pixels' centres in
     /// these rows. None where the world has other things, or where casting the rays is less work.
     pub fn new(camera: &Camera, caster: &Caster, size: [usize; 2], rows: Range<usize>) -> Option<Self> {
         let (world, [width, height]) = (caster.world, size);
         let pixels = width * rows.len();
-        let is_possible = world.finite_count() == world.triangles.len() && width.max(height) <= sprite::MOST;
+        let is_possible =
+            world.finite_count() == world.triangles.len() && width.max(height) <= triangle_bounds::MAX_PIXELS;
         // Measured: a ray takes as long as 3/4 of a triangle where there is a grid, else as one in 64 of all.
         let count = world.triangles.len();
-        let most =
+        let max_triangles =
             if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
-        if !is_possible || count > most {
+        if !is_possible || count > max_triangles {
             return None;
         }
-        let canvas = Canvas::new(camera.eye()?, world.bounds, width, rows.clone())?;
-        let piles = piles(&canvas, world);
-        let work = piles.iter().flatten().fold(0usize, |work, pile| work.saturating_add(pile.pixels));
+        let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone())?;
+        let bins = bins(&viewport, world);
+        let work = bins.iter().flatten().fold(0usize, |work, bin| work.saturating_add(bin.pixels));
         if work > PIXELS_PER_RAY * pixels {
             return None;
         }
-        let planes: Vec<Layer> = world.planes.iter().map(|plane| Layer::of_plane(&canvas, plane)).collect();
-        let stride = width + band::LANES;
-        let mut seen = vec![NOTHING; stride * rows.len()];
-        seen.par_chunks_mut(BAND * stride).enumerate().for_each(|(k, seen)| {
-            let mut band = Band::new(&canvas, rows.start + k * BAND, stride, seen);
+        let planes: Vec<InvDepthPlane> =
+            world.planes.iter().map(|plane| InvDepthPlane::of_plane(&viewport, plane)).collect();
+        let stride = width + tile::LANES;
+        let mut visible_ids = vec![NOTHING; stride * rows.len()];
+        visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate().for_each(|(k, visible_ids)| {
+            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids);
             for side in [FRONTS, BACKS] {
-                let sprites = piles.iter().flat_map(|piles| &piles[k].sides[side]);
-                sprites.for_each(|sprite| band.draw(sprite, world));
+                let bounds = bins.iter().flat_map(|bins| &bins[k].sides[side]);
+                bounds.for_each(|triangle_bounds| tile.draw(triangle_bounds, world));
             }
-            for (plane, number) in planes.iter().zip(world.first_plane()..) {
-                band.fill(plane, number);
+            for (plane, id) in planes.iter().zip(world.first_plane()..) {
+                tile.fill(plane, id);
             }
         });
-        Some(Self { stride, first_row: rows.start, seen })
+        Some(Self { stride, first_row: rows.start, visible_ids })
     }
 
     /// What `ray`, the one through the centre of the pixel in column `i` of row `j`, hits first; none where
     /// only casting it can tell. The t of a triangle is left open: a NaN.
     pub fn hit(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Option<Option<Hit>> {
-        let primitive = self.seen[(j - self.first_row) * self.stride + i];
+        let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
         match primitive {
             NOTHING => Some(None),
             UNSURE => None,
@@ -96,9 +99,9 @@ impl Projection {
 
 /// What stands in one band.
 #[derive(Clone, Default)]
-struct Pile {
+struct TileBin {
     /// Fronts are drawn first: they hide most backs, which then need no drawing.
-    sides: [Vec<Sprite>; 2],
+    sides: [Vec<TriangleBounds>; 2],
     /// How many pixels they have.
     pixels: usize,
 }
@@ -107,44 +110,47 @@ const FRONTS: usize = 0;
 const BACKS: usize = 1;
 
 /// Piles for each band, from each part of the triangles.
-fn piles(canvas: &Canvas, world: &World) -> Vec<Vec<Pile>> {
+fn bins(viewport: &Viewport, world: &World) -> Vec<Vec<TileBin>> {
     const PART: usize = 1 << 14;
-    let places: Vec<Place> = world.vertices.par_iter().map(|&v| Place::of(v, canvas)).collect();
+    let vertices: Vec<ScreenVertex> =
+        world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
     let count = world.triangles.len();
     let parts = (0..count.div_ceil(PART)).into_par_iter();
-    let piles = parts.map(|part| {
-        let mut piles = vec![Pile::default(); canvas.rows.len().div_ceil(BAND)];
-        for number in part * PART..count.min((part + 1) * PART) {
-            if let Some((sprite, is_front)) = Sprite::new(canvas, world, &places, number as u32) {
-                let (side, rows) = (if is_front { FRONTS } else { BACKS }, sprite.rows.range());
-                let [first, last] = [rows.start, rows.end - 1].map(|j| (j - canvas.rows.start) / BAND);
-                for pile in &mut piles[first..=last] {
-                    pile.sides[side].push(sprite);
+    let bins = parts.map(|part| {
+        let mut bins = vec![TileBin::default(); viewport.rows.len().div_ceil(TILE_ROWS)];
+        for id in part * PART..count.min((part + 1) * PART) {
+            if let Some((triangle_bounds, is_front)) =
+                TriangleBounds::new(viewport, world, &vertices, id as u32)
+            {
+                let (side, rows) = (if is_front { FRONTS } else { BACKS }, triangle_bounds.rows.range());
+                let [first, last] = [rows.start, rows.end - 1].map(|j| (j - viewport.rows.start) / TILE_ROWS);
+                for bin in &mut bins[first..=last] {
+                    bin.sides[side].push(triangle_bounds);
                 }
-                piles[first].pixels += sprite.pixels();
+                bins[first].pixels += triangle_bounds.pixels();
             }
         }
-        piles
+        bins
     });
-    piles.collect()
+    bins.collect()
 }
 
 /// Where it is drawn.
 ///
 /// A pixel's ray runs along d + x h + y v, with x and y counted from the picture's middle in pixels.
-struct Canvas {
+struct Viewport {
     eye: Eye,
     /// A power of two that brings all finite things to within 1 of the eye.
     scale: f64,
     /// What takes a point one unit in front of the eye to its x and its y.
     axes: [DVec3; 2],
     /// The most that d, x h and y v are long together.
-    reach: f64,
+    max_direction_length: f64,
     width: usize,
     rows: Range<usize>,
 }
 
-impl Canvas {
+impl Viewport {
     /// None where numbers are too large or too small to compute with, or the view so narrow or so skew that
     /// a place is off by more than a small part of a pixel.
     fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>) -> Option<Self> {
@@ -154,14 +160,16 @@ impl Canvas {
         let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
         let [across, along] = [(eye.middle.x, eye.right), (eye.middle.y, eye.up)]
             .map(|(middle, axis)| (middle + 0.5) * axis.length());
-        let reach = eye.direction.length() + across + along;
-        let off = sprite::place_error_bound(&eye, axes, reach);
-        let is_usual = (1e-60..1e60).contains(&scale) && reach < 1e12 && off < sprite::MOST_OFF;
-        is_usual.then_some(Self { eye, scale, axes, reach, width, rows })
+        let max_direction_length = eye.direction.length() + across + along;
+        let screen_error = triangle_bounds::screen_error_bound(&eye, axes, max_direction_length);
+        let is_usual = (1e-60..1e60).contains(&scale)
+            && max_direction_length < 1e12
+            && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
+        is_usual.then_some(Self { eye, scale, axes, max_direction_length, width, rows })
     }
 
     /// A point as the eye sees it.
-    fn seen(&self, point: DVec3) -> DVec3 {
+    fn eye_space(&self, point: DVec3) -> DVec3 {
         (point - self.eye.center) * self.scale
     }
 

@@ -9,7 +9,7 @@ use crate::support::views::{Frame, View, narrow, triangles};
 use glam::DVec2;
 use raytracer::grid::Caster;
 use raytracer::primitive::plane::Plane;
-use raytracer::projection::Projection;
+use raytracer::raster::VisibilityBuffer;
 use raytracer::render::{Pictures, Request, render};
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
@@ -21,7 +21,9 @@ const SEED: u64 = 3020;
 fn compare(view: &View, world: &World, failures: &Failures, index: u64) -> [u64; 3] {
     let caster = Caster::new(world, None).unwrap();
     let all = 0..view.size[1];
-    let Some(projection) = Projection::new(&view.camera, &caster, view.size, all) else { return [0; 3] };
+    let Some(projection) = VisibilityBuffer::new(&view.camera, &caster, view.size, all) else {
+        return [0; 3];
+    };
     let mut counts = [0; 3];
     for pixel in view.pixels() {
         let (ray, [i, j]) = (view.ray(pixel), pixel);
@@ -182,7 +184,8 @@ fn a_pixel_sees_what_its_ray_hits() {
         let caster = Caster::new(&world, None).unwrap();
         // Some of the rows, as a large picture is rendered.
         let first = rng.below(view.size[1]);
-        let Some(projection) = Projection::new(&view.camera, &caster, view.size, first..view.size[1]) else {
+        let Some(projection) = VisibilityBuffer::new(&view.camera, &caster, view.size, first..view.size[1])
+        else {
             return ([0, 0, 0, 0, 1], []);
         };
         let mut counts = [0; 5];

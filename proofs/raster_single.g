@@ -1,5 +1,5 @@
 # Single precision in the projection is off by less than SINGLE_ROUNDINGS roundings of the largest value.
-#@ src/projection/band.rs SINGLE_ROUNDINGS = 5.0
+#@ src/raster/tile.rs SINGLE_ROUNDINGS = 5.0
 # A value is first + slope k: first has a rounding of its own and that of the sum, the other term those of the slope,
 # of the product and of the sum. `most` in the source is at least |first| + |slope k|, so that 3 roundings are for the
 # value. The error bound e is subtracted from it or added with another rounding, of at most most + e. Where e is above

@@ -1,8 +1,8 @@
 //! How much of the error bounds is needed: a search for views and triangles whose errors come close to
 //! them. The oracle computes with twice the digits.
 
-use super::Canvas;
-use super::outline::{Layer, Outline, normals_and_volume, volume_error_bound};
+use super::Viewport;
+use super::edge_functions::{EdgeFunctions, InvDepthPlane, normals_and_volume, volume_error_bound};
 use crate::camera::{Camera, Eye};
 use crate::math::aabb::Aabb;
 use crate::math::double_double::{Dd, cross, difference, dot};
@@ -82,52 +82,59 @@ impl Input {
         let ray = camera.ray(pixel + DVec2::new(4.0, 3.0), DVec2::ZERO);
         let eye = camera.eye()?;
         let corners = [a, b, c];
-        let canvas = Canvas::new(eye, Aabb::around(corners), SIZE[0], 0..SIZE[1])?;
-        let outline = Outline::new(&canvas, corners)?;
-        Some(measured(&canvas, &outline, &ray, pixel, corners))
+        let viewport = Viewport::new(eye, Aabb::around(corners), SIZE[0], 0..SIZE[1])?;
+        let edge_functions = EdgeFunctions::new(&viewport, corners)?;
+        Some(measured(&viewport, &edge_functions, &ray, pixel, corners))
     }
 }
 
 /// What the exact functions are at the ray, in lengths of the direction that the projection means.
-fn measured(canvas: &Canvas, outline: &Outline, ray: &Ray, pixel: DVec2, corners: [DVec3; 3]) -> Ratios {
-    let Eye { center, direction, right, up, .. } = canvas.eye;
+fn measured(
+    viewport: &Viewport,
+    edge_functions: &EdgeFunctions,
+    ray: &Ray,
+    pixel: DVec2,
+    corners: [DVec3; 3],
+) -> Ratios {
+    let Eye { center, direction, right, up, .. } = viewport.eye;
     let length = (direction + pixel.x * right + pixel.y * up).length();
     let [a, b, c] = corners.map(|corner| difference(corner, center));
     let d = ray.direction.to_array().map(Dd::from);
     let normals = [cross(b, c), cross(c, a), cross(a, b)];
     let volume = dot(a, normals[0]);
     let along = normals.map(|normal| dot(normal, d));
-    let sign = Dd::from(volume.value().signum() * length * canvas.scale * canvas.scale);
-    let off = |k: usize| (along[k] * sign - outline.edges[k].at(pixel.x, pixel.y).into()).value().abs();
-    let edge = (0..3).map(off).fold(0.0, f64::max) / outline.edge_error_bound;
+    let sign = Dd::from(volume.value().signum() * length * viewport.scale * viewport.scale);
+    let inv_depth_error_bound =
+        |k: usize| (along[k] * sign - edge_functions.edges[k].at(pixel.x, pixel.y).into()).value().abs();
+    let edge = (0..3).map(inv_depth_error_bound).fold(0.0, f64::max) / edge_functions.edge_error_bound;
 
-    let seen = corners.map(|corner| canvas.seen(corner));
-    let (_, rounded) = normals_and_volume(seen);
-    let unit = canvas.scale * canvas.scale * canvas.scale;
-    let longest = seen.map(DVec3::length).into_iter().fold(0.0, f64::max);
+    let visible_ids = corners.map(|corner| viewport.eye_space(corner));
+    let (_, rounded) = normals_and_volume(visible_ids);
+    let unit = viewport.scale * viewport.scale * viewport.scale;
+    let longest = visible_ids.map(DVec3::length).into_iter().fold(0.0, f64::max);
     let off_volume = (volume * unit.into() - rounded.into()).value().abs() / volume_error_bound(longest);
 
     let t = volume.value() / (along[0] + along[1] + along[2]).value();
-    let Layer { nearness, error_bound } = &outline.layer;
-    let exact = length / (t * canvas.scale);
+    let InvDepthPlane { inv_depth, error_bound } = &edge_functions.inv_depth_plane;
+    let exact = length / (t * viewport.scale);
     let [constant, _, square] = error_bound.0;
     // Times the V that was computed, whose own error is counted for itself.
     let sum =
-        (along[0] + along[1] + along[2]) * sign - (nearness.at(pixel.x, pixel.y) * rounded.abs()).into();
+        (along[0] + along[1] + along[2]) * sign - (inv_depth.at(pixel.x, pixel.y) * rounded.abs()).into();
     let near = sum.value().abs() / (constant * rounded.abs());
 
     let found = Shear::new(ray).intersect(corners.each_ref());
     let off_t = found.map_or(0.0, |found| (found / t - 1.0).abs() / (square * exact / length));
-    [edge, off_volume, near, off_t, of_plane(canvas, ray, pixel, length, corners)]
+    [edge, off_volume, near, off_t, of_plane(viewport, ray, pixel, length, corners)]
 }
 
 /// The plane's oracle is the t of the ray's own test.
-fn of_plane(canvas: &Canvas, ray: &Ray, pixel: DVec2, length: f64, corners: [DVec3; 3]) -> f64 {
+fn of_plane(viewport: &Viewport, ray: &Ray, pixel: DVec2, length: f64, corners: [DVec3; 3]) -> f64 {
     let normal = normal(corners);
     let plane = Plane { normal, offset: normal.dot(corners[0]) };
-    let Layer { nearness, error_bound } = Layer::of_plane(canvas, &plane);
+    let InvDepthPlane { inv_depth, error_bound } = InvDepthPlane::of_plane(viewport, &plane);
     let Some(t) = plane.intersect(ray) else { return 0.0 };
-    (nearness.at(pixel.x, pixel.y) - length / (t * canvas.scale)).abs() / error_bound.at(0.0)
+    (inv_depth.at(pixel.x, pixel.y) - length / (t * viewport.scale)).abs() / error_bound.at(0.0)
 }
 
 /// The largest ratio of a kind that hill climbing finds, from several starts.

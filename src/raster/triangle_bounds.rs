@@ -1,7 +1,7 @@
 //! Triangles in the picture: which pixels' rays may hit them.
 
-use super::{Canvas, Eye};
-use crate::math::extremes::{greatest, least};
+use super::{Eye, Viewport};
+use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::World;
 use glam::{DVec2, DVec3};
@@ -9,15 +9,15 @@ use std::ops::Range;
 
 /// The place of a point in the picture.
 #[derive(Clone, Copy)]
-pub struct Place {
-    /// In [`PARTS`] of a pixel, cut.
+pub struct ScreenVertex {
+    /// In [`SUBPIXELS`] of a pixel, cut.
     at: [i32; 2],
     /// One over its depth in front of the eye, or one of the two below.
-    nearness: f32,
+    inv_depth: f32,
 }
 
 /// So many to a pixel. Whole numbers are compared faster than others.
-const PARTS: i32 = 64;
+const SUBPIXELS: i32 = 64;
 
 /// Of a point so far aside of where the eye looks that its place is not known to a part of a pixel.
 const ASIDE: f32 = 0.0;
@@ -29,68 +29,73 @@ const STEEP: f64 = 1024.0;
 
 /// How many roundings of a point's distance over its depth, times the length of an axis, a place is off: for
 /// the axis, the products and the division.
-const PLACE_ROUNDINGS: f64 = 8.0;
+const SCREEN_ROUNDINGS: f64 = 8.0;
 
 /// How far a place may be off, in pixels: half of what [`Span::around`] allows; the other half is for cutting.
-pub const MOST_OFF: f64 = 1.0 / PARTS as f64;
+pub const MAX_SCREEN_ERROR: f64 = 1.0 / SUBPIXELS as f64;
 
 /// How far the places in this view may be off, in pixels, by rounding and because the eye's vectors are not
 /// quite at right angles: by much where it looks almost along the upward direction.
 ///
-/// A place along the one axis is at most `reach` times the axis' length, or far outside the picture, and along
+/// A place along the one axis is at most `max_direction_length` times the axis' length, or far outside the picture, and along
 /// the other [`STEEP`] times. The depth changes by a cosine's part of both, and the place with it.
-pub fn place_error_bound(eye: &Eye, axes: [DVec3; 2], reach: f64) -> f64 {
+pub fn screen_error_bound(eye: &Eye, axes: [DVec3; 2], max_direction_length: f64) -> f64 {
     let [right, up] = [eye.right, eye.up].map(DVec3::normalize);
     let cosines = DVec3::new(right.dot(up), right.dot(eye.direction), up.dot(eye.direction));
-    let skew = cosines.abs().element_sum() + PLACE_ROUNDINGS * UNIT_ROUNDOFF;
-    skew * (STEEP + reach) * reach * axes[0].length().max(axes[1].length())
+    let skew = cosines.abs().element_sum() + SCREEN_ROUNDINGS * UNIT_ROUNDOFF;
+    skew * (STEEP + max_direction_length) * max_direction_length * axes[0].length().max(axes[1].length())
 }
 
-impl Place {
-    pub fn of(point: DVec3, canvas: &Canvas) -> Self {
-        let point = canvas.seen(point);
-        let (depth, distance) = (point.dot(canvas.eye.direction), point.length());
+impl ScreenVertex {
+    pub fn of(point: DVec3, viewport: &Viewport) -> Self {
+        let point = viewport.eye_space(point);
+        let (depth, distance) = (point.dot(viewport.eye.direction), point.length());
         if STEEP * depth > distance {
-            let ([right, up], nearness) = (canvas.axes, 1.0 / depth);
-            let at = DVec2::new(point.dot(right), point.dot(up)) * nearness + canvas.eye.middle;
+            let ([right, up], inv_depth) = (viewport.axes, 1.0 / depth);
+            let at = DVec2::new(point.dot(right), point.dot(up)) * inv_depth + viewport.eye.middle;
             // Far outside any place will do.
-            let at = (at * f64::from(PARTS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
-            Self { at, nearness: nearness as f32 }
+            let at = (at * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
+            Self { at, inv_depth: inv_depth as f32 }
         } else {
             let is_behind = depth < -8.0 * UNIT_ROUNDOFF * distance;
-            Self { at: [0; 2], nearness: if is_behind { BEHIND } else { ASIDE } }
+            Self { at: [0; 2], inv_depth: if is_behind { BEHIND } else { ASIDE } }
         }
     }
 }
 
 /// A triangle, and the pixels whose rays may hit it.
 #[derive(Clone, Copy)]
-pub struct Sprite {
-    pub number: u32,
+pub struct TriangleBounds {
+    pub id: u32,
     pub columns: Span,
     pub rows: Span,
     /// No point of it is nearer.
-    pub nearest: f32,
+    pub max_inv_depth: f32,
 }
 
-impl Sprite {
+impl TriangleBounds {
     /// None where it stands in no pixel's way. Says also whether the triangle seems to show its front.
     #[inline]
-    pub fn new(canvas: &Canvas, world: &World, places: &[Place], number: u32) -> Option<(Self, bool)> {
-        let [a, b, c] = world.triangles[number as usize].map(|vertex| places[vertex as usize]);
-        let (width, rows) = (0..canvas.width, &canvas.rows);
-        let nearness = [a.nearness, b.nearness, c.nearness];
-        if least(nearness) > 0.0 {
+    pub fn new(
+        viewport: &Viewport,
+        world: &World,
+        vertices: &[ScreenVertex],
+        id: u32,
+    ) -> Option<(Self, bool)> {
+        let [a, b, c] = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
+        let (width, rows) = (0..viewport.width, &viewport.rows);
+        let inv_depth = [a.inv_depth, b.inv_depth, c.inv_depth];
+        if min3(inv_depth) > 0.0 {
             // Above what single precision may be off.
-            let nearest = 1.000_001 * greatest(nearness);
+            let max_inv_depth = 1.000_001 * max3(inv_depth);
             let (columns, rows) = (Span::around([a, b, c], 0, &width), Span::around([a, b, c], 1, rows));
             let is_seen = !columns.is_empty() && !rows.is_empty();
-            is_seen.then(|| (Self { number, columns, rows, nearest }, is_front([a, b, c])))
-        } else if greatest(nearness) < 0.0 || is_beyond_a_side(canvas, world.corners(number as usize)) {
+            is_seen.then(|| (Self { id, columns, rows, max_inv_depth }, is_front([a, b, c])))
+        } else if max3(inv_depth) < 0.0 || is_beyond_a_side(viewport, world.corners(id as usize)) {
             None
         } else {
             let (columns, rows) = (Span::new(&width), Span::new(rows));
-            Some((Self { number, columns, rows, nearest: f32::INFINITY }, true))
+            Some((Self { id, columns, rows, max_inv_depth: f32::INFINITY }, true))
         }
     }
 
@@ -105,15 +110,16 @@ impl Sprite {
 const SIDE_ROUNDINGS: f64 = 6.0;
 
 /// Whether a triangle surely lies beyond one of the planes through the eye and the picture's sides.
-fn is_beyond_a_side(canvas: &Canvas, corners: [DVec3; 3]) -> bool {
-    let points = corners.map(|corner| canvas.seen(corner));
+fn is_beyond_a_side(viewport: &Viewport, corners: [DVec3; 3]) -> bool {
+    let points = corners.map(|corner| viewport.eye_space(corner));
     (0..2).any(|k| {
-        let axis = canvas.axes[k];
+        let axis = viewport.axes[k];
         // A pixel and a half beyond the last centre, so that a pixel's own error does not count.
-        let border = canvas.eye.middle[k] + 1.5;
-        let off = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (axis.length() + border);
+        let border = viewport.eye.middle[k] + 1.5;
+        let inv_depth_error_bound = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (axis.length() + border);
         let beyond = |point: DVec3, sign: f64| {
-            sign * point.dot(axis) > border * point.dot(canvas.eye.direction) + off * point.length()
+            sign * point.dot(axis)
+                > border * point.dot(viewport.eye.direction) + inv_depth_error_bound * point.length()
         };
         [1.0, -1.0].into_iter().any(|sign| points.into_iter().all(|point| beyond(point, sign)))
     })
@@ -127,7 +133,7 @@ pub struct Span {
 }
 
 /// The most pixels that a row or a column may have.
-pub const MOST: usize = u16::MAX as usize;
+pub const MAX_PIXELS: usize = u16::MAX as usize;
 
 impl Span {
     fn new(pixels: &Range<usize>) -> Self {
@@ -136,12 +142,12 @@ impl Span {
 
     /// The pixels among these whose centres lie between the places along an axis, or hardly beside them.
     #[inline(always)]
-    fn around(places: [Place; 3], axis: usize, pixels: &Range<usize>) -> Self {
+    fn around(vertices: [ScreenVertex; 3], axis: usize, pixels: &Range<usize>) -> Self {
         /// What the places may be off, and rounding.
         const BESIDE: i32 = 2;
-        let places = places.map(|place| place.at[axis]);
-        let first = (least(places) - BESIDE + (PARTS - 1)) / PARTS;
-        let last = (greatest(places) + BESIDE).div_euclid(PARTS);
+        let vertices = vertices.map(|vertex| vertex.at[axis]);
+        let first = (min3(vertices) - BESIDE + (SUBPIXELS - 1)) / SUBPIXELS;
+        let last = (max3(vertices) + BESIDE).div_euclid(SUBPIXELS);
         let [low, high] = [pixels.start as i32, pixels.end as i32];
         Self { first: first.clamp(low, high) as u16, end: (last + 1).clamp(low, high) as u16 }
     }
@@ -156,7 +162,7 @@ impl Span {
 }
 
 /// Whether a triangle seems to run counter-clockwise.
-fn is_front(corners: [Place; 3]) -> bool {
+fn is_front(corners: [ScreenVertex; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.at.map(i64::from));
     (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
 }

@@ -1,0 +1,210 @@
+//! Rays that are cast together. Their ways into the grid are computed four at a time; then each goes on to
+//! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
+
+use super::build::AccelerationStructure;
+use super::cell_contents::CellContents;
+use super::cell_table::{BORDER, CellCursor, CellTable};
+use super::query::{FilterState, RayQuery, lanes, to_frame};
+use super::traverse::TraversalKernel;
+use super::triangle8::NONE;
+use super::{Caster, Instructions};
+use crate::grid::Lattice;
+use crate::grid::dda4::Dda4;
+use crate::grid::ray_aabb::intersect_aabb4;
+use crate::math::f64x4::F64x4;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Portable;
+use crate::math::prefetch::prefetch;
+use crate::math::ray::{Hit, Ray};
+use crate::math::ray_lanes::RayPacket4;
+use crate::stats::Probe;
+
+/// So many rays go together: enough that the memory has answered when it is the first one's turn, and few
+/// enough to stay near.
+pub const PACKET_SIZE: usize = 16;
+
+/// What asks for the nearest hit on a ray.
+pub trait PacketRay {
+    /// The ray.
+    fn ray(&self) -> &Ray;
+    /// Takes the nearest hit, as [`Caster::nearest`] gives it; called at least once, and the last call counts.
+    fn set_hit(&mut self, hit: Option<Hit>);
+}
+
+/// So many rays are set up together.
+const GROUP: usize = 4;
+
+/// Four rays before their march through a grid.
+#[derive(Clone, Copy, Debug, Default)]
+struct PacketSetup {
+    /// The rays that meet the grid, bit 0 for the first, and those that start too far from it.
+    passing: u32,
+    too_far: u32,
+    dda4: Dda4,
+    /// The filter's rays, axis by axis, and its t, as in [`FilterState`].
+    origins: [[f32; 4]; 3],
+    directions: [[f32; 4]; 3],
+    entry: [f64; 4],
+    per_t: [f64; 4],
+    unit: [f64; 4],
+}
+
+impl PacketSetup {
+    /// Of up to four rays.
+    #[inline(always)]
+    fn new<F: F64x4>(
+        proof: F::Proof,
+        structure: &AccelerationStructure,
+        lattice: &Lattice,
+        rays: &[impl PacketRay],
+    ) -> Self {
+        let splat = |x| F::splat(proof, x);
+        let four = match rays {
+            // Four known places are faster than four looked for.
+            [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
+            _ => [0, 1, 2, 3].map(|i: usize| rays[i.min(rays.len() - 1)].ray()),
+        };
+        let packet = &RayPacket4::<F>::new(proof, four);
+        let intervals = intersect_aabb4(&structure.simd_bounds, packet);
+        let frame = &structure.cells.frame;
+        let [x, y, z] = &packet.axes;
+        let (cx, cy, cz) = (splat(frame.center[0]), splat(frame.center[1]), splat(frame.center[2]));
+        let max_origin_distance = splat(structure.max_origin_distance);
+        let is_in_proven_range = (x.origin - cx).abs().le_mask(max_origin_distance)
+            & (y.origin - cy).abs().le_mask(max_origin_distance)
+            & (z.origin - cz).abs().le_mask(max_origin_distance);
+        let scale = splat(frame.scale);
+        let (entry, used) = (intervals.entry, (1 << rays.len()) - 1);
+        let largest = x.direction.abs().max(y.direction.abs()).max(z.direction.abs());
+        let inv_largest = x.inv_direction.abs().min(y.inv_direction.abs()).min(z.inv_direction.abs());
+        Self {
+            passing: intervals.set & is_in_proven_range & used,
+            too_far: !is_in_proven_range & used,
+            dda4: Dda4::new(lattice, packet, &intervals),
+            origins: [
+                to_frame(x, cx, entry, scale).to_f32(),
+                to_frame(y, cy, entry, scale).to_f32(),
+                to_frame(z, cz, entry, scale).to_f32(),
+            ],
+            directions: [
+                (x.direction * inv_largest).to_f32(),
+                (y.direction * inv_largest).to_f32(),
+                (z.direction * inv_largest).to_f32(),
+            ],
+            entry: entry.to_array(),
+            per_t: (largest * scale).to_array(),
+            unit: (inv_largest * splat(frame.unit)).to_array(),
+        }
+    }
+
+    #[inline(always)]
+    fn filter_state(&self, i: usize, last: f64) -> FilterState {
+        let [ox, oy, oz] = &self.origins;
+        let [dx, dy, dz] = &self.directions;
+        let ray = [[ox[i], oy[i], oz[i], 0.0], [dx[i], dy[i], dz[i], 0.0]];
+        FilterState::new(ray, self.entry[i], self.per_t[i], self.unit[i], last)
+    }
+}
+
+impl Caster<'_> {
+    /// Answers each query, of which there may be any number, as [`nearest`](Self::nearest) does.
+    pub fn nearest_of_packet<P: Probe>(&self, rays: &mut [impl PacketRay], probe: &mut P) {
+        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
+        let Some((grid, table)) = grid.filter(|_| !P::COUNTS) else {
+            return rays.iter_mut().for_each(|one| self.cast_alone(one, probe));
+        };
+        for rays in rays.chunks_mut(PACKET_SIZE) {
+            match self.instructions {
+                #[cfg(target_arch = "x86_64")]
+                Instructions::Avx2(avx2) => {
+                    // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+                    unsafe { trace_packet_avx2(avx2, self, grid, table, rays, probe) }
+                }
+                Instructions::Portable => self.trace_packet(Portable, grid, table, rays, probe),
+            }
+        }
+    }
+
+    /// Answers a query by itself.
+    fn cast_alone<P: Probe>(&self, one: &mut impl PacketRay, probe: &mut P) {
+        let hit = self.nearest(one.ray(), None, probe);
+        one.set_hit(hit);
+    }
+
+    /// Answers up to [`PACKET_SIZE`] queries.
+    #[inline(always)]
+    fn trace_packet<K: TraversalKernel, Q: PacketRay, P: Probe>(
+        &self,
+        kernel: K,
+        grid: &AccelerationStructure,
+        table: &CellTable,
+        rays: &mut [Q],
+        probe: &mut P,
+    ) {
+        let blocks = grid.cells.blocks.as_slice();
+        let mut setups = [PacketSetup::default(); PACKET_SIZE / GROUP];
+        let (mut passing, mut too_far) = (0, 0);
+        for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(GROUP)).enumerate() {
+            *setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), four);
+            passing |= setup.passing << (GROUP * i);
+            too_far |= setup.too_far << (GROUP * i);
+        }
+        // All of them, since a loop over some would be guessed wrongly.
+        rays.iter_mut().for_each(|one| one.set_hit(None));
+        let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
+        let mut waiting = 0;
+        for i in lanes(passing) {
+            let mut cursor = table.cursor_of(&setups[i / GROUP].dda4, i % GROUP);
+            cursor.skip();
+            let entry = cursor.entry();
+            if entry != BORDER {
+                if let Some(block) = CellContents::first_block(blocks, entry) {
+                    prefetch(block);
+                }
+                cursors[i] = Some(cursor);
+                waiting |= 1 << i;
+            }
+        }
+        for i in lanes(too_far) {
+            self.cast_alone(&mut rays[i], probe);
+        }
+        if !self.world.planes.is_empty() {
+            // Every ray may meet a plane.
+            waiting = ((1 << rays.len()) - 1) & !too_far;
+        }
+        for i in lanes(waiting) {
+            let ray = rays[i].ray();
+            let mut query = RayQuery::new(self.world, ray, NONE);
+            query.test_planes(ray, probe);
+            if let Some(cursor) = cursors[i] {
+                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t);
+                grid.traverse_cells::<K, P, false>(
+                    kernel,
+                    cursor,
+                    blocks,
+                    &mut filter_state,
+                    &mut query,
+                    probe,
+                );
+            }
+            let hit = query.hit();
+            rays[i].set_hit(hit);
+        }
+    }
+}
+
+/// A stream compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn trace_packet_avx2<Q: PacketRay, P: Probe>(
+    avx2: Avx2,
+    caster: &Caster,
+    grid: &AccelerationStructure,
+    table: &CellTable,
+    rays: &mut [Q],
+    probe: &mut P,
+) {
+    caster.trace_packet(avx2, grid, table, rays, probe);
+}

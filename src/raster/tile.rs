@@ -1,0 +1,202 @@
+//! Some rows of pixels while they are drawn.
+//!
+//! Eight pixels side by side, in single precision around the first of them, and without a branch: where
+//! triangles are small, a wrong guess would cost more than a pixel.
+
+use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
+use super::triangle_bounds::TriangleBounds;
+use super::{Affine, TILE_ROWS, UNSURE, Viewport};
+use crate::math::extremes::{max3, min3};
+use crate::world::World;
+use std::ops::Range;
+
+/// Pixels side by side.
+pub const LANES: usize = 8;
+
+type Lanes = [f32; LANES];
+
+pub struct Tile<'c> {
+    viewport: &'c Viewport,
+    rows: Range<usize>,
+    /// From one row to the next: a row and room for some pixels beyond it.
+    stride: usize,
+    /// The numbers between which the nearness of what is seen lies; 0 for nothing.
+    min_inv_depths: Vec<f32>,
+    max_inv_depths: Vec<f32>,
+    visible_ids: &'c mut [u32],
+}
+
+/// A function of the pixel along a row, and how far it may be off.
+#[derive(Clone, Copy)]
+struct AffineRow {
+    function: Affine,
+    slope: f32,
+    error_bound: f32,
+}
+
+impl AffineRow {
+    /// `error_bound` is that of the function in double precision.
+    fn new(function: Affine, corner: [f64; 2], extent: [usize; 2], error_bound: ErrorBound) -> Self {
+        /// How far single precision may be off, in roundings of the largest value: 3 for the value, and
+        /// one for the sum of it and the error bound (`proofs/raster_single.g`).
+        const SINGLE_ROUNDINGS: f64 = 5.0;
+        const SINGLE_UNIT_ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
+        let [x, y] = corner;
+        let [columns, rows] = extent.map(|n| n as f64);
+        let max_abs = function.at(x, y).abs() + function.per_x.abs() * columns + function.per_y.abs() * rows;
+        let error_bound = error_bound.at(max_abs) + SINGLE_ROUNDINGS * SINGLE_UNIT_ROUNDOFF * max_abs;
+        Self { function, slope: function.per_x as f32, error_bound: error_bound as f32 }
+    }
+
+    /// In the pixels from the one at x and y on.
+    fn from(&self, x: f64, y: f64) -> Lanes {
+        let first = self.function.at(x, y) as f32;
+        std::array::from_fn(|k| first + self.slope * k as f32)
+    }
+}
+
+impl<'c> Tile<'c> {
+    pub fn new(viewport: &'c Viewport, first_row: usize, stride: usize, visible_ids: &'c mut [u32]) -> Self {
+        let rows = first_row..first_row + visible_ids.len() / stride;
+        let far = vec![0.0; TILE_ROWS * stride];
+        Self { viewport, rows, stride, min_inv_depths: far.clone(), max_inv_depths: far, visible_ids }
+    }
+
+    /// Draws a triangle where its sprite stands in these rows.
+    pub fn draw(&mut self, triangle_bounds: &TriangleBounds, world: &World) {
+        let (columns, rows) = (triangle_bounds.columns.range(), triangle_bounds.rows.range());
+        let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
+        if rows.clone().all(|j| self.occludes(columns.clone(), j, triangle_bounds.max_inv_depth)) {
+            return;
+        }
+        match EdgeFunctions::new(self.viewport, world.corners(triangle_bounds.id as usize)) {
+            Some(edge_functions) => self.rasterize(&edge_functions, columns, rows, triangle_bounds.id),
+            None => self.mark_unsure(columns, rows),
+        }
+    }
+
+    /// Whether all that is seen in these columns of row j surely is nearer than this.
+    fn occludes(&self, columns: Range<usize>, j: usize, max_inv_depth: f32) -> bool {
+        let row = (j - self.rows.start) * self.stride;
+        self.min_inv_depths[row + columns.start..row + columns.end].iter().all(|&min| min > max_inv_depth)
+    }
+
+    fn rasterize(
+        &mut self,
+        edge_functions: &EdgeFunctions,
+        columns: Range<usize>,
+        rows: Range<usize>,
+        id: u32,
+    ) {
+        let middle = self.viewport.eye.middle;
+        let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
+        let extent = [columns.len() + LANES, rows.len()];
+        let of_edges = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
+        let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, of_edges));
+        let inv_depth = AffineRow::new(
+            edge_functions.inv_depth_plane.inv_depth,
+            corner,
+            extent,
+            edge_functions.inv_depth_plane.error_bound,
+        );
+        let error_bound = max3(edges.map(|edge| edge.error_bound));
+        for j in rows {
+            let y = j as f64 - middle.y;
+            for i in columns.clone().step_by(LANES) {
+                let x = i as f64 - middle.x;
+                let [p, q, r] = edges.each_ref().map(|edge| edge.from(x, y));
+                let min_edges = lanes(|k| min3([p[k], q[k], r[k]]));
+                self.update(
+                    [i, j],
+                    &min_edges,
+                    error_bound,
+                    &inv_depth.from(x, y),
+                    inv_depth.error_bound,
+                    id,
+                );
+            }
+        }
+    }
+
+    /// Fills the rows with a plane.
+    pub fn fill(&mut self, plane: &InvDepthPlane, id: u32) {
+        let (middle, width) = (self.viewport.eye.middle, self.viewport.width);
+        let corner = [-middle.x, self.rows.start as f64 - middle.y];
+        let extent = [width + LANES, self.rows.len()];
+        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, plane.error_bound);
+        for j in self.rows.clone() {
+            let y = j as f64 - middle.y;
+            for i in (0..width).step_by(LANES) {
+                let lanes = inv_depth.from(i as f64 - middle.x, y);
+                self.update([i, j], &[1.0; LANES], 0.0, &lanes, inv_depth.error_bound, id);
+            }
+        }
+    }
+
+    /// Something unknown may stand before these pixels.
+    fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>) {
+        for j in rows {
+            for i in columns.clone().step_by(LANES) {
+                let near = [f32::INFINITY; LANES];
+                self.update([i, j], &[0.0; LANES], f32::INFINITY, &near, 0.0, UNSURE);
+            }
+        }
+    }
+
+    /// Enters what is seen in the pixels from column i of row j on, where `min_edges` is not below zero, as near
+    /// as this; both may be off by so much.
+    ///
+    /// What surely is there, and surely the nearest, is what is seen; where it may be, nobody knows. A
+    /// comparison with a NaN is false, and leaves the pixel open for good.
+    #[inline(always)]
+    fn update(
+        &mut self,
+        [i, j]: [usize; 2],
+        min_edges: &Lanes,
+        error_bound: f32,
+        inv_depth: &Lanes,
+        inv_depth_error_bound: f32,
+        id: u32,
+    ) {
+        let first = (j - self.rows.start) * self.stride + i;
+        let lists = (
+            &mut self.min_inv_depths[first..],
+            &mut self.max_inv_depths[first..],
+            &mut self.visible_ids[first..],
+        );
+        let (Some(min_inv_depths), Some(max_inv_depths), Some(visible_ids)) =
+            (lists.0.first_chunk_mut(), lists.1.first_chunk_mut(), lists.2.first_chunk_mut())
+        else {
+            return;
+        };
+        // Each as a step of its own over all lanes, which then is a few vector instructions.
+        let low = inv_depth.map(|n| n - inv_depth_error_bound);
+        let high = inv_depth.map(|n| n + inv_depth_error_bound);
+        let is_nearest = lanes(|k| mask(min_edges[k] > error_bound) & mask(low[k] > max_inv_depths[k]));
+        let is_missed = lanes(|k| !mask(min_edges[k] >= -error_bound) | mask(high[k] < min_inv_depths[k]));
+        let is_unsure: [u32; LANES] = lanes(|k| !(is_nearest[k] | is_missed[k]));
+        let is_farther = lanes(|k| mask(high[k] <= max_inv_depths[k]));
+        *min_inv_depths = lanes(|k| select(is_nearest[k], low[k], min_inv_depths[k]));
+        *max_inv_depths =
+            lanes(|k| select(is_nearest[k] | is_unsure[k] & !is_farther[k], high[k], max_inv_depths[k]));
+        *visible_ids = lanes(|k| {
+            is_nearest[k] & id | is_unsure[k] & UNSURE | !(is_nearest[k] | is_unsure[k]) & visible_ids[k]
+        });
+    }
+}
+
+#[inline(always)]
+fn lanes<T>(lane: impl FnMut(usize) -> T) -> [T; LANES] {
+    std::array::from_fn(lane)
+}
+
+/// All bits where it is so, none where not.
+#[inline(always)]
+fn mask(is_so: bool) -> u32 {
+    u32::from(is_so).wrapping_neg()
+}
+
+#[inline(always)]
+fn select(mask: u32, a: f32, b: f32) -> f32 {
+    f32::from_bits(mask & a.to_bits() | !mask & b.to_bits())
+}
