@@ -122,6 +122,6 @@ fn picture(tracer: &Tracer, camera: &Camera, sampler: Sampler) -> Vec<Color> {
 
 fn color(tracer: &Tracer, ray: &raytracer::math::ray::Ray, pending: &mut Pending) -> Color {
     let hit = tracer.caster.closest(ray, &mut Quiet);
-    let surface = hit.map(|hit| tracer.caster.world.surface(ray, hit));
+    let surface = hit.map(|hit| tracer.caster.world.surface(ray, &hit));
     tracer.color(ray, surface.as_ref(), pending, &mut Quiet)
 }

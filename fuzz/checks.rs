@@ -5,11 +5,12 @@ use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
-use raytracer::render::{Request, View, render};
-use raytracer::sampling::{filter::Filter, sampler::Sampler};
+use raytracer::mode::{Course, Fast, Mode};
+use raytracer::picture::FloatPicture;
+use raytracer::render::{Layer, Request, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::{Scene, parser::parse};
-use raytracer::stats::{Counts, Probe, Quiet};
+use raytracer::stats::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::Path;
@@ -40,51 +41,54 @@ fn check_pictures(scene: &Scene, world: &World) {
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let some = GridOptions::uniform([3, 2, 4]);
     let rule = CellRule::Nested { max_per_cell: 2 };
-    let plain = tiny_picture::<Quiet>(scene, world, GridOptions::NONE, fastest);
+    let plain = tiny_picture::<Fast>(scene, world, GridOptions::NONE, fastest);
     for (options, instructions) in [
         (some, fastest),
         (some, portable),
         (GridOptions { rule, ..GridOptions::automatic(world, 1 << 20) }, fastest),
         (GridOptions::NONE, portable),
     ] {
-        let picture = tiny_picture::<Quiet>(scene, world, options, instructions);
+        let picture = tiny_picture::<Fast>(scene, world, options, instructions);
         assert!(plain == picture, "the picture differs with {options:?}, {instructions:?}");
     }
     let rule = CellRule::Course { is_bounded: false };
     for options in [GridOptions::NONE, some] {
-        let counted = tiny_picture::<Counts>(scene, world, GridOptions { rule, ..options }, fastest);
-        assert!(plain == counted, "counting changes the picture");
+        let as_course = tiny_picture::<Course>(scene, world, GridOptions { rule, ..options }, fastest);
+        assert!(plain == as_course, "the course's mode changes the picture");
     }
 }
 
 /// Sixteen pixels with every effect, without a grid or with one of so many cells.
-fn tiny_picture<P: Probe>(
+fn tiny_picture<M: Mode>(
     scene: &Scene,
     world: &World,
     options: GridOptions,
     instructions: Instructions,
 ) -> Vec<u8> {
-    let size = [4, 4];
-    let caster = Caster::with(world, options, instructions).expect("a small grid");
+    let caster = Caster::with(world, options, instructions).expect("a small grid").in_mode::<M>();
+    let (bytes, nans) = bytes_and_nans(scene, &caster, [4, 4], [1.0, 10.0]);
+    assert_eq!(nans, 0, "colours that are not numbers");
+    bytes
+}
+
+/// The bytes of colours with every effect, of depths in a range and of normals, and how many of all these colours are
+/// not numbers.
+pub fn bytes_and_nans<M: Mode>(
+    scene: &Scene,
+    caster: &Caster<M>,
+    size: [usize; 2],
+    [near, far]: [f64; 2],
+) -> (Vec<u8>, u64) {
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
-    let request = Request {
-        size,
-        view: View::Scene(effects),
-        sampler: Sampler::CENTER,
-        filter: Filter::PIXEL,
-        color: true,
-        depth: Some([1.0, 10.0]),
-        normals: true,
-        samples: None,
-    };
-    let (pictures, _) =
-        render::<P>(&Camera::new(&scene.camera, size), &caster, &request).expect("a small picture");
-    assert_eq!(pictures.nans, 0, "colours that are not numbers");
-    [pictures.color, pictures.depth, pictures.normals]
-        .into_iter()
-        .flatten()
-        .flat_map(|p| p.pixels().to_vec())
-        .collect()
+    let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
+    let request = Request { effects, layers, ..Request::new(size) };
+    let camera = Camera::new(&scene.camera, size);
+    let rendered = render_in_memory::<_, Quiet>(&camera, caster, View::Scene, &request);
+    let (pictures, Quiet) = rendered.expect("small pictures");
+    pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
+        all.extend(bytes);
+        (all, nans + more)
+    })
 }
 
 /// Stands in for every second mesh that a scene names: triangles without area, and one with.

@@ -5,6 +5,7 @@
 pub mod escape;
 pub mod math;
 pub mod scene;
+pub mod mode;
 pub mod stats;
 pub mod primitive;
 pub mod world;
@@ -18,4 +19,5 @@ pub mod picture;
 pub mod render;
 pub mod image_io;
 pub mod scene_io;
+pub mod renderer;
 pub mod cli;

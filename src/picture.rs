@@ -4,15 +4,15 @@ use crate::scene::Color;
 use std::fmt;
 
 /// Bytes per pixel: red, green, blue.
-const CHANNELS: usize = 3;
+pub const CHANNELS: usize = 3;
 
 /// No pixels, or more than there is memory for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadSize {
     /// In pixels.
-    pub width: u32,
+    pub width: usize,
     /// In pixels.
-    pub height: u32,
+    pub height: usize,
 }
 
 impl fmt::Display for BadSize {
@@ -37,19 +37,57 @@ pub struct Picture {
     pixels: Vec<u8>,
 }
 
-/// The bytes of a colour: 255 times each channel, cut (not rounded) to a whole number and clamped to
-/// 0..=255, as the course's writer does. NaN becomes 0; `nans` goes up by one for a colour that
-/// holds any.
-pub fn quantize(color: Color, nans: &mut u64) -> [u8; CHANNELS] {
-    *nans += u64::from(color.is_nan());
-    // `as` cuts, clamps and turns NaN into 0.
-    (color * 255.0).to_array().map(|channel| channel as u8)
+/// A picture whose colours are numbers, as they were rendered: neither clamped nor cut to bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloatPicture {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// One for each pixel, row by row from the top.
+    pub colors: Vec<Color>,
+}
+
+impl FloatPicture {
+    /// A picture of this width and height that has no colours yet. No pixels at all, or more than there is memory
+    /// for, is an error.
+    pub fn with_room(size: [usize; 2]) -> Result<Self, BadSize> {
+        let failed = || BadSize { width: size[0], height: size[1] };
+        let count = size[0].checked_mul(size[1]).filter(|&count| count > 0).ok_or_else(failed)?;
+        let mut colors = Vec::new();
+        colors.try_reserve_exact(count).map_err(|_| failed())?;
+        Ok(Self { size, colors })
+    }
+
+    /// Cuts the colours to bytes, as [`cut_to_bytes`] does, and counts those that are not numbers.
+    pub fn to_bytes(&self) -> (Vec<u8>, u64) {
+        let mut bytes = vec![0; self.colors.len() * CHANNELS];
+        let nans = cut_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
+        (bytes, nans)
+    }
+}
+
+/// The place of red in a pixel's bytes where it comes first, for [`cut_to_bytes`].
+pub const RED_FIRST: usize = 0;
+/// The place of red in a pixel's bytes where blue comes first, for [`cut_to_bytes`].
+pub const BLUE_FIRST: usize = 2;
+
+/// Writes the bytes of some colours, [`CHANNELS`] each with red at place `RED`: 255 times each channel, cut (not rounded) to a whole number
+/// and clamped to 0..=255, as the course's writer does. NaN becomes 0. Returns how many colours hold a NaN.
+pub fn cut_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
+    // A sum with a NaN is a NaN. That is cheaper than to look at each channel.
+    let mut sum = 0.0;
+    for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
+        sum = sum + color.x + color.y + color.z;
+        // The conversion cuts, clamps and turns NaN into 0.
+        let [red, green, blue] = (255.0 * color).to_array().map(|channel| channel as u8);
+        (pixel[RED], pixel[1], pixel[2 - RED]) = (red, green, blue);
+    }
+    if sum.is_nan() { colors.iter().filter(|color| color.is_nan()).count() as u64 } else { 0 }
 }
 
 impl Picture {
     /// A black picture. No pixels at all, or more than there is memory for, is an error.
     pub fn new(width: u32, height: u32) -> Result<Self, BadSize> {
-        let failed = || BadSize { width, height };
+        let failed = || BadSize { width: width as usize, height: height as usize };
         let size = byte_count(width, height).filter(|&size| size > 0).ok_or_else(failed)?;
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(size).map_err(|_| failed())?;
@@ -104,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantize_cuts_and_clamps() {
+    fn bytes_are_cut_and_clamped() {
         let rows = [
             (0.0, 0),
             (0.2, 51),
@@ -116,19 +154,17 @@ mod tests {
             (-0.5, 0),
             (f64::NEG_INFINITY, 0),
         ];
-        let mut nans = 0;
-        for (channel, byte) in rows {
-            assert_eq!(quantize(Color::splat(channel), &mut nans), [byte; 3], "{channel}");
-        }
-        assert_eq!(nans, 0);
+        let colors = rows.map(|(channel, _)| Color::splat(channel)).to_vec();
+        let (bytes, nans) = FloatPicture { size: [9, 1], colors }.to_bytes();
+        assert_eq!(bytes, rows.map(|(_, byte)| [byte; 3]).concat());
+        assert_eq!(nans, 0, "infinities of both signs are numbers");
     }
 
     #[test]
-    fn quantize_counts_each_colour_with_nan_once() {
-        let mut nans = 0;
-        assert_eq!(quantize(Color::new(1.0, f64::NAN, 0.2), &mut nans), [255, 0, 51]);
-        assert_eq!(quantize(Color::splat(f64::NAN), &mut nans), [0; 3]);
-        assert_eq!(nans, 2);
+    fn each_colour_with_a_nan_is_counted_once() {
+        let colors = vec![Color::new(1.0, f64::NAN, 0.2), Color::splat(f64::NAN), Color::splat(0.5)];
+        let (bytes, nans) = FloatPicture { size: [3, 1], colors }.to_bytes();
+        assert_eq!((bytes, nans), (vec![255, 0, 51, 0, 0, 0, 127, 127, 127], 2));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
+use crate::mode::{Fast, Mode};
 use crate::scene::Color;
 use crate::scene::limits::{BRIGHTEST, LARGEST};
 use crate::shading::light::{Incident, incident};
@@ -39,9 +40,9 @@ pub struct Effects {
 
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracer<'a> {
+pub struct Tracer<'a, M = Fast> {
     /// Finds what rays hit.
-    pub caster: &'a Caster<'a>,
+    pub caster: &'a Caster<'a, M>,
     /// What is modelled.
     pub effects: Effects,
 }
@@ -83,7 +84,7 @@ struct Lit<'r> {
     material: &'r PointMaterial<'r>,
 }
 
-impl Tracer<'_> {
+impl<M: Mode> Tracer<'_, M> {
     fn world(&self) -> &World {
         self.caster.world
     }
@@ -108,8 +109,8 @@ impl Tracer<'_> {
     fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
         while let Some(Branch { ray, exclude, path }) = pending.0.pop() {
             probe.non_shadow_ray();
-            let hit = self.caster.nearest(&ray, exclude, probe);
-            let surface = hit.map(|hit| self.world().surface(&ray, hit));
+            let visible = self.caster.nearest(&ray, exclude, probe);
+            let surface = visible.map(|visible| self.world().visible_surface(&ray, visible));
             color += path.filter * self.follow(&ray, &path, surface.as_ref(), pending, probe);
         }
         color
@@ -152,9 +153,10 @@ impl Tracer<'_> {
         for light in &self.world().lights {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
-            // The course's program asks for the shadow first; we only where it shows.
+            // The course's program casts the shadow ray first. It matters only where the light would show.
             let shows = cosine > 0.0 && !is_black && light.color != Color::ZERO;
-            let passed = if shows || P::COUNTS { self.light_passed(lit, &light, probe) } else { Color::ZERO };
+            let passed =
+                if shows || M::AS_COURSE { self.light_passed(lit, &light, probe) } else { Color::ZERO };
             if shows && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
@@ -183,7 +185,7 @@ impl Tracer<'_> {
     fn filtered<P: Probe>(&self, mut ray: Ray, probe: &mut P) -> Color {
         let mut passed = Color::ONE;
         while let Some(hit) = self.caster.closest(&ray, probe) {
-            let surface = self.world().surface(&ray, hit);
+            let surface = self.world().surface(&ray, &hit);
             let material = material_at(&self.world().materials, surface.material, surface.position);
             let tint = material.phong.transparent;
             if tint == Color::ZERO {

@@ -7,7 +7,7 @@ mod builder;
 
 use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
@@ -226,15 +226,17 @@ impl World {
         }
     }
 
-    /// Whether `hit` is seen and not `other`: the nearer. Of two at the same t it is the one that the
-    /// primitives' own places put first, so that the answer depends neither on the grid, nor on the
-    /// order of tests, nor on that of a mesh's faces.
+    /// Whether the primitive `one`, which a ray meets at `t`, hides `other`, which the ray meets at `other_t`.
+    ///
+    /// The nearer one does. Of two at the same t it is the one that [`comes_first`](Self::comes_first), so that
+    /// the answer depends neither on the grid, nor on the order of tests, nor on that of a mesh's faces.
     #[inline]
-    pub fn precedes(&self, hit: Hit, other: Hit) -> bool {
-        hit.t < other.t || (hit.t == other.t && self.comes_first(hit.primitive, other.primitive))
+    pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
+        t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Triangles by their corners, and all else, or two triangles at one place, by their numbers.
+    /// Orders triangles by their corners' coordinates. Other primitives, and triangles with the same corners, are
+    /// ordered by their ids.
     #[cold]
     fn comes_first(&self, one: u32, other: u32) -> bool {
         let by_place = match (self.primitive(one), self.primitive(other)) {
@@ -247,29 +249,51 @@ impl World {
         by_place.then(one.cmp(&other)).is_lt()
     }
 
-    /// A hit of `ray` whose t may be rough or a NaN, with the right one.
-    pub fn exact(&self, ray: &Ray, hit: Hit) -> Hit {
-        let Primitive::Triangle(i) = self.primitive(hit.primitive) else { return hit };
-        let t = triangle::Shear::new(ray).intersect(self.corners_in_place(i));
-        Hit { t: t.unwrap_or(hit.t), ..hit }
+    /// Where `ray` meets the primitive that it sees.
+    pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
+        let crossing = match self.primitive(primitive) {
+            Primitive::Triangle(i) => triangle::Shear::new(ray).hit(self.corners_in_place(i)),
+            _ => None,
+        };
+        let (t, weights) = crossing.map_or((t_bound, None), |(t, weights)| (t, Some(weights)));
+        Hit { t, primitive, weights }
     }
 
-    /// The surface where `ray` meets a primitive. Of a triangle's hit only the number counts.
-    pub fn surface(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
-        let along = ray.at(hit.t);
-        let (normal, position) = match self.primitive(hit.primitive) {
-            Primitive::Triangle(i) => self.triangle_surface(ray, i, along),
+    /// The surface that `ray` sees. The t of a triangle's hit is not needed for it, and not computed.
+    pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
+        let weights = |i| triangle::Shear::new(ray).weights(self.corners_in_place(i));
+        self.surface_with(ray, t_bound, primitive, weights)
+    }
+
+    /// The surface at a hit of `ray`.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_with(ray, hit.t, hit.primitive, |_| hit.weights)
+    }
+
+    /// The surface of a primitive at `t`; `weights` are those of a triangle's corners there.
+    #[inline(always)]
+    fn surface_with(
+        &self,
+        ray: &Ray,
+        t: f64,
+        primitive: u32,
+        weights: impl FnOnce(usize) -> Option<[f64; 3]>,
+    ) -> SurfacePoint {
+        let along = ray.at(t);
+        let (normal, position) = match self.primitive(primitive) {
+            Primitive::Triangle(i) => self.triangle_surface(i, weights(i), along),
             Primitive::Sphere(i) => self.spheres[i].surface(ray, along),
-            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, hit.t),
+            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
-        let triangle = (hit.primitive < self.triangles.len() as u32).then_some(hit.primitive);
-        SurfacePoint { position, normal, material: self.material_of(hit.primitive), triangle }
+        let triangle = (primitive < self.triangles.len() as u32).then_some(primitive);
+        SurfacePoint { position, normal, material: self.material_of(primitive), triangle }
     }
 
-    fn triangle_surface(&self, ray: &Ray, i: usize, along: DVec3) -> (DVec3, DVec3) {
+    /// The point of the weights lies on the triangle to within rounding, unlike one that is `along` the ray.
+    #[inline(always)]
+    fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
-        let weights = triangle::Shear::new(ray).weights(self.corners_in_place(i));
         (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
@@ -326,16 +350,14 @@ mod tests {
         let materials: Vec<MaterialId> = (0..12).map(|id| world.material_of(id)).collect();
         assert_eq!(materials, [3, 4, 5, 9, 10, 11, 2, 8, 1, 7, 0, 6]);
         let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
-        let left = |primitive| world.surface(&ray, Hit { t: 5.0, primitive }).triangle;
+        let left = |primitive| world.surface(&ray, &Hit { t: 5.0, primitive, weights: None }).triangle;
         assert_eq!([0, 5, 6, 8, 10].map(left), [Some(0), Some(5), None, None, None]);
     }
 
     #[test]
     fn of_two_hits_the_nearer_is_seen_and_else_the_one_whose_place_is_first() {
         let world = world();
-        let precedes = |t: f64, one: u32, other: u32| {
-            world.precedes(Hit { t, primitive: one }, Hit { t: 2.0, primitive: other })
-        };
+        let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
         for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
             assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
             // Triangles 1 and 4 stand before the others, whose places are the same.

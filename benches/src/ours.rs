@@ -5,7 +5,7 @@ use raytracer::grid::cell_lists::GridTooLarge;
 use raytracer::grid::options::GridOptions;
 use raytracer::grid::packet::{PACKET_SIZE, PacketRay};
 use raytracer::grid::{Caster, Instructions};
-use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::ray::{Ray, Visible};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -46,8 +46,8 @@ impl PacketRay for Asked {
     }
 
     #[inline(always)]
-    fn set_hit(&mut self, hit: Option<Hit>) {
-        self.hits = hit.is_some();
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.hits = visible.is_some();
     }
 }
 

@@ -73,7 +73,7 @@ const SKY: u8 = 215;
 /// The brightness of a hit by the fixed smallest t and by ours.
 fn brightness(caster: &Caster, ray: &Ray, hit: Hit) -> [u8; 2] {
     let to_light = DVec3::new(-0.8, 0.7, 0.6).normalize();
-    let surface = caster.world.surface(ray, hit);
+    let surface = caster.world.surface(ray, &hit);
     let cosine = surface.normal.dot(to_light);
     if cosine <= 0.0 {
         return [30; 2];

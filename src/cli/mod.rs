@@ -11,7 +11,7 @@ mod options;
 mod raw;
 
 pub use error::{CliError, Problem};
-pub use options::{Depth, Enlarged, Options};
+pub use options::{Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 

@@ -5,7 +5,7 @@ use super::flags::{self, Flag};
 use super::raw::Raw;
 use crate::grid::options::Resolution;
 use crate::image_io::Format;
-use crate::render::{Request, View};
+use crate::render::{Layer, Request};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
@@ -18,19 +18,10 @@ use std::path::{Path, PathBuf, absolute};
 pub struct Options {
     /// The scene; ends in `.txt`.
     pub input: PathBuf,
-    /// The colour picture; ends in `.tga` or `.png`, like every picture's name. No two outputs name
-    /// the same file.
-    pub output: Option<PathBuf>,
+    /// The pictures to write, in the order of the help. No two name the same file.
+    pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
-    /// The picture of distances.
-    pub depth: Option<Depth>,
-    /// The picture of normals.
-    pub normals: Option<PathBuf>,
-    /// The picture of the samples.
-    pub samples: Option<Enlarged>,
-    /// The picture of the filter.
-    pub filter_picture: Option<Enlarged>,
     /// What is modelled.
     pub effects: Effects,
     /// Where the samples of a pixel lie.
@@ -49,24 +40,26 @@ pub struct Options {
     pub threads: Option<usize>,
 }
 
-/// The picture of distances.
+/// A picture to write.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Depth {
-    /// Distance shown white. Finite, below `t1`, and `t1 - t0` is finite too.
-    pub t0: f64,
-    /// Distance shown black.
-    pub t1: f64,
-    /// The picture; ends in `.tga` or `.png`.
+pub struct Output {
+    /// What it shows. Depths and their difference are finite, and the sides of an enlarged picture are below 65536.
+    pub layer: Layer,
+    /// The picture's file; ends in `.tga` or `.png`.
     pub file: PathBuf,
 }
 
-/// A picture that shows each pixel as a square of `zoom` by `zoom`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Enlarged {
-    /// The picture; ends in `.tga` or `.png`.
-    pub file: PathBuf,
-    /// At least 1; the enlarged picture's sides stay below 65536.
-    pub zoom: usize,
+impl Output {
+    /// The flag that asks for it.
+    fn flag(&self) -> &'static Flag {
+        match self.layer {
+            Layer::Color => &flags::OUTPUT,
+            Layer::Depth { .. } => &flags::DEPTH,
+            Layer::Normals => &flags::NORMALS,
+            Layer::Samples { .. } => &flags::RENDER_SAMPLES,
+            Layer::Filter { .. } => &flags::RENDER_FILTER,
+        }
+    }
 }
 
 const SIZE_RANGE: (u32, u32) = (1, 65535);
@@ -86,12 +79,8 @@ impl Options {
     pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
         let options = Self {
             input: scene(raw)?.ok_or(CliError::InputNeeded)?,
-            output: picture(raw, &flags::OUTPUT)?,
+            outputs: outputs(raw)?,
             size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
-            depth: depth(raw)?,
-            normals: picture(raw, &flags::NORMALS)?,
-            samples: enlarged(raw, &flags::RENDER_SAMPLES)?,
-            filter_picture: enlarged(raw, &flags::RENDER_FILTER)?,
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
@@ -114,56 +103,36 @@ impl Options {
         if self.visualize_grid && self.grid.is_none() {
             return Err(CliError::GridNeeded);
         }
-        // The filter's picture ends with one more line.
-        for (flag, enlarged, more) in
-            [(&flags::RENDER_SAMPLES, &self.samples, 0), (&flags::RENDER_FILTER, &self.filter_picture, 1)]
-        {
-            let side = enlarged.as_ref().map_or(0, |e| e.zoom * self.size[0].max(self.size[1]) + more);
-            if side > SIZE_RANGE.1 as usize {
-                return Err(CliError::EnlargedTooMuch { flag: flag.name });
+        for output in &self.outputs {
+            let [width, height] = output.layer.size(self.size);
+            if width.max(height) > SIZE_RANGE.1 as usize {
+                return Err(CliError::EnlargedTooMuch { flag: output.flag().name });
             }
         }
-        distinct(&self.outputs())
+        distinct(&self.outputs)
     }
 
-    /// What the renderer is asked for, showing `view`.
-    pub fn request<'a>(&self, view: View<'a>) -> Request<'a> {
+    /// What the renderer is asked for.
+    pub fn request(&self) -> Request {
         Request {
             size: self.size,
-            view,
+            window: None,
+            camera: None,
+            effects: self.effects,
             sampler: self.sampler,
             filter: self.filter,
-            color: self.output.is_some(),
-            depth: self.depth.as_ref().map(|depth| [depth.t0, depth.t1]),
-            normals: self.normals.is_some(),
-            samples: self.samples.as_ref().map(|picture| picture.zoom),
+            layers: self.outputs.iter().map(|output| output.layer).collect(),
         }
-    }
-
-    /// Every picture asked for, with the flag that names it.
-    fn outputs(&self) -> Vec<(&'static str, &Path)> {
-        let depth = self.depth.as_ref().map(|depth| &depth.file);
-        let samples = self.samples.as_ref().map(|picture| &picture.file);
-        let filter = self.filter_picture.as_ref().map(|picture| &picture.file);
-        [
-            (&flags::OUTPUT, self.output.as_ref()),
-            (&flags::DEPTH, depth),
-            (&flags::NORMALS, self.normals.as_ref()),
-            (&flags::RENDER_SAMPLES, samples),
-            (&flags::RENDER_FILTER, filter),
-        ]
-        .into_iter()
-        .filter_map(|(flag, file)| Some((flag.name, file?.as_path())))
-        .collect()
     }
 }
 
 /// Compares full paths, not the file system: links that lead to one file pass.
-fn distinct(outputs: &[(&'static str, &Path)]) -> Result<(), CliError> {
+fn distinct(outputs: &[Output]) -> Result<(), CliError> {
     let full = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
-    for (i, &(flag, file)) in outputs.iter().enumerate() {
-        if let Some(&(other, _)) = outputs[i + 1..].iter().find(|(_, later)| full(later) == full(file)) {
-            return Err(CliError::SameFile { flag, other, file: file.to_owned() });
+    for (i, one) in outputs.iter().enumerate() {
+        if let Some(other) = outputs[i + 1..].iter().find(|later| full(&later.file) == full(&one.file)) {
+            let (flag, other) = (one.flag().name, other.flag().name);
+            return Err(CliError::SameFile { flag, other, file: one.file.clone() });
         }
     }
     Ok(())
@@ -185,8 +154,20 @@ fn is_scene(word: &OsStr) -> bool {
     word.as_encoded_bytes().last_chunk::<4>().is_some_and(|end| end.eq_ignore_ascii_case(b".txt"))
 }
 
-fn picture(raw: &Raw, flag: &Flag) -> Result<Option<PathBuf>, CliError> {
-    raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose()
+fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {
+    let outputs = [
+        picture(raw, &flags::OUTPUT, Layer::Color)?,
+        depth(raw)?,
+        picture(raw, &flags::NORMALS, Layer::Normals)?,
+        enlarged(raw, &flags::RENDER_SAMPLES, |zoom| Layer::Samples { zoom })?,
+        enlarged(raw, &flags::RENDER_FILTER, |zoom| Layer::Filter { zoom })?,
+    ];
+    Ok(outputs.into_iter().flatten().collect())
+}
+
+fn picture(raw: &Raw, flag: &Flag, layer: Layer) -> Result<Option<Output>, CliError> {
+    let output = |[word]: [_; 1]| Ok(Output { layer, file: picture_name(flag, word)? });
+    raw.values(flag)?.map(output).transpose()
 }
 
 fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
@@ -196,17 +177,17 @@ fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
     }
 }
 
-fn depth(raw: &Raw) -> Result<Option<Depth>, CliError> {
+fn depth(raw: &Raw) -> Result<Option<Output>, CliError> {
     let Some([from, to, file]) = raw.values(&flags::DEPTH)? else { return Ok(None) };
-    let (t0, t1) = (finite(&flags::DEPTH, from)?, finite(&flags::DEPTH, to)?);
-    if t0 >= t1 {
-        return Err(CliError::DepthOrder { t0, t1 });
+    let (near, far) = (finite(&flags::DEPTH, from)?, finite(&flags::DEPTH, to)?);
+    if near >= far {
+        return Err(CliError::DepthOrder { t0: near, t1: far });
     }
-    // The greys divide by t1 - t0.
-    if !(t1 - t0).is_finite() {
+    // The greys divide by the difference.
+    if !(far - near).is_finite() {
         return Err(CliError::DepthRange);
     }
-    Ok(Some(Depth { t0, t1, file: picture_name(&flags::DEPTH, file)? }))
+    Ok(Some(Output { layer: Layer::Depth { near, far }, file: picture_name(&flags::DEPTH, file)? }))
 }
 
 fn shadows(raw: &Raw) -> Shadows {
@@ -237,10 +218,10 @@ fn grid(raw: &Raw) -> Result<Option<Resolution>, CliError> {
     }
 }
 
-fn enlarged(raw: &Raw, flag: &Flag) -> Result<Option<Enlarged>, CliError> {
+fn enlarged(raw: &Raw, flag: &Flag, layer: fn(usize) -> Layer) -> Result<Option<Output>, CliError> {
     let Some([file, zoom]) = raw.values(flag)? else { return Ok(None) };
     let zoom = whole(zoom, (1, SIZE_RANGE.1)).map_err(|problem| bad(flag, zoom, problem))? as usize;
-    Ok(Some(Enlarged { file: picture_name(flag, file)?, zoom }))
+    Ok(Some(Output { layer: layer(zoom), file: picture_name(flag, file)? }))
 }
 
 fn sampler(raw: &Raw) -> Result<Sampler, CliError> {

@@ -16,20 +16,21 @@ use crate::math::f64x4::F64x4;
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
 use crate::math::prefetch::prefetch;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayPacket4;
+use crate::mode::Mode;
 use crate::stats::Probe;
 
 /// So many rays go together: enough that the memory has answered when it is the first one's turn, and few
 /// enough to stay near.
 pub const PACKET_SIZE: usize = 16;
 
-/// What asks for the nearest hit on a ray.
+/// A ray of a packet, and where its result goes.
 pub trait PacketRay {
     /// The ray.
     fn ray(&self) -> &Ray;
-    /// Takes the nearest hit, as [`Caster::nearest`] gives it; called at least once, and the last call counts.
-    fn set_hit(&mut self, hit: Option<Hit>);
+    /// Takes what [`Caster::nearest`] returns for the ray. It is called at least once, and the last call counts.
+    fn set_visible(&mut self, visible: Option<Visible>);
 }
 
 /// So many rays are set up together.
@@ -107,11 +108,11 @@ impl PacketSetup {
     }
 }
 
-impl Caster<'_> {
+impl<M: Mode> Caster<'_, M> {
     /// Answers each query, of which there may be any number, as [`nearest`](Self::nearest) does.
     pub fn nearest_of_packet<P: Probe>(&self, rays: &mut [impl PacketRay], probe: &mut P) {
         let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
-        let Some((grid, table)) = grid.filter(|_| !P::COUNTS) else {
+        let Some((grid, table)) = grid.filter(|_| !M::AS_COURSE) else {
             return rays.iter_mut().for_each(|one| self.cast_alone(one, probe));
         };
         for rays in rays.chunks_mut(PACKET_SIZE) {
@@ -128,8 +129,8 @@ impl Caster<'_> {
 
     /// Answers a query by itself.
     fn cast_alone<P: Probe>(&self, one: &mut impl PacketRay, probe: &mut P) {
-        let hit = self.nearest(one.ray(), None, probe);
-        one.set_hit(hit);
+        let visible = self.nearest(one.ray(), None, probe);
+        one.set_visible(visible);
     }
 
     /// Answers up to [`PACKET_SIZE`] queries.
@@ -151,7 +152,7 @@ impl Caster<'_> {
             too_far |= setup.too_far << (GROUP * i);
         }
         // All of them, since a loop over some would be guessed wrongly.
-        rays.iter_mut().for_each(|one| one.set_hit(None));
+        rays.iter_mut().for_each(|one| one.set_visible(None));
         let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
         let mut waiting = 0;
         for i in lanes(passing) {
@@ -178,8 +179,8 @@ impl Caster<'_> {
             let mut query = RayQuery::new(self.world, ray, NONE);
             query.test_planes(ray, probe);
             if let Some(cursor) = cursors[i] {
-                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t);
-                grid.traverse_cells::<K, P, false>(
+                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t_bound);
+                grid.traverse_cells::<K, M, P, false>(
                     kernel,
                     cursor,
                     blocks,
@@ -188,8 +189,8 @@ impl Caster<'_> {
                     probe,
                 );
             }
-            let hit = query.hit();
-            rays[i].set_hit(hit);
+            let visible = query.visible();
+            rays[i].set_visible(visible);
         }
     }
 }
@@ -198,9 +199,9 @@ impl Caster<'_> {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn trace_packet_avx2<Q: PacketRay, P: Probe>(
+fn trace_packet_avx2<M: Mode, Q: PacketRay, P: Probe>(
     avx2: Avx2,
-    caster: &Caster,
+    caster: &Caster<M>,
     grid: &AccelerationStructure,
     table: &CellTable,
     rays: &mut [Q],

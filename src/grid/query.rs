@@ -5,24 +5,25 @@ use super::filter::{FilterRay, Kernel, MAX_DEPTH, Verdict};
 use super::triangle8::{Block, Frame, NONE};
 use crate::grid::ray_aabb::RayInterval;
 use crate::math::f64x4::F64x4;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;
+use crate::mode::Mode;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
 
-/// The best hit so far along one ray.
+/// The search along one ray, with the nearest primitive that it has found so far.
 pub struct RayQuery<'a> {
     pub world: &'a World,
     pub ray: &'a Ray,
     /// Computed when the first triangle needs it.
     shear: Option<Shear<'a>>,
-    /// At the ray's end and of nothing, until something is found. Its t is not less than the right one.
-    pub best: Hit,
-    /// Not more than the best hit's right t: the same where that is known.
+    /// [`NONE`], bounded by the ray's end, until a primitive is found.
+    pub best: Visible,
+    /// A lower bound on the t of `best`. It equals the upper bound where t is known.
     t_lower_bound: f64,
-    /// The primitives decided last, and the place of the next one: at first the one that the ray leaves.
-    /// Those that span many cells, and that no filter rejects, would be decided over and over.
+    /// The primitives that were decided last, and where the next one is noted. The first is the one that the ray
+    /// leaves. A primitive that spans many cells, and that no filter rejects, would be decided in each of them.
     decided: [u32; DECIDED],
     next: usize,
 }
@@ -87,14 +88,14 @@ impl<'a> RayQuery<'a> {
     /// `exclude` is a primitive that the ray is known to miss, or [`NONE`].
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray, exclude: u32) -> Self {
-        let best = Hit { t: ray.t_max, primitive: NONE };
+        let best = Visible { primitive: NONE, t_bound: ray.t_max };
         let decided = [exclude, NONE, NONE, NONE];
-        Self { world, ray, shear: None, best, t_lower_bound: best.t, decided, next: 1 }
+        Self { world, ray, shear: None, best, t_lower_bound: best.t_bound, decided, next: 1 }
     }
 
-    /// The best hit, if there is one.
+    /// The nearest primitive found, if there is one.
     #[inline(always)]
-    pub fn hit(&self) -> Option<Hit> {
+    pub fn visible(&self) -> Option<Visible> {
         (self.best.primitive != NONE).then_some(self.best)
     }
 
@@ -104,15 +105,15 @@ impl<'a> RayQuery<'a> {
         probe.intersections(self.world.planes.len());
         for (i, plane) in self.world.planes.iter().enumerate() {
             if let Some(t) = plane.intersect(ray) {
-                self.offer(Hit { t, primitive: first + i as u32 });
+                self.offer(t, first + i as u32);
             }
         }
     }
 
-    /// Tests a cell's blocks, and its other primitives; says whether the best hit changed. For any hit,
-    /// the first one ends the test.
+    /// Tests a cell's blocks of triangles and its other primitives; returns whether the best primitive changed. An
+    /// any-hit query ends with the first primitive that it finds.
     #[inline(always)]
-    pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
+    pub fn test_cell<K: Kernel, M: Mode, P: Probe, const ANY: bool>(
         &mut self,
         kernel: K,
         cells: &CellContents,
@@ -129,16 +130,16 @@ impl<'a> RayQuery<'a> {
             if verdict.possible != 0 {
                 if ANY {
                     if verdict.certain != 0 {
-                        // Which one it is nobody asks.
-                        self.best = Hit { t: self.ray.t_min, primitive: 0 };
+                        let primitive = block.ids[verdict.certain.trailing_zeros() as usize];
+                        self.best = Visible { primitive, t_bound: self.ray.t_max };
                         return true;
                     }
                     if self.decide_any(block, verdict.possible) {
                         return true;
                     }
-                } else if self.decide_nearest::<P>(block, &verdict, filter_state) {
+                } else if self.decide_nearest::<M>(block, &verdict, filter_state) {
                     changed = true;
-                    filter_state.shorten(self.best.t);
+                    filter_state.shorten(self.best.t_bound);
                 }
             }
         }
@@ -147,7 +148,7 @@ impl<'a> RayQuery<'a> {
             && self.test_non_triangles(cells, last, probe)
         {
             changed = true;
-            filter_state.shorten(self.best.t);
+            filter_state.shorten(self.best.t_bound);
         }
         changed
     }
@@ -189,13 +190,13 @@ impl<'a> RayQuery<'a> {
     /// there is one. Only what the filter cannot tell apart is decided in double precision, since that
     /// has to fetch the triangle; and everything where steps are counted, which depend on t.
     #[inline(always)]
-    fn decide_nearest<P: Probe>(
+    fn decide_nearest<M: Mode>(
         &mut self,
         block: &Block,
         verdict: &Verdict,
         filter_state: &FilterState,
     ) -> bool {
-        let certain = if P::COUNTS { 0 } else { verdict.certain };
+        let certain = if M::AS_COURSE { 0 } else { verdict.certain };
         let mut changed = false;
         for lane in lanes(verdict.possible) {
             let id = block.ids[lane];
@@ -205,7 +206,7 @@ impl<'a> RayQuery<'a> {
             if certain >> lane & 1 != 0 {
                 let [lower, upper] = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
                 if upper < self.t_lower_bound {
-                    self.best = Hit { t: upper, primitive: id };
+                    self.best = Visible { primitive: id, t_bound: upper };
                     self.t_lower_bound = lower;
                     changed = true;
                     continue;
@@ -224,7 +225,7 @@ impl<'a> RayQuery<'a> {
             None => *self.shear.insert(Shear::new(self.ray)),
         };
         match shear.intersect(self.world.corners_in_place(id as usize)) {
-            Some(t) if self.ray.covers(t) => self.offer(Hit { t, primitive: id }),
+            Some(t) if self.ray.covers(t) => self.offer(t, id),
             _ => false,
         }
     }
@@ -237,28 +238,28 @@ impl<'a> RayQuery<'a> {
             Primitive::Ellipsoid(i) => self.world.ellipsoids[i].intersect(self.ray),
             Primitive::Plane(i) => self.world.planes[i].intersect(self.ray),
         };
-        t.is_some_and(|t| self.offer(Hit { t, primitive: id }))
+        t.is_some_and(|t| self.offer(t, id))
     }
 
-    /// Keeps the hit, whose t is exact, if it precedes the best one.
+    /// Keeps a primitive that the ray meets at `t` if it precedes the best one.
     #[inline(always)]
-    fn offer(&mut self, hit: Hit) -> bool {
-        let better = hit.t < self.t_lower_bound || (hit.t <= self.best.t && self.precedes_best(hit));
+    fn offer(&mut self, t: f64, primitive: u32) -> bool {
+        let better = t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive));
         if better {
-            self.best = hit;
-            self.t_lower_bound = hit.t;
+            self.best = Visible { primitive, t_bound: t };
+            self.t_lower_bound = t;
         }
         better
     }
 
-    /// Whether a hit that is close to the best one precedes it.
+    /// Decides whether a primitive precedes the best one where the bounds on the latter's t do not tell.
     #[cold]
-    fn precedes_best(&mut self, hit: Hit) -> bool {
-        if self.t_lower_bound < self.best.t {
-            self.best = self.world.exact(self.ray, self.best);
-            self.t_lower_bound = self.best.t;
+    fn precedes_best(&mut self, t: f64, primitive: u32) -> bool {
+        if self.t_lower_bound < self.best.t_bound {
+            self.best.t_bound = self.world.hit(self.ray, self.best).t;
+            self.t_lower_bound = self.best.t_bound;
         }
-        self.world.precedes(hit, self.best)
+        self.world.precedes((t, primitive), (self.best.t_bound, self.best.primitive))
     }
 }
 

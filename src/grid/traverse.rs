@@ -14,13 +14,14 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
+use crate::mode::Mode;
 use crate::stats::Probe;
 
 /// A kernel that can search structures within structures. A function searches one of them and is
 /// called for each that a ray meets, so that the common case, a grid with nothing nested, keeps its
 /// registers.
 pub(crate) trait TraversalKernel: Kernel {
-    fn traverse<P: Probe, const ANY: bool>(
+    fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         query: &mut RayQuery,
@@ -30,40 +31,40 @@ pub(crate) trait TraversalKernel: Kernel {
 
 impl TraversalKernel for Portable {
     #[inline(never)]
-    fn traverse<P: Probe, const ANY: bool>(
+    fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         query: &mut RayQuery,
         probe: &mut P,
     ) {
-        structure.traverse::<_, P, ANY>(self, query, probe);
+        structure.traverse::<_, M, P, ANY>(self, query, probe);
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl TraversalKernel for Avx2 {
     #[inline(always)]
-    fn traverse<P: Probe, const ANY: bool>(
+    fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         query: &mut RayQuery,
         probe: &mut P,
     ) {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { traverse_avx2::<P, ANY>(self, structure, query, probe) }
+        unsafe { traverse_avx2::<M, P, ANY>(self, structure, query, probe) }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn traverse_avx2<P: Probe, const ANY: bool>(
+fn traverse_avx2<M: Mode, P: Probe, const ANY: bool>(
     avx2: Avx2,
     structure: &AccelerationStructure,
     query: &mut RayQuery,
     probe: &mut P,
 ) {
-    structure.traverse::<_, P, ANY>(avx2, query, probe);
+    structure.traverse::<_, M, P, ANY>(avx2, query, probe);
 }
 
 /// How a ray comes upon a structure.
@@ -78,21 +79,21 @@ pub enum Entry<F> {
 impl AccelerationStructure {
     /// Looks for a better hit than the search has, in the structure's cells.
     #[inline(always)]
-    fn traverse<K: TraversalKernel, P: Probe, const ANY: bool>(
+    fn traverse<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         query: &mut RayQuery,
         probe: &mut P,
     ) {
-        let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t);
-        self.run::<K, P, ANY>(kernel, &ray_entry, query, probe);
+        let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t_bound);
+        self.run::<K, M, P, ANY>(kernel, &ray_entry, query, probe);
     }
 
     /// How the ray, as far as `last`, comes upon the structure.
     #[inline(always)]
     pub fn ray_entry<F: F64x4>(&self, proof: F::Proof, ray: &Ray, last: f64) -> Entry<F> {
         let ray_lanes = RayLanes::<F>::all_axes(proof, ray);
-        if !self.is_in_proven_range::<F>(proof, ray) {
+        if !self.is_in_proven_range(&ray_lanes) {
             return Entry::TooFar;
         }
         intersect_aabb(&self.simd_bounds, ray_lanes, ray.t_min, last).map_or(Entry::Misses, Entry::Passes)
@@ -100,7 +101,7 @@ impl AccelerationStructure {
 
     /// The same as [`query`](Self::search), for a search whose ray has this approach.
     #[inline(always)]
-    pub fn run<K: TraversalKernel, P: Probe, const ANY: bool>(
+    pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         ray_entry: &Entry<K::F64x4>,
@@ -109,18 +110,19 @@ impl AccelerationStructure {
     ) {
         let interval = match ray_entry {
             Entry::TooFar => return self.run_all::<P, ANY>(query, probe),
-            Entry::Passes(interval) if interval.entry <= query.best.t => *interval,
+            Entry::Passes(interval) if interval.entry <= query.best.t_bound => *interval,
             _ => {
                 // The course's program tests everything; what is outside the box misses.
-                let untested = if self.table.is_none() { self.prims.count(query.world) } else { 0 };
+                let untested =
+                    if M::AS_COURSE && self.table.is_none() { self.prims.count(query.world) } else { 0 };
                 return probe.intersections(untested);
             }
         };
         let blocks = self.cells.blocks.as_slice();
-        let mut filter_state = FilterState::on(&interval, &self.cells.frame, query.best.t);
+        let mut filter_state = FilterState::on(&interval, &self.cells.frame, query.best.t_bound);
         match &self.table {
             Some(table) => {
-                self.traverse_cells::<K, P, ANY>(
+                self.traverse_cells::<K, M, P, ANY>(
                     kernel,
                     table.cursor(&interval),
                     blocks,
@@ -130,22 +132,22 @@ impl AccelerationStructure {
                 );
             }
             None => {
-                query.test_cell::<K, P, ANY>(kernel, &self.cells, blocks, &mut filter_state, probe);
+                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, blocks, &mut filter_state, probe);
             }
         }
     }
 
     /// Whether the proofs of filter and march hold for the ray; not for one with a NaN.
     #[inline(always)]
-    fn is_in_proven_range<F: F64x4>(&self, proof: F::Proof, ray: &Ray) -> bool {
-        let o = ray.origin;
-        let from_middle = F::new(proof, [o.x, o.y, o.z, 0.0]) - F::new(proof, self.cells.frame.center);
+    fn is_in_proven_range<F: F64x4>(&self, ray_lanes: &RayLanes<F>) -> bool {
+        let origin = ray_lanes.origin;
+        let from_middle = origin - F::new(origin.proof(), self.cells.frame.center);
         from_middle.abs().max3() <= self.max_origin_distance
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    pub fn traverse_cells<K: TraversalKernel, P: Probe, const ANY: bool>(
+    pub fn traverse_cells<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         mut cursor: CellCursor,
@@ -154,9 +156,9 @@ impl AccelerationStructure {
         query: &mut RayQuery,
         probe: &mut P,
     ) {
-        let mut last_t = cursor.fixed_t(query.best.t);
+        let mut last_t = cursor.fixed_t(query.best.t_bound);
         loop {
-            if !P::COUNTS {
+            if !M::AS_COURSE {
                 cursor.skip();
             }
             let entry = cursor.entry();
@@ -164,9 +166,9 @@ impl AccelerationStructure {
                 unlikely();
                 let changed = if entry < NESTED {
                     let own = CellContents::blocks_of(blocks, entry);
-                    query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe)
+                    query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
                 } else if entry != BORDER {
-                    self.test_nested::<K, P, ANY>(kernel, entry, filter_state, query, probe)
+                    self.test_nested::<K, M, P, ANY>(kernel, entry, filter_state, query, probe)
                 } else {
                     return;
                 };
@@ -174,7 +176,7 @@ impl AccelerationStructure {
                     if ANY {
                         return;
                     }
-                    last_t = cursor.fixed_t(query.best.t);
+                    last_t = cursor.fixed_t(query.best.t_bound);
                 }
             }
             if last_t <= cursor.exit() {
@@ -189,7 +191,7 @@ impl AccelerationStructure {
 
     /// Searches what a word names; says whether the best hit changed.
     #[inline(always)]
-    fn test_nested<K: TraversalKernel, P: Probe, const ANY: bool>(
+    fn test_nested<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         entry: u32,
@@ -200,12 +202,12 @@ impl AccelerationStructure {
         let before = query.best;
         let nested = &self.nested[(entry - NESTED) as usize];
         for structure in nested.spanning.iter().chain([&nested.grid]) {
-            kernel.traverse::<P, ANY>(structure, query, probe);
+            kernel.traverse::<M, P, ANY>(structure, query, probe);
             if ANY && query.best != before {
                 return true;
             }
         }
-        filter_state.shorten(query.best.t);
+        filter_state.shorten(query.best.t_bound);
         query.best != before
     }
 

@@ -40,9 +40,9 @@ pub enum ImageError {
         /// The file.
         path: PathBuf,
         /// In pixels.
-        width: u32,
+        width: usize,
         /// In pixels.
-        height: u32,
+        height: usize,
     },
 }
 

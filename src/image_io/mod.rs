@@ -2,9 +2,12 @@
 
 mod error;
 mod output;
+mod spool;
+mod writer;
 
 pub use error::ImageError;
 pub use output::OutputFile;
+pub use writer::PictureWriter;
 
 use crate::picture::Picture;
 use image::ImageReader;

@@ -2,32 +2,33 @@
 
 use super::Format;
 use super::error::ImageError;
-use crate::picture::Picture;
-use image::ImageEncoder;
-use image::codecs::png::PngEncoder;
+use super::spool::Spool;
+use super::writer::PictureWriter;
+use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// A picture file that is known to be writable but not yet written.
 ///
-/// The picture goes to a temporary file beside the target, which then takes the target's name in one
-/// step. Nothing stays on disk between [`OutputFile::prepare`] and [`OutputFile::write`], so that a
-/// program killed while it renders leaves nothing behind.
+/// The finished picture goes to a temporary file beside the target, which then takes the target's name in one step.
+/// No file with a name stands on disk while the program renders, so that a program that is killed leaves nothing
+/// behind.
 #[derive(Debug)]
 pub struct OutputFile {
     /// As the user named it, for messages.
     path: PathBuf,
     format: Format,
-    sink: Sink,
+    target: Target,
 }
 
+/// What becomes the picture file.
 #[derive(Debug)]
-enum Sink {
+pub(super) enum Target {
     /// A regular file or none yet, links followed. `permissions` are those of the existing file.
-    Replace { target: PathBuf, permissions: Option<Permissions> },
+    Replace { file: PathBuf, permissions: Option<Permissions> },
     /// A pipe or a device, which must not be replaced by a file.
     Direct(File),
 }
@@ -39,65 +40,68 @@ impl OutputFile {
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
         let failed = |error| ImageError::io("write", path, error);
-        let sink = match fs::metadata(path) {
+        let target = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(ImageError::Folder { path: path.to_owned() }),
             Ok(found) => existing(path, &found).map_err(failed)?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Sink::Replace { target: follow_links(path).map_err(failed)?, permissions: None }
+                Target::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
             }
             Err(error) => return Err(failed(error)),
         };
-        sink.probe().map_err(failed)?;
-        Ok(Self { path: path.to_owned(), format, sink })
+        target.probe().map_err(failed)?;
+        Ok(Self { path: path.to_owned(), format, target })
+    }
+
+    /// Begins a picture of this width and height in pixels. Its file appears when it is finished.
+    pub fn begin(self, size: [usize; 2]) -> Result<PictureWriter, ImageError> {
+        PictureWriter::new(self.path, self.format, self.target, size)
     }
 
     /// Writes the whole picture or, where the target is a regular file, nothing at all.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        match &self.sink {
-            Sink::Direct(file) => self.encode(picture, file),
-            Sink::Replace { target, permissions } => {
-                let failed = |error| ImageError::io("write", &self.path, error);
-                let temporary = temporary_beside(target).map_err(failed)?;
-                self.encode(picture, temporary.as_file())?;
-                install(temporary, target, permissions.as_ref()).map_err(failed)
+        let mut writer = self.begin([picture.width() as usize, picture.height() as usize])?;
+        let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
+        rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
+        writer.finish().map(drop)
+    }
+}
+
+impl Target {
+    /// Where bytes may wait for the picture to be complete: on the disk that will hold them.
+    pub(super) fn folder(&self) -> PathBuf {
+        match self {
+            Self::Replace { file, .. } => folder_of(file).to_owned(),
+            Self::Direct(_) => std::env::temp_dir(),
+        }
+    }
+
+    /// Takes the whole content.
+    pub(super) fn fill(self, content: Spool) -> io::Result<()> {
+        match self {
+            Self::Direct(file) => content.copy_to(&file),
+            Self::Replace { file, permissions } => {
+                let temporary = temporary_beside(&file)?;
+                content.copy_to(temporary.as_file())?;
+                install(temporary, &file, permissions.as_ref())
             }
         }
     }
 
-    fn encode(&self, picture: &Picture, file: &File) -> Result<(), ImageError> {
-        let mut writer = BufWriter::with_capacity(1 << 16, file);
-        match self.format {
-            Format::Tga => self.encode_tga(picture, &mut writer)?,
-            Format::Png => encode_png(picture, &mut writer)
-                .map_err(|error| ImageError::coding("write", &self.path, error))?,
-        }
-        writer.flush().map_err(|error| ImageError::io("write", &self.path, error))
-    }
-
-    fn encode_tga(&self, picture: &Picture, writer: &mut impl Write) -> Result<(), ImageError> {
-        let (width, height) = (picture.width(), picture.height());
-        let header =
-            tga_header(width, height).ok_or(ImageError::Sides { path: self.path.clone(), width, height })?;
-        write_tga(&header, picture, writer).map_err(|error| ImageError::io("write", &self.path, error))
-    }
-}
-
-impl Sink {
     /// Finds out whether a file can be made beside the target, by making one.
     fn probe(&self) -> io::Result<()> {
         match self {
-            Self::Replace { target, .. } => temporary_beside(target).map(drop),
+            Self::Replace { file, .. } => temporary_beside(file).map(drop),
             Self::Direct(_) => Ok(()),
         }
     }
 }
 
 /// Opening without cutting finds a write-protected file, which a rename would replace regardless.
-fn existing(path: &Path, found: &Metadata) -> io::Result<Sink> {
+fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
     let file = OpenOptions::new().write(true).open(path)?;
     match found.is_file() {
-        true => Ok(Sink::Replace { target: fs::canonicalize(path)?, permissions: Some(found.permissions()) }),
-        false => Ok(Sink::Direct(file)),
+        true => Ok(Target::Replace { file: fs::canonicalize(path)?, permissions: Some(found.permissions()) }),
+        false => Ok(Target::Direct(file)),
     }
 }
 
@@ -135,31 +139,4 @@ fn install(temporary: NamedTempFile, target: &Path, permissions: Option<&Permiss
         temporary.as_file().set_permissions(permissions.clone())?;
     }
     temporary.persist(target).map(drop).map_err(|error| error.error)
-}
-
-/// Rows are encoded from the top, three bytes a pixel, without alpha.
-fn encode_png(picture: &Picture, writer: &mut impl Write) -> image::ImageResult<()> {
-    let color = image::ExtendedColorType::Rgb8;
-    PngEncoder::new(writer).write_image(picture.pixels(), picture.width(), picture.height(), color)
-}
-
-/// The course's header: uncompressed true colour, 24 bits, rows from the top. `None` above 65535.
-fn tga_header(width: u32, height: u32) -> Option<[u8; 18]> {
-    let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
-    let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
-    Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
-}
-
-/// The image crate's encoder writes the same bytes (a test compares them) but copies the picture
-/// first, and the program aborts if there is no memory for that; this needs one row.
-fn write_tga(header: &[u8; 18], picture: &Picture, writer: &mut impl Write) -> io::Result<()> {
-    writer.write_all(header)?;
-    let mut bgr = Vec::new();
-    for row in picture.pixels().chunks_exact(picture.width() as usize * 3) {
-        bgr.clear();
-        bgr.extend_from_slice(row);
-        bgr.chunks_exact_mut(3).for_each(|pixel| pixel.swap(0, 2));
-        writer.write_all(&bgr)?;
-    }
-    Ok(())
 }

@@ -49,13 +49,25 @@ impl Ray {
     }
 }
 
+/// The primitive that a ray meets first. Where the ray meets it is computed only when somebody needs it, by
+/// `World::hit`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visible {
+    /// The primitive's id in its world.
+    pub primitive: u32,
+    /// An upper bound on t. For every primitive but a triangle it is t itself.
+    pub t_bound: f64,
+}
+
 /// Where a ray meets a primitive of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Where it says so, only nearly right for a triangle, or a NaN.
+    /// Right to within a few roundings.
     pub t: f64,
-    /// The primitive's number in its world.
+    /// The primitive's id in its world.
     pub primitive: u32,
+    /// The barycentric weights of a triangle's corners, up to a common factor; none for other primitives.
+    pub weights: Option<[f64; 3]>,
 }
 
 #[cfg(test)]

@@ -18,11 +18,11 @@ impl<F: F64x4> RayLanes<F> {
         Self { origin, direction, inv_direction: direction.recip() }
     }
 
-    /// A ray's three axes. What stands in the spare places lets each be read in one piece.
+    /// A ray along its three axes. The spare lanes hold numbers that are in registers anyway.
     #[inline(always)]
     pub fn all_axes(proof: F::Proof, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        Self::new(F::new(proof, [o.x, o.y, o.z, ray.t_min]), F::new(proof, [d.x, d.y, d.z, ray.t_max]))
+        Self::new(F::new(proof, [o.x, o.y, o.z, d.x]), F::new(proof, [d.x, d.y, d.z, ray.t_max]))
     }
 }
 

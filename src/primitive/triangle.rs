@@ -69,6 +69,12 @@ impl<'r> Shear<'r> {
     /// without area, or one that lies along the ray, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
+        self.hit(corners).map(|(t, _)| t)
+    }
+
+    /// The same with the weights of the vertices at the crossing, up to a common factor.
+    #[inline(always)]
+    pub fn hit(&self, corners: [&DVec3; 3]) -> Option<(f64, [f64; 3])> {
         let (a, b, c) = self.sheared(corners);
         let weights = edge_functions([a, b, c]);
         match sides(weights, [a, b, c]) {
@@ -81,13 +87,12 @@ impl<'r> Shear<'r> {
         // In this form vertices in another order move t by hardly more than its rounding.
         let t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
         if is_well_seen([a, b, c], sum) && t.is_finite() {
-            return Some(t);
+            return Some((t, weights));
         }
-        self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z])
+        self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))
     }
 
-    /// The weights of the vertices where the ray's line crosses the triangle, as [`intersect`](Self::intersect)
-    /// finds them.
+    /// The weights alone, for callers that do not need t.
     #[inline]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
@@ -106,8 +111,9 @@ impl<'r> Shear<'r> {
     }
 
     #[cold]
-    fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<f64> {
-        self.decide(vertices).and_then(|_| self.exact_t(vertices, depths))
+    fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<(f64, [f64; 3])> {
+        let weights = self.decide(vertices)?;
+        Some((self.exact_t(vertices, depths)?, weights))
     }
 
     /// The t where the ray meets the triangle's plane, rounded a few times.
@@ -154,6 +160,7 @@ impl<'r> Shear<'r> {
 
 /// The outward unit normal: vertices run counter-clockwise seen from outside. Right to 2^-20 for every triangle
 /// with an area, and NaN for one without.
+#[inline(always)]
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     /// The square of the tangent of the angle at which the rounding of two edges moves the normal by so much.
     const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;

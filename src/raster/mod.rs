@@ -14,7 +14,8 @@ mod worst_cases;
 use crate::camera::{Camera, Eye};
 use crate::grid::Caster;
 use crate::math::aabb::Aabb;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
+use crate::mode::Mode;
 use crate::world::{Primitive, World};
 use edge_functions::InvDepthPlane;
 use glam::DVec3;
@@ -22,6 +23,17 @@ use rayon::prelude::*;
 use std::ops::Range;
 use tile::Tile;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
+
+/// What is known of the first primitive that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// The ray meets nothing.
+    Nothing,
+    /// The ray meets this primitive first.
+    Primitive(Visible),
+    /// Rounding leaves a doubt, so that the ray has to be cast.
+    Unsure,
+}
 
 /// What the rays through the centres of some rows of pixels hit first.
 #[derive(Debug)]
@@ -47,7 +59,12 @@ const PIXELS_PER_RAY: usize = 16;
 impl VisibilityBuffer {
     /// What `caster` finds in a world of triangles and planes, for the rays through the pixels' centres in
     /// these rows. None where the world has other things, or where casting the rays is less work.
-    pub fn new(camera: &Camera, caster: &Caster, size: [usize; 2], rows: Range<usize>) -> Option<Self> {
+    pub fn new<M: Mode>(
+        camera: &Camera,
+        caster: &Caster<M>,
+        size: [usize; 2],
+        rows: Range<usize>,
+    ) -> Option<Self> {
         let (world, [width, height]) = (caster.world, size);
         let pixels = width * rows.len();
         let is_possible =
@@ -82,16 +99,19 @@ impl VisibilityBuffer {
         Some(Self { stride, first_row: rows.start, visible_ids })
     }
 
-    /// What `ray`, the one through the centre of the pixel in column `i` of row `j`, hits first; none where
-    /// only casting it can tell. The t of a triangle is left open: a NaN.
-    pub fn hit(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Option<Option<Hit>> {
+    /// What `ray`, the one through the centre of the pixel in column `i` of row `j`, sees.
+    #[inline(always)]
+    pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
         let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
         match primitive {
-            NOTHING => Some(None),
-            UNSURE => None,
+            NOTHING => Seen::Nothing,
+            UNSURE => Seen::Unsure,
             _ => match world.primitive(primitive) {
-                Primitive::Plane(k) => Some(Some(Hit { t: world.planes[k].intersect(ray)?, primitive })),
-                _ => Some(Some(Hit { t: f64::NAN, primitive })),
+                Primitive::Plane(k) => match world.planes[k].intersect(ray) {
+                    Some(t) => Seen::Primitive(Visible { primitive, t_bound: t }),
+                    None => Seen::Unsure,
+                },
+                _ => Seen::Primitive(Visible { primitive, t_bound: f64::INFINITY }),
             },
         }
     }

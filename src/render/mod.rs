@@ -1,141 +1,141 @@
-//! Rows of pixels in parallel: samples -> film -> pictures.
+//! Rows of pixels in parallel: samples -> film -> the layers' rows, handed out from the top as they are finished.
 
-mod sample_packet;
 pub mod grid_view;
+pub mod layer;
 mod request;
 mod row;
+mod sample_packet;
+mod strip;
 
-pub use request::{Request, View};
+pub use layer::Layer;
+pub use request::{Request, View, Window};
 
 use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::picture::{BadSize, Picture, quantize};
-use crate::sampling::film::Film;
+use crate::mode::Mode;
+use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Probe;
 use glam::DVec2;
-use rayon::prelude::*;
-use row::{Colors, Row};
+use row::Setting;
+use std::convert::Infallible;
+use std::fmt;
+use std::ops::ControlFlow;
+use strip::{Strip, Tally};
 
-/// The pictures that were asked for.
-#[derive(Clone, Debug, Default)]
-pub struct Pictures {
-    /// What is seen.
-    pub color: Option<Picture>,
-    /// How far away it is.
-    pub depth: Option<Picture>,
-    /// Which way its surface faces.
-    pub normals: Option<Picture>,
-    /// Where the samples of each pixel lie, and their colours.
-    pub samples: Option<Picture>,
-    /// Pixels whose colour is not a number; they are black.
-    pub nans: u64,
+/// How far a render has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Rows of pixels that are traced.
+    pub done: usize,
+    /// Rows of pixels that the window has.
+    pub rows: usize,
 }
 
-/// How much memory rows on their way to the film may take, in bytes.
-const ROWS_IN_FLIGHT: usize = 32 << 20;
+/// Is told how far a render has come, from any of its threads and at least once for each row, and may end it.
+pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// How many rows a thread traces before it asks for more.
-const ROWS_AT_ONCE: usize = 4;
+/// Takes the rows of the layers: it gets the index of a layer in the request, and the colours of that layer's next
+/// row, from the top.
+pub type TakeRow<'a, E> = &'a mut (dyn FnMut(usize, &[Color]) -> Result<(), E> + Send + 'a);
 
-/// Renders what is asked for, and hands back what was counted.
-///
-/// Rows are traced in parallel and collected in order, so that the bytes depend on no thread.
-pub fn render<P: Probe>(
-    camera: &Camera,
-    caster: &Caster,
-    request: &Request,
-) -> Result<(Pictures, P), BadSize> {
-    let [_, height] = request.size;
-    let mut pictures = Pictures::new(request)?;
-    let mut film = Film::new(request.filter, request.size);
-    let mut probe = P::default();
-    // At least a row for each thread, and no more than there are.
-    let batch =
-        (ROWS_IN_FLIGHT / Row::<P>::bytes(request)).max(rayon::current_num_threads()).clamp(1, height.max(1));
-    for first in (0..height).step_by(batch) {
-        let rows = first..height.min(first + batch);
-        let visibility = request.visibility::<P>(camera, caster, rows.clone());
-        let rows: Vec<Row<P>> = rows
-            .into_par_iter()
-            // Left to itself the pool cuts the rows in a few large pieces, and waits for the last.
-            .with_max_len(ROWS_AT_ONCE)
-            .map(|j| Row::traced(camera, caster, request, visibility.as_ref(), j))
-            .collect();
-        for row in rows {
-            pictures.take(&row);
-            probe = probe.merge(row.probe);
-            if let Colors::Spread(spread) = row.colors {
-                film.add(spread, |j, colors| pictures.finish(j, colors));
-            }
+/// Why a render ended before its last row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stopped<E> {
+    /// The watch ended it, after so many rows of pixels were handed out.
+    Cancelled {
+        /// Rows from the top of the window.
+        rows: usize,
+    },
+    /// Whoever takes the rows failed.
+    Output(E),
+}
+
+impl<E: fmt::Display> fmt::Display for Stopped<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
+            Self::Output(error) => error.fmt(f),
         }
     }
+}
+
+impl<E: std::error::Error> std::error::Error for Stopped<E> {}
+
+/// Renders what is asked for, and returns the probe.
+///
+/// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither the
+/// colours nor the probe depend on the number of threads. Memory holds some rows, and never the whole picture.
+pub fn render<M: Mode, P: Probe, E>(
+    camera: &Camera,
+    caster: &Caster<M>,
+    view: View,
+    request: &Request,
+    watch: Watch,
+    take_row: TakeRow<E>,
+) -> Result<P, Stopped<E>> {
+    for (k, layer) in request.layers.iter().enumerate() {
+        if let Layer::Filter { zoom } = *layer {
+            render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))
+                .map_err(Stopped::Output)?;
+        }
+    }
+    let setting = Setting { camera, caster, view, request };
+    let rows = request.rows();
+    let tally = Tally::new(rows.len(), watch);
+    let mut probe = P::default();
+    let mut end = rows.end;
+    while end > rows.start {
+        let strip = Strip::below(&setting, end, rows.start);
+        let cancelled = Stopped::Cancelled { rows: rows.end - end };
+        let finished = strip.render::<P>(&tally).ok_or(cancelled)?;
+        finished.hand_out(request, take_row).map_err(Stopped::Output)?;
+        probe = probe.merge(finished.probe);
+        end = strip.rows.start;
+    }
+    Ok(probe)
+}
+
+/// Renders what is asked for into memory: a picture for each layer of the request, and the probe. A layer without
+/// pixels, or with more than there is memory for, is an error.
+pub fn render_in_memory<M: Mode, P: Probe>(
+    camera: &Camera,
+    caster: &Caster<M>,
+    view: View,
+    request: &Request,
+) -> Result<(Vec<FloatPicture>, P), BadSize> {
+    let empty = |layer: &Layer| FloatPicture::with_room(layer.size(request.window_size()));
+    let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
+    let mut take_row = |layer: usize, row: &[Color]| -> Result<(), Infallible> {
+        pictures[layer].colors.extend_from_slice(row);
+        Ok(())
+    };
+    let goes_on = |_| ControlFlow::Continue(());
+    let probe = match render(camera, caster, view, request, &goes_on, &mut take_row) {
+        Ok(probe) => probe,
+        Err(Stopped::Cancelled { .. }) => P::default(),
+        Err(Stopped::Output(never)) => match never {},
+    };
     Ok((pictures, probe))
 }
 
-impl Pictures {
-    fn new(request: &Request) -> Result<Self, BadSize> {
-        let [w, h] = request.size;
-        let picture = |wanted: bool, zoom: usize| {
-            let side = |n: usize| u32::try_from(n * zoom).unwrap_or(u32::MAX);
-            wanted.then(|| Picture::new(side(w), side(h))).transpose()
-        };
-        Ok(Self {
-            color: picture(request.color, 1)?,
-            depth: picture(request.depth.is_some(), 1)?,
-            normals: picture(request.normals, 1)?,
-            samples: picture(request.samples.is_some(), request.samples.unwrap_or(1))?,
-            nans: 0,
-        })
-    }
-
-    /// Enters all of a row but the colours that it spreads.
-    fn take<P>(&mut self, row: &Row<P>) {
-        if let (Some(picture), Colors::Finished(bytes)) = (&mut self.color, &row.colors) {
-            picture.row_mut(row.j).copy_from_slice(bytes);
-        }
-        for (picture, bytes) in [(&mut self.depth, &row.depths), (&mut self.normals, &row.normals)] {
-            if let Some(picture) = picture {
-                picture.row_mut(row.j).copy_from_slice(bytes);
-            }
-        }
-        if let Some(plot) = &mut self.samples {
-            for (k, colors) in row.samples.iter().enumerate() {
-                let bytes = plot.row_mut(row.j * row.samples.len() + k);
-                write(bytes, colors.iter().copied(), &mut self.nans);
-            }
-        }
-        self.nans += row.nans;
-    }
-
-    /// Enters a row of finished colours.
-    fn finish(&mut self, j: usize, colors: &mut dyn Iterator<Item = Color>) {
-        if let Some(picture) = &mut self.color {
-            write(picture.row_mut(j), colors, &mut self.nans);
-        }
-    }
-}
-
-fn write(bytes: &mut [u8], colors: impl Iterator<Item = Color>, nans: &mut u64) {
-    for (pixel, color) in bytes.chunks_exact_mut(3).zip(colors) {
-        pixel.copy_from_slice(&quantize(color, nans));
-    }
-}
-
-/// The picture of a filter: the weights around the middle pixel, each pixel enlarged `zoom` times.
+/// Draws a filter: its weights around the middle pixel, each pixel enlarged `zoom` times.
 ///
-/// As the course draws it, half the width finds the middle along both axes, what lies beyond the
-/// filter's support stays dark blue, and blue lines separate the pixels.
-pub fn render_filter(filter: Filter, [width, height]: [usize; 2], zoom: usize) -> Result<Picture, BadSize> {
-    let side = |n: usize| u32::try_from(n * zoom + 1).unwrap_or(u32::MAX);
-    let mut picture = Picture::new(side(width), side(height))?;
+/// As the course draws it, half the width finds the middle along both axes, what lies beyond the filter's support
+/// stays dark blue, and blue lines separate the pixels.
+fn render_filter<E>(
+    filter: Filter,
+    [width, height]: [usize; 2],
+    zoom: usize,
+    take_row: &mut dyn FnMut(&[Color]) -> Result<(), E>,
+) -> Result<(), E> {
     let middle = width / 2;
     let reached = middle.saturating_sub(filter.support())..=middle + filter.support();
     // Relative to the middle pixel's centre.
     let place = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
-    for y in 0..=height * zoom {
-        let colors = (0..=width * zoom).map(|x| {
+    for y in (0..=height * zoom).rev() {
+        let color = |x: usize| {
             if x.is_multiple_of(zoom) || y.is_multiple_of(zoom) {
                 Color::Z
             } else if reached.contains(&(x / zoom)) && reached.contains(&(y / zoom)) {
@@ -143,8 +143,8 @@ pub fn render_filter(filter: Filter, [width, height]: [usize; 2], zoom: usize) -
             } else {
                 0.5 * Color::Z
             }
-        });
-        write(picture.row_mut(y), colors, &mut 0);
+        };
+        take_row(&(0..=width * zoom).map(color).collect::<Vec<_>>())?;
     }
-    Ok(picture)
+    Ok(())
 }

@@ -1,11 +1,12 @@
-//! A row of pixels: its samples traced, and what they leave for the pictures.
+//! A row of pixels: its samples are traced, and leave colours for the layers.
 
+use super::layer::Layer;
 use super::request::{Request, View};
 use super::sample_packet::{Sample, SamplePacket};
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
-use crate::picture::quantize;
+use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
@@ -17,166 +18,178 @@ use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// What a row of pixels leaves; a list is empty where its picture is not wanted.
+/// What a row of pixels leaves for the picture.
 pub struct Row<P> {
-    /// Counted from the bottom.
+    /// The row, counted from the bottom.
     pub j: usize,
     pub probe: P,
     pub colors: Colors,
-    /// Bytes of the pictures of depths and of normals.
-    pub depths: Vec<u8>,
-    pub normals: Vec<u8>,
-    /// Rows of the picture of samples, from the bottom.
-    pub samples: Vec<Vec<Color>>,
-    /// Colours in the bytes that were not numbers.
-    pub nans: u64,
+    /// The colours of each layer of the request: one for each pixel, and for a layer of samples the rows of the
+    /// enlarged picture from the bottom. The list of a colour layer is empty, since `colors` has them.
+    pub layers: Vec<Vec<Color>>,
 }
 
-/// What a row's samples add to the colour picture.
+/// What a row's samples add to the layer of colours.
 pub enum Colors {
+    /// Nothing, since there is no such layer.
     Unwanted,
-    /// Bytes of the row itself, where no sample counts for another pixel.
-    Finished(Vec<u8>),
-    /// Sums for the rows around.
+    /// The colours of the row itself, where no sample counts for another pixel.
+    Finished(Vec<Color>),
+    /// Sums for the rows around it.
     Spread(Spread),
 }
 
-impl Colors {
-    fn new(request: &Request, j: usize) -> Self {
-        match (request.color, request.filter.support()) {
-            (false, _) => Self::Unwanted,
-            (true, 0) => Self::Finished(Vec::with_capacity(3 * request.size[0])),
-            (true, _) => Self::Spread(Spread::new(request.filter, j, request.size)),
-        }
+/// What is needed to trace any row of a picture.
+pub struct Setting<'a, M> {
+    pub camera: &'a Camera,
+    pub caster: &'a Caster<'a, M>,
+    pub view: View<'a>,
+    pub request: &'a Request,
+}
+
+// Written out, since a derived copy would demand one of `M`.
+impl<M> Clone for Setting<'_, M> {
+    fn clone(&self) -> Self {
+        *self
     }
 }
 
-impl<P: Probe> Row<P> {
-    /// Bytes that a row takes, about.
-    pub fn bytes(request: &Request) -> usize {
-        let spread = match request.filter.support() {
-            0 => 0,
-            _ => Spread::bytes(request.filter, request.size),
-        };
-        spread + request.size[0] * 32
-    }
+impl<M> Copy for Setting<'_, M> {}
 
-    /// Traces row `j`. `visibility` says what its centres see, as far as it is known.
-    pub fn traced(
-        camera: &Camera,
-        caster: &Caster,
-        request: &Request,
-        visibility: Option<&VisibilityBuffer>,
-        j: usize,
-    ) -> Self {
-        let [width, _] = request.size;
-        let zoom = request.samples.unwrap_or(0);
-        let row = Self {
-            j,
-            probe: P::default(),
-            colors: Colors::new(request, j),
-            depths: vec![],
-            normals: vec![],
-            samples: vec![Vec::with_capacity(width * zoom); zoom],
-            nans: 0,
-        };
+impl<M: Mode> Setting<'_, M> {
+    /// Traces row `j`. `visibility` says what its centres see, as far as it is known. Where `is_shown` is false only
+    /// the samples are traced, for the sake of the rows around.
+    pub fn row<P: Probe>(&self, visibility: Option<&VisibilityBuffer>, j: usize, is_shown: bool) -> Row<P> {
+        let Setting { request, .. } = *self;
+        let shown = request.columns();
         let mut painter = Painter {
-            camera,
-            caster,
-            request,
+            setting: *self,
             visibility,
+            is_shown,
+            shown: shown.clone(),
             pending: Pending::default(),
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
-            row,
+            plots: plots(request, is_shown),
+            row: self.empty_row(j),
         };
-        let mut batch = SamplePacket::default();
-        for first in (0..width).step_by(SamplePacket::SIZE) {
-            painter.paint(first..width.min(first + SamplePacket::SIZE), &mut batch);
+        let support = request.support();
+        let columns = shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0]);
+        let mut packet = SamplePacket::default();
+        for first in columns.clone().step_by(SamplePacket::SIZE) {
+            painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
         }
         painter.row
     }
+
+    fn empty_row<P: Probe>(&self, j: usize) -> Row<P> {
+        let Setting { request, .. } = *self;
+        let colors = match (request.has_colors(), request.filter.support()) {
+            (false, _) => Colors::Unwanted,
+            (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
+            (true, _) => Colors::Spread(Spread::new(request.filter, j, request.size)),
+        };
+        let layers = request.layers.iter().map(|layer| match layer {
+            Layer::Color | Layer::Filter { .. } => vec![],
+            _ => Vec::with_capacity(layer.colors_per_row(request.columns().len())),
+        });
+        Row { j, probe: P::default(), colors, layers: layers.collect() }
+    }
+}
+
+/// The layers of samples, each with its zoom.
+fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
+    let layers = request.layers.iter().enumerate().filter(|_| is_shown);
+    let plot = |(k, layer): (usize, &Layer)| match *layer {
+        Layer::Samples { zoom } => Some((k, zoom)),
+        _ => None,
+    };
+    layers.filter_map(plot).collect()
 }
 
 /// Paints the pixels of one row.
-struct Painter<'a, P> {
-    camera: &'a Camera,
-    caster: &'a Caster<'a>,
-    request: &'a Request<'a>,
+struct Painter<'a, M, P> {
+    setting: Setting<'a, M>,
     visibility: Option<&'a VisibilityBuffer>,
+    is_shown: bool,
+    /// The columns of the window.
+    shown: Range<usize>,
     pending: Pending,
     /// The filter's weight of a sample at the pixel's centre.
     center_weight: f64,
-    /// Of the current pixel's samples so far.
+    /// The sum over the current pixel's samples so far.
     sum: Sum,
+    /// The layers of samples, each with its zoom.
+    plots: Vec<(usize, usize)>,
     row: Row<P>,
 }
 
-impl<P: Probe> Painter<'_, P> {
-    /// Paints the pixels in these columns, of which there are not more than a batch holds.
-    fn paint(&mut self, columns: Range<usize>, batch: &mut SamplePacket) {
-        let Request { sampler, samples, .. } = *self.request;
-        if let Some(zoom) = samples {
-            columns.clone().for_each(|i| self.plot_background(i, zoom));
+impl<M: Mode, P: Probe> Painter<'_, M, P> {
+    /// Paints the pixels in these columns, of which there are no more than a packet holds.
+    fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        let Request { sampler, .. } = *self.setting.request;
+        for (k, zoom) in self.plots.clone() {
+            self.plot_background(k, zoom, columns.clone());
         }
-        let colors = self.request.traces_colors::<P>();
-        if self.request.measures() || colors && sampler.is_center() {
-            self.paint_centers(columns.clone(), batch);
+        let colors = self.setting.request.traces_colors::<P>();
+        if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
+            self.paint_centers(columns.clone(), packet);
         }
         if colors && !sampler.is_center() {
-            columns.for_each(|column| self.take_samples(column, batch));
-            self.color_samples(batch);
+            columns.for_each(|column| self.take_samples(column, packet));
+            self.color_samples(packet);
         }
     }
 
     /// Measures the centres of pixels, and colours them if they are what is sampled.
-    fn paint_centers(&mut self, columns: Range<usize>, batch: &mut SamplePacket) {
-        let (measures, casts) = (self.request.measures(), self.request.casts_centers::<P>());
+    fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        let Setting { camera, caster, view, request } = self.setting;
+        let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
         let j = self.row.j;
-        batch.take(self.camera, columns, j);
+        packet.take(camera, columns, j);
         if measures || casts {
-            batch.find_hits(self.caster, self.visibility, j, &mut self.row.probe);
+            packet.cast(caster, self.visibility, j, &mut self.row.probe);
         }
-        if self.request.normals || casts {
-            batch.find_surfaces(self.caster);
+        if request.has_normals() || casts {
+            packet.find_surfaces(caster.world);
         }
         if measures {
-            batch.samples().iter().for_each(|center| self.measure(center));
+            packet.samples().iter().for_each(|center| self.measure(center));
         }
-        if self.request.traces_colors::<P>() && self.request.sampler.is_center() {
-            self.color::<true>(batch);
+        if request.traces_colors::<P>() && request.sampler.is_center() {
+            self.color::<true>(packet);
         }
-        batch.clear();
+        packet.clear();
     }
 
-    /// Adds the samples of a pixel to a batch, and colours it whenever it is full.
-    fn take_samples(&mut self, column: usize, batch: &mut SamplePacket) {
-        let Request { sampler, size: [_, height], .. } = *self.request;
+    /// Adds the samples of a pixel to a packet, and colours the packet whenever it is full.
+    fn take_samples(&mut self, column: usize, packet: &mut SamplePacket) {
+        let Request { sampler, size: [_, height], .. } = *self.setting.request;
         let j = self.row.j;
         let offsets = sampler.offsets((column * height + j) as u64);
         for (offset, number) in offsets.zip(1..) {
-            batch.push(self.camera, [column, j], offset, number == sampler.count());
-            if batch.samples().len() == SamplePacket::SIZE {
-                self.color_samples(batch);
+            packet.push(self.setting.camera, [column, j], offset, number == sampler.count());
+            if packet.samples().len() == SamplePacket::SIZE {
+                self.color_samples(packet);
             }
         }
     }
 
-    /// Traces a batch of samples that have not been cast, and empties it.
-    fn color_samples(&mut self, batch: &mut SamplePacket) {
-        if matches!(self.request.view, View::Scene(_)) {
-            batch.find_hits(self.caster, None, self.row.j, &mut self.row.probe);
-            batch.find_surfaces(self.caster);
+    /// Traces a packet of samples that have not been cast, and empties it.
+    fn color_samples(&mut self, packet: &mut SamplePacket) {
+        if matches!(self.setting.view, View::Scene) {
+            packet.cast(self.setting.caster, None, self.row.j, &mut self.row.probe);
+            packet.find_surfaces(self.setting.caster.world);
         }
-        self.color::<false>(batch);
-        batch.clear();
+        self.color::<false>(packet);
+        packet.clear();
     }
 
-    /// Traces on from what is seen at some samples.
+    /// Colours the samples of a packet.
     #[inline(always)]
-    fn color<const CENTERS: bool>(&mut self, batch: &SamplePacket) {
+    fn color<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let mut sum = self.sum;
-        for Sample { column, offset, is_last, ray, surface, .. } in batch.samples() {
+        for Sample { column, offset, is_last, ray, surface, .. } in packet.samples() {
             let color = self.color_along(ray, surface.as_ref());
             self.enter::<CENTERS>(*column, *offset, color, &mut sum);
             if CENTERS || *is_last {
@@ -194,43 +207,50 @@ impl<P: Probe> Painter<'_, P> {
         match &mut self.row.colors {
             Colors::Unwanted => {}
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
-            Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
+            Colors::Finished(_) => sum.add(self.setting.request.filter.weight(offset), color),
             Colors::Spread(spread) => spread.add(column, offset, color),
         }
-        if let Some(zoom) = self.request.samples {
-            self.plot(column, offset, color, zoom);
+        if !self.plots.is_empty() {
+            self.plot(column, offset, color);
         }
     }
 
     /// Finishes a pixel for which no other row's samples count.
+    #[inline(always)]
     fn finish(&mut self, sum: &Sum) {
-        if let Colors::Finished(bytes) = &mut self.row.colors {
-            bytes.extend_from_slice(&quantize(sum.color(), &mut self.row.nans));
+        if let Colors::Finished(colors) = &mut self.row.colors {
+            colors.push(sum.color());
         }
     }
 
-    /// Enters the depth and the normal of a pixel's centre.
+    /// Enters what the layers of depths and normals show of a pixel's centre.
     fn measure(&mut self, center: &Sample) {
-        if let Some([near, far]) = self.request.depth {
-            let t = center.hit.map(|hit| self.caster.world.exact(&center.ray, hit).t);
-            let grey = t.map_or(0.0, |t| (far - t.clamp(near, far)) / (far - near));
-            let bytes = quantize(Color::splat(grey), &mut self.row.nans);
-            self.row.depths.extend_from_slice(&bytes);
+        if !self.shown.contains(&center.column) {
+            return;
         }
-        if self.request.normals {
-            let normal = center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
-            let bytes = quantize(normal.abs(), &mut self.row.nans);
-            self.row.normals.extend_from_slice(&bytes);
+        let Setting { caster, request, .. } = self.setting;
+        for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
+            match *layer {
+                Layer::Depth { near, far } => {
+                    let t = center.visible.map(|visible| caster.world.hit(&center.ray, visible).t);
+                    colors.push(Color::splat(t.map_or(0.0, |t| (far - t.clamp(near, far)) / (far - near))));
+                }
+                Layer::Normals => {
+                    colors.push(center.surface.map_or(DVec3::ZERO, |surface| surface.normal).abs());
+                }
+                Layer::Color | Layer::Samples { .. } | Layer::Filter { .. } => {}
+            }
         }
     }
 
-    /// The colour along a ray that hits this surface.
+    /// The colour along a ray that sees this surface.
     #[inline(always)]
     fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
-        let caster = self.caster;
-        match self.request.view {
-            View::Scene(effects) => {
-                Tracer { caster, effects }.color(ray, surface, &mut self.pending, &mut self.row.probe)
+        let Setting { caster, view, request, .. } = self.setting;
+        match view {
+            View::Scene => {
+                let tracer = Tracer { caster, effects: request.effects };
+                tracer.color(ray, surface, &mut self.pending, &mut self.row.probe)
             }
             View::Cells(occupancy) => {
                 let face = occupancy.first_face(ray);
@@ -239,26 +259,36 @@ impl<P: Probe> Painter<'_, P> {
         }
     }
 
-    /// The chequered ground on which a pixel's samples are plotted.
-    fn plot_background(&mut self, i: usize, zoom: usize) {
-        let grey = if (i + self.row.j).is_multiple_of(2) { 0.2 } else { 0.0 };
-        for row in &mut self.row.samples {
-            row.extend(std::iter::repeat_n(Color::splat(grey), zoom));
+    /// Lays the chequered ground on which the samples of these columns are plotted.
+    fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
+        let (width, j) = (self.shown.len() * zoom, self.row.j);
+        let colors = &mut self.row.layers[k];
+        colors.resize(width * zoom, Color::ZERO);
+        for i in columns.filter(|i| self.shown.contains(i)) {
+            let grey = if (i + j).is_multiple_of(2) { 0.2 } else { 0.0 };
+            let x = (i - self.shown.start) * zoom;
+            colors.chunks_mut(width).for_each(|row| row[x..x + zoom].fill(Color::splat(grey)));
         }
     }
 
     /// Plots a sample where it falls in its enlarged pixel.
-    fn plot(&mut self, i: usize, offset: DVec2, color: Color, zoom: usize) {
-        let place = |base: usize, offset: f64| {
-            let at = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
-            at.clamp(base * zoom, base * zoom + zoom - 1)
-        };
-        let (x, y) = (place(i, offset.x), place(self.row.j, offset.y) - self.row.j * zoom);
-        self.row.samples[y][x] = color;
+    fn plot(&mut self, i: usize, offset: DVec2, color: Color) {
+        if !self.shown.contains(&i) {
+            return;
+        }
+        for &(k, zoom) in &self.plots {
+            let place = |base: usize, offset: f64| {
+                let at = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
+                at.clamp(base * zoom, base * zoom + zoom - 1)
+            };
+            let x = place(i, offset.x) - self.shown.start * zoom;
+            let y = place(self.row.j, offset.y) - self.row.j * zoom;
+            self.row.layers[k][y * self.shown.len() * zoom + x] = color;
+        }
     }
 }
 
-/// A cell's face under the scene's lights: ambient and diffuse, no shadows.
+/// The colour of a cell's face under the scene's lights: ambient and diffuse, without shadows.
 fn cell_color(face: &Face, ray: &Ray, world: &World) -> Color {
     let point = ray.at(face.t);
     let lights = world.lights.iter().map(|light| {

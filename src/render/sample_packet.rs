@@ -5,10 +5,11 @@
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::grid::packet::{PACKET_SIZE, PacketRay};
-use crate::math::ray::{Hit, Ray};
-use crate::raster::VisibilityBuffer;
+use crate::math::ray::{Ray, Visible};
+use crate::mode::Mode;
+use crate::raster::{Seen, VisibilityBuffer};
 use crate::stats::Probe;
-use crate::world::SurfacePoint;
+use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use std::ops::Range;
 
@@ -21,8 +22,9 @@ pub struct Sample {
     /// Whether it is the pixel's last one.
     pub is_last: bool,
     pub ray: Ray,
-    /// What the ray hits, once it has been found.
-    pub hit: Option<Hit>,
+    /// What the ray sees, once it has been cast.
+    pub visible: Option<Visible>,
+    /// The surface that it sees, once it has been computed.
     pub surface: Option<SurfacePoint>,
 }
 
@@ -33,8 +35,8 @@ impl PacketRay for Sample {
     }
 
     #[inline(always)]
-    fn set_hit(&mut self, hit: Option<Hit>) {
-        self.hit = hit;
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.visible = visible;
     }
 }
 
@@ -65,14 +67,14 @@ impl SamplePacket {
     #[inline]
     pub fn push(&mut self, camera: &Camera, [column, j]: [usize; 2], offset: DVec2, is_last: bool) {
         let ray = camera.ray(DVec2::new(column as f64, j as f64), offset);
-        self.samples.push(Sample { column, offset, is_last, ray, hit: None, surface: None });
+        self.samples.push(Sample { column, offset, is_last, ray, visible: None, surface: None });
     }
 
     /// Finds what each ray hits; `visibility` says what is seen through the centres of row `j`, if these
     /// are the samples, and as far as it is known.
-    pub fn find_hits<P: Probe>(
+    pub fn cast<M: Mode, P: Probe>(
         &mut self,
-        caster: &Caster,
+        caster: &Caster<M>,
         visibility: Option<&VisibilityBuffer>,
         j: usize,
         probe: &mut P,
@@ -80,21 +82,24 @@ impl SamplePacket {
         let Some(visibility) = visibility else {
             return caster.nearest_of_packet(&mut self.samples, probe);
         };
-        for Sample { column, ray, hit, .. } in &mut self.samples {
-            let known = visibility.hit(caster.world, ray, *column, j);
-            *hit = known.unwrap_or_else(|| caster.nearest(ray, None, probe));
+        for Sample { column, ray, visible, .. } in &mut self.samples {
+            *visible = match visibility.seen(caster.world, ray, *column, j) {
+                Seen::Nothing => None,
+                Seen::Primitive(primitive) => Some(primitive),
+                Seen::Unsure => caster.nearest(ray, None, probe),
+            };
         }
     }
 
-    /// Finds the surface at each hit.
-    pub fn find_surfaces(&mut self, caster: &Caster) {
-        if !caster.world.triangles.is_empty() {
-            let hits = self.samples.iter().filter_map(|sample| sample.hit);
-            hits.for_each(|hit| caster.world.prefetch(hit.primitive));
+    /// Finds the surface that each ray sees.
+    pub fn find_surfaces(&mut self, world: &World) {
+        if !world.triangles.is_empty() {
+            let visible = self.samples.iter().filter_map(|sample| sample.visible);
+            visible.for_each(|visible| world.prefetch(visible.primitive));
         }
-        for Sample { ray, hit, surface, .. } in &mut self.samples {
-            if let Some(hit) = hit {
-                *surface = Some(caster.world.surface(ray, *hit));
+        for Sample { ray, visible, surface, .. } in &mut self.samples {
+            if let Some(visible) = visible {
+                *surface = Some(world.visible_surface(ray, *visible));
             }
         }
     }

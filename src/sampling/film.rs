@@ -100,11 +100,18 @@ pub struct Film {
 impl Film {
     /// `size` is the picture's width and height in pixels.
     pub fn new(filter: Filter, size: [usize; 2]) -> Self {
-        Self { filter, size, open: VecDeque::new(), finished: 0 }
+        Self::starting_at(filter, size, 0)
     }
 
-    /// Takes the spread of the next row of pixels, and hands the rows of the picture that are
-    /// complete with it to `finish`. Both run from row 0 up.
+    /// A film that takes the rows of pixels from `row` on. The rows of the picture that samples below `row` reach
+    /// come out without these.
+    pub fn starting_at(filter: Filter, size: [usize; 2], row: usize) -> Self {
+        let finished = row.saturating_sub(filter.support());
+        Self { filter, size, open: VecDeque::new(), finished }
+    }
+
+    /// Takes the spread of the next row of pixels, and hands the rows of the picture that are complete with it to
+    /// `finish`. Both run upwards from the film's first row.
     pub fn add(&mut self, spread: Spread, mut finish: impl FnMut(usize, &mut dyn Iterator<Item = Color>)) {
         let [width, height] = self.size;
         for (row, sums) in spread.reached.zip(spread.sums.chunks(width)) {

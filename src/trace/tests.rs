@@ -1,6 +1,7 @@
 //! Scenes whose colours follow from the laws of optics by hand.
 
 use super::*;
+use crate::mode::Course;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 
@@ -27,18 +28,18 @@ impl Setting {
         Self { world, effects }
     }
 
-    fn seen_by<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Color {
-        let caster = Caster::new(&self.world, None).unwrap();
-        let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, hit));
+    fn seen_by<M: Mode>(&self, ray: &Ray, probe: &mut impl Probe) -> Color {
+        let caster = Caster::new(&self.world, None).unwrap().in_mode::<M>();
+        let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, &hit));
         let tracer = Tracer { caster: &caster, effects: self.effects };
         tracer.color(ray, surface.as_ref(), &mut Pending::default(), probe)
     }
 
-    /// The colour seen from a point in a direction, which is the same whether or not anything is counted.
+    /// The colour seen from a point in a direction, which is the same in every mode.
     fn seen(&self, origin: [f64; 3], direction: [f64; 3]) -> Color {
         let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
-        let color = self.seen_by(&ray, &mut Quiet);
-        assert_eq!(self.seen_by(&ray, &mut Counts::default()), color);
+        let color = self.seen_by::<Fast>(&ray, &mut Quiet);
+        assert_eq!(self.seen_by::<Course>(&ray, &mut Counts::default()), color);
         color
     }
 
@@ -126,13 +127,15 @@ fn a_transparent_thing_tints_light_by_its_way_inside_up_to_the_lamp() {
 }
 
 #[test]
-fn counting_takes_a_shadow_ray_for_every_light_and_hit() {
+fn only_the_course_casts_a_shadow_ray_to_a_light_behind_the_surface() {
     let below = "DirectionalLight { direction 0 1 0 color 1 1 1 }";
-    let mut counts = Counts::default();
+    let (mut as_course, mut fast) = (Counts::default(), Counts::default());
     let ray = Ray::new(DVec3::Y, DVec3::NEG_Y);
     let setting = Setting::new(&[SUN, below].concat(), FLOOR, with(Shadows::Opaque));
-    setting.seen_by(&ray, &mut counts);
-    assert_eq!((counts.shadow_rays, counts.non_shadow_rays), (2, 0));
+    setting.seen_by::<Course>(&ray, &mut as_course);
+    setting.seen_by::<Fast>(&ray, &mut fast);
+    assert_eq!((as_course.shadow_rays, as_course.non_shadow_rays), (2, 0));
+    assert_eq!((fast.shadow_rays, fast.non_shadow_rays), (1, 0));
 }
 
 #[test]
@@ -153,7 +156,7 @@ fn mirrors_reflect_as_often_as_there_are_bounces_and_the_weight_allows() {
         assert_eq!(red(Effects { min_weight, ..bounces(3) }), sum, "{min_weight}");
     }
     let mut counts = Counts::default();
-    Setting::new("", hall, bounces(3)).seen_by(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
+    Setting::new("", hall, bounces(3)).seen_by::<Course>(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
     assert_eq!(counts.non_shadow_rays, 3);
 }
 

@@ -2,7 +2,7 @@
 //! their seeds and on every text that once failed.
 
 #[path = "../../fuzz/checks.rs"]
-mod checks;
+pub mod checks;
 
 use std::fs;
 use std::path::Path;

@@ -5,7 +5,8 @@ use glam::DVec3;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::packet::PacketRay;
 use raytracer::grid::{Caster, Instructions};
-use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::ray::{Hit, Ray, Visible};
+use raytracer::mode::Course;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
 use raytracer::stats::{Counts, Quiet};
@@ -69,12 +70,16 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
                 for (ray, hit) in &expected {
                     let context = (instructions, rule, cells, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
-                    assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
+                    assert_eq!(
+                        caster.in_mode::<Course>().closest(ray, &mut Counts::default()),
+                        *hit,
+                        "{context:?}"
+                    );
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
                 // Without a grid streams are single rays, and in one cell they are slow.
                 let count = if cells == Some(FINE) { expected.len() } else { 300 };
-                streams_answer_as_single_rays(&caster, &expected[..count]);
+                packets_answer_as_single_rays(&caster, &expected[..count]);
             }
         }
     }
@@ -82,29 +87,29 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
 
 /// A ray and what was answered.
 #[derive(Debug)]
-struct Asked(Ray, Option<Hit>);
+struct Asked(Ray, Option<Visible>);
 
 impl PacketRay for Asked {
     fn ray(&self) -> &Ray {
         &self.0
     }
 
-    fn set_hit(&mut self, hit: Option<Hit>) {
-        self.1 = hit;
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.1 = visible;
     }
 }
 
-/// In streams of all lengths up to more than one holds.
-fn streams_answer_as_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
+/// In lists of all lengths, up to more than two packets.
+fn packets_answer_as_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
     let mut rest = rays;
     for length in (1..40).cycle() {
         let (now, later) = rest.split_at(rest.len().min(length));
         // Something that must not be left standing.
-        let wrong = Some(Hit { t: 0.0, primitive: u32::MAX });
+        let wrong = Some(Visible { primitive: u32::MAX, t_bound: 0.0 });
         let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
         caster.nearest_of_packet(&mut asked, &mut Quiet);
-        for Asked(ray, hit) in asked {
-            assert_eq!(hit, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
+        for Asked(ray, visible) in asked {
+            assert_eq!(visible, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
         }
         rest = later;
         if rest.is_empty() {

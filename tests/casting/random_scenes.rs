@@ -4,19 +4,17 @@
 //!
 //! `PROPTEST_CASES` sets how many scenes are tried.
 
+use super::fuzz_findings::checks::bytes_and_nans;
 use super::strategies::{Range, meshes, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
-use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
-use raytracer::render::{Request, View, render};
-use raytracer::sampling::{filter::Filter, sampler::Sampler};
+use raytracer::mode::{Course, Mode};
 use raytracer::scene::Scene;
-use raytracer::stats::{Counts, Probe, Quiet};
-use raytracer::trace::{Effects, Shadows};
+use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
 
 /// The same rays with their directions scaled by a power of two to a length of about one, as all of the
@@ -36,30 +34,15 @@ fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
     rays.iter().zip(0..).filter_map(aim).collect()
 }
 
-/// The pictures of every effect, and how many of their colours are NaN.
-fn pictures<P: Probe>(scene: &Scene, caster: &Caster) -> (Vec<u8>, u64) {
-    let size = [12, 9];
-    let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
-    let request = Request {
-        size,
-        view: View::Scene(effects),
-        sampler: Sampler::CENTER,
-        filter: Filter::PIXEL,
-        color: true,
-        depth: Some([0.5, 6.0]),
-        normals: true,
-        samples: None,
-    };
-    let camera = Camera::new(&scene.camera, size);
-    let (pictures, _) = render::<P>(&camera, caster, &request).expect("a small picture");
-    let all = [pictures.color, pictures.depth, pictures.normals];
-    (all.into_iter().flatten().flat_map(|p| p.pixels().to_vec()).collect(), pictures.nans)
+/// The bytes of every layer with every effect, and how many of their colours are not numbers.
+fn pictures<M: Mode>(scene: &Scene, caster: &Caster<M>) -> (Vec<u8>, u64) {
+    bytes_and_nans(scene, caster, [12, 9], [0.5, 6.0])
 }
 
 /// A ray's nearest hit; an error where asking for any hit says something else.
-fn hit<P: Probe>(caster: &Caster, ray: &Ray) -> Result<Option<Hit>, TestCaseError> {
-    let hit = caster.closest(ray, &mut P::default());
-    prop_assert_eq!(hit.is_some(), caster.any(ray, &mut P::default()), "{:?}: any", ray);
+fn hit<M: Mode>(caster: &Caster<M>, ray: &Ray) -> Result<Option<Hit>, TestCaseError> {
+    let hit = caster.closest(ray, &mut Counts::default());
+    prop_assert_eq!(hit.is_some(), caster.any(ray, &mut Quiet), "{:?}: any", ray);
     Ok(hit)
 }
 
@@ -80,28 +63,29 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     let casters =
         ways.map(|(options, instructions)| Caster::with(&world, options, instructions).expect("small grids"));
     let rule = CellRule::Course { is_bounded: false };
-    let counted = [None, Some(cells)]
-        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"));
+    let as_course = [None, Some(cells)]
+        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"))
+        .map(|caster| caster.in_mode::<Course>());
     let aimed = aimed(rays, &world);
     for ray in rays.iter().chain(&of_unit_length(aimed)) {
-        let expected = hit::<Quiet>(&plain, ray)?;
+        let expected = hit(&plain, ray)?;
         prop_assert!(expected.is_none_or(|hit| hit.t.is_finite()), "{ray:?}: {expected:?}");
         for (caster, way) in casters.iter().zip(&ways) {
-            let found = hit::<Quiet>(caster, ray)?;
+            let found = hit(caster, ray)?;
             prop_assert!(found == expected, "{ray:?}: {way:?} {found:?}, without a grid {expected:?}");
         }
-        for caster in &counted {
-            let found = hit::<Counts>(caster, ray)?;
-            prop_assert!(found == expected, "{ray:?}: counting {found:?}, without {expected:?}");
+        for caster in &as_course {
+            let found = hit(caster, ray)?;
+            prop_assert!(found == expected, "{ray:?}: in the course's mode {found:?}, else {expected:?}");
         }
     }
-    let expected = pictures::<Quiet>(scene, &plain);
+    let expected = pictures(scene, &plain);
     prop_assert_eq!(expected.1, 0, "colours that are not numbers");
     for (caster, way) in casters.iter().zip(&ways) {
-        prop_assert!(pictures::<Quiet>(scene, caster) == expected, "the pictures differ: {way:?}");
+        prop_assert!(pictures(scene, caster) == expected, "the pictures differ: {way:?}");
     }
-    for caster in &counted {
-        prop_assert!(pictures::<Counts>(scene, caster) == expected, "counting changes the pictures");
+    for caster in &as_course {
+        prop_assert!(pictures(scene, caster) == expected, "the course's mode changes the pictures");
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use glam::DVec3;
 use raytracer::grid::Caster;
 use raytracer::grid::Lattice;
 use raytracer::grid::packet::PacketRay;
-use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::ray::{Hit, Ray, Visible};
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -41,7 +41,7 @@ pub fn differences(
         let found = caster.closest(&ray, &mut Quiet);
         let differs = found.map(|h| (h.t.to_bits(), h.primitive))
             != expected.map(|h| (h.t.to_bits(), h.primitive))
-            || in_stream(&caster, &ray) != expected
+            || in_packet(&caster, &ray) != expected
             || caster.any(&ray, &mut Quiet) != expected.is_some();
         failures.note(differs, || {
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
@@ -56,20 +56,20 @@ pub fn differences(
     measure::<4, 0>(n, one).0
 }
 
-/// What a ray hits that is set up as one of a stream.
-fn in_stream(caster: &Caster, ray: &Ray) -> Option<Hit> {
-    struct Asked<'a>(&'a Ray, Option<Hit>);
+/// What a ray hits that is cast as one of a packet.
+fn in_packet(caster: &Caster, ray: &Ray) -> Option<Hit> {
+    struct Asked<'a>(&'a Ray, Option<Visible>);
     impl PacketRay for Asked<'_> {
         fn ray(&self) -> &Ray {
             self.0
         }
-        fn set_hit(&mut self, hit: Option<Hit>) {
-            self.1 = hit;
+        fn set_visible(&mut self, visible: Option<Visible>) {
+            self.1 = visible;
         }
     }
     let mut asked = [Asked(ray, None)];
     caster.nearest_of_packet(&mut asked, &mut Quiet);
-    asked[0].1.map(|hit| caster.world.exact(ray, hit))
+    asked[0].1.map(|visible| caster.world.hit(ray, visible))
 }
 
 /// Writes the record of a case that compares hits, and demands its target.

@@ -15,6 +15,7 @@ use raytracer::grid::budget::{Budget, TouchedCells};
 use raytracer::grid::voxelize::of_sphere;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
+use raytracer::mode::Course;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
@@ -158,7 +159,8 @@ fn rays_from_far_away_into_flat_cells() {
             std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
         // With counters, since without them t is known no better than the filter knows it, and the march goes on
         // for longer.
-        let (found, expected) = (caster.closest(&ray, &mut Counts::default()), brute.closest(&ray));
+        let (found, expected) =
+            (caster.in_mode::<Course>().closest(&ray, &mut Counts::default()), brute.closest(&ray));
         let differs = found != expected;
         failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
         ([differs, expected.is_some(), late > 0.0].map(u64::from), [])

@@ -3,13 +3,14 @@
 use crate::support::measure::{Failures, measure};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::{color_request, icosphere, mesh, render_picture, scene_of};
+use crate::support::scenes::{icosphere, layers_and_nans, mesh, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::render::{Request, View, render};
+use raytracer::mode::Course;
+use raytracer::render::{Layer, Request, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{self, Light, Object, Position, Scene};
 use raytracer::stats::{Counts, Quiet};
@@ -97,7 +98,7 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
 /// Tests and cells for hostile rays over those for ordinary ones, through the grid.
 fn extra_work() -> f64 {
     let world = World::new(&ordinary_scene(), &[mesh("bunny_5k.obj")]).expect("a sound scene");
-    let caster = Caster::new(&world, Some([20; 3])).expect("a grid");
+    let caster = Caster::new(&world, Some([20; 3])).expect("a grid").in_mode::<Course>();
     let work = |is_hostile: bool| {
         let mut counts = Counts::default();
         for index in 0..1500 {
@@ -187,14 +188,9 @@ fn nans_of_hostile_scene(index: u64) -> Option<u64> {
     let world = World::new(&scene, &[tetrahedron]).ok()?;
     let caster = Caster::new(&world, Some([3, 2, 4])).ok()?;
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
-    let request = Request {
-        view: View::Scene(effects),
-        depth: Some([1.0, 5.0]),
-        normals: true,
-        ..color_request([3, 3])
-    };
-    let camera = Camera::new(&scene.camera, [3, 3]);
-    Some(render::<Quiet>(&camera, &caster, &request).expect("a small picture").0.nans)
+    let layers = vec![Layer::Color, Layer::Depth { near: 1.0, far: 5.0 }, Layer::Normals];
+    let request = Request { effects, layers, ..Request::new([3, 3]) };
+    Some(layers_and_nans(&Camera::new(&scene.camera, [3, 3]), &caster, &request).1)
 }
 
 /// Pictures that differ when every vector that only tells a direction is scaled to an extreme length.
@@ -264,7 +260,8 @@ fn a_picture_without_size_is_an_error() {
     let caster = Caster::new(&world, None).expect("no grid");
     for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
         let camera = Camera::new(&ordinary_scene().camera, size);
-        assert!(render::<Quiet>(&camera, &caster, &color_request(size)).is_err(), "{size:?}");
+        let rendered = render_in_memory::<_, Quiet>(&camera, &caster, View::Scene, &Request::new(size));
+        assert!(rendered.is_err(), "{size:?}");
     }
 }
 
@@ -276,9 +273,8 @@ fn a_background_that_is_no_number_is_refused_and_counted() {
     // What no check foresaw would be counted all the same.
     world.background = scene.background.color;
     let caster = Caster::new(&world, Some([2; 3])).expect("no grid is built");
-    let (pictures, _) = render::<Quiet>(&Camera::new(&scene.camera, [7, 5]), &caster, &color_request([7, 5]))
-        .expect("a picture");
-    assert_eq!(pictures.nans, 35);
+    let camera = Camera::new(&scene.camera, [7, 5]);
+    assert_eq!(layers_and_nans(&camera, &caster, &Request::new([7, 5])).1, 35);
 }
 
 fn no_light_is_light_everywhere() {

@@ -17,8 +17,9 @@ use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
+use raytracer::mode::Course;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Quiet;
 use raytracer::world::World;
 use std::collections::BTreeSet;
 
@@ -227,7 +228,9 @@ fn any_grid_makes_the_same_picture() {
 #[test]
 fn rays_that_are_counted_make_the_same_picture() {
     same_pictures(&[None, Some([9, 8, 7])], |scene, &cells| {
-        render_with::<Counts>(scene, &scene.world(), cells, 0)
+        let world = scene.world();
+        let caster = Caster::new(&world, cells).expect("a small grid");
+        render_with(scene, &caster.in_mode::<Course>(), 0)
     });
 }
 

@@ -24,7 +24,7 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
     let hit = caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
-    let surface = world.surface(ray, hit);
+    let surface = world.surface(ray, &hit);
     Tracer { caster: &caster, effects }.color(ray, Some(&surface), &mut Pending::default(), &mut Quiet)
 }
 
@@ -139,7 +139,7 @@ struct Terminator {
 fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator> {
     let hit = caster.closest(ray, &mut Quiet)?;
     let world = caster.world;
-    let surface = world.surface(ray, hit);
+    let surface = world.surface(ray, &hit);
     let corners = world.corners(hit.primitive as usize);
     let weights = barycentric(corners, surface.position);
     let normals = corners.map(DVec3::normalize);

@@ -145,7 +145,7 @@ impl Stage {
 /// The surface that a ray of the stage hits, in a world without cover.
 fn surface(stage: &Stage, world: &World, rng: &mut Rng) -> Option<SurfacePoint> {
     let (caster, ray) = (Caster::new(world, None).expect("no grid"), stage.ray(rng));
-    Some(world.surface(&ray, caster.nearest(&ray, None, &mut Quiet)?))
+    Some(world.visible_surface(&ray, caster.nearest(&ray, None, &mut Quiet)?))
 }
 
 /// A direction outward, or to either side of what is flat, at this cosine from the normal.

@@ -4,34 +4,45 @@
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::rng::Rng;
-use crate::support::scenes::color_request;
+use crate::support::scenes::layers_and_nans;
 use crate::support::views::{Frame, View, narrow, triangles};
 use glam::DVec2;
 use raytracer::grid::Caster;
+use raytracer::math::ray::{Hit, Ray};
+use raytracer::mode::Course;
 use raytracer::primitive::plane::Plane;
-use raytracer::raster::VisibilityBuffer;
-use raytracer::render::{Pictures, Request, render};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::raster::{Seen, VisibilityBuffer};
+use raytracer::render::{Layer, Request};
+use raytracer::stats::Quiet;
 use raytracer::world::World;
 
 const SEED: u64 = 3020;
+
+/// Whether the buffer is sure of something other than the truth.
+fn is_wrong(world: &World, ray: &Ray, seen: Seen, truth: Option<Hit>) -> bool {
+    match seen {
+        Seen::Nothing => truth.is_some(),
+        Seen::Primitive(visible) => Some(world.hit(ray, visible)) != truth,
+        Seen::Unsure => false,
+    }
+}
 
 /// Whether the projection says in any pixel something else than its ray; a view that is not drawn is no
 /// failure. Gives the pixels that are wrong, open and all.
 fn compare(view: &View, world: &World, failures: &Failures, index: u64) -> [u64; 3] {
     let caster = Caster::new(world, None).unwrap();
     let all = 0..view.size[1];
-    let Some(projection) = VisibilityBuffer::new(&view.camera, &caster, view.size, all) else {
+    let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, all) else {
         return [0; 3];
     };
     let mut counts = [0; 3];
     for pixel in view.pixels() {
         let (ray, [i, j]) = (view.ray(pixel), pixel);
         let truth = caster.closest(&ray, &mut Quiet);
-        let seen = projection.hit(world, &ray, i, j);
-        let wrong = seen.is_some_and(|seen| seen.map(|hit| world.exact(&ray, hit)) != truth);
+        let seen = buffer.seen(world, &ray, i, j);
+        let wrong = is_wrong(world, &ray, seen, truth);
         failures.note(wrong, || format!("picture {index}, pixel {pixel:?}: {seen:?} {truth:?}"));
-        let one = [wrong, seen.is_none(), true].map(u64::from);
+        let one = [wrong, seen == Seen::Unsure, true].map(u64::from);
         counts = std::array::from_fn(|k| counts[k] + one[k]);
     }
     counts
@@ -184,7 +195,7 @@ fn a_pixel_sees_what_its_ray_hits() {
         let caster = Caster::new(&world, None).unwrap();
         // Some of the rows, as a large picture is rendered.
         let first = rng.below(view.size[1]);
-        let Some(projection) = VisibilityBuffer::new(&view.camera, &caster, view.size, first..view.size[1])
+        let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, first..view.size[1])
         else {
             return ([0, 0, 0, 0, 1], []);
         };
@@ -192,15 +203,15 @@ fn a_pixel_sees_what_its_ray_hits() {
         for pixel in view.pixels().filter(|&[_, j]| j >= first) {
             let (ray, [i, j]) = (view.ray(pixel), pixel);
             let truth = caster.closest(&ray, &mut Quiet);
-            let seen = projection.hit(&world, &ray, i, j);
-            let wrong = seen.is_some_and(|seen| seen.map(|hit| world.exact(&ray, hit)) != truth);
+            let seen = buffer.seen(&world, &ray, i, j);
+            let wrong = is_wrong(&world, &ray, seen, truth);
             failures
                 .note(wrong, || format!("seed {SEED}, picture {index}, pixel {pixel:?}: {seen:?} {truth:?}"));
             let textbook =
                 world.planes.is_empty() && { view.textbook(&world, pixel) != truth.map(|hit| hit.primitive) };
             counts[0] += u64::from(wrong);
             counts[1] += u64::from(textbook);
-            counts[2] += u64::from(seen.is_none());
+            counts[2] += u64::from(seen == Seen::Unsure);
             counts[3] += 1;
         }
         (counts, [])
@@ -216,7 +227,7 @@ fn a_pixel_sees_what_its_ray_hits() {
     );
 }
 
-/// The t of a projected triangle is left open, as a NaN; pictures of depths have to find it out.
+/// The visibility buffer leaves the t of a triangle open, so that pictures of depths have to compute it.
 #[test]
 fn depths_and_normals_are_those_of_the_rays() {
     let failures = Failures::default();
@@ -225,17 +236,15 @@ fn depths_and_normals_are_those_of_the_rays() {
         let view = View::new(rng);
         let world = if rng.below(2) == 0 { view.world(rng) } else { view.small_triangles(rng) };
         let caster = Caster::new(&world, None).unwrap();
-        let depth = Some([0.1, 2.0].map(|t| t * view.scale));
-        let request = Request { color: false, depth, normals: true, ..color_request(view.size) };
-        // A probe that counts has every ray cast.
-        let projected = render::<Quiet>(&view.camera, &caster, &request).expect("a picture").0;
-        let cast = render::<Counts>(&view.camera, &caster, &request).expect("a picture").0;
-        let bytes = |pictures: &Pictures| {
-            [&pictures.depth, &pictures.normals].map(|p| p.as_ref().map(|p| p.pixels().to_vec()))
-        };
-        let wrong = projected.nans > 0 || bytes(&projected) != bytes(&cast);
-        let wrong = failures.note(wrong, || format!("picture {index}: {} not numbers", projected.nans));
-        let shown = cast.depth.is_some_and(|picture| picture.pixels().iter().any(|&byte| byte > 0));
+        let [near, far] = [0.1, 2.0].map(|t| t * view.scale);
+        let layers = vec![Layer::Depth { near, far }, Layer::Normals];
+        let request = Request { layers, ..Request::new(view.size) };
+        let (rasterized, nans) = layers_and_nans(&view.camera, &caster, &request);
+        // The course's mode casts every ray.
+        let (cast, _) = layers_and_nans(&view.camera, &caster.in_mode::<Course>(), &request);
+        let wrong = nans > 0 || rasterized != cast;
+        let wrong = failures.note(wrong, || format!("picture {index}: {nans} not numbers"));
+        let shown = cast[0].iter().any(|&byte| byte > 0);
         ([wrong, u64::from(shown)], [])
     };
     let pictures = rays(2_000, 200_000);

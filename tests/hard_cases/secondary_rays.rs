@@ -60,7 +60,7 @@ impl Stage {
         let target = self.middle + 0.6 * self.extent * rng.in_cube();
         let ray = Ray::new(eye, (target - eye).normalize());
         let hit = caster.closest(&ray, &mut Quiet)?;
-        let surface = self.world.surface(&ray, hit);
+        let surface = self.world.surface(&ray, &hit);
         let side = if surface.normal.dot(ray.direction) < 0.0 { surface.normal } else { -surface.normal };
         let along = side.cross(rng.direction()).normalize();
         let cosine = 10f64.powf(rng.range(-4.0, -1.0));
@@ -253,7 +253,7 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
         let eye = DVec3::new(rng.range(-1.0, 1.0), height - 2.0, rng.range(-1.0, 1.0));
         let ray = Ray::new(eye, DVec3::new(across.x, height, across.z) - eye);
         let hit = caster.closest(&ray, &mut Quiet).expect("the ground");
-        let surface = world.surface(&ray, hit);
+        let surface = world.surface(&ray, &hit);
         let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
         let tangent = rng.range(0.0, if covered { 5.6 } else { 0.05 });
         // Not so slanted that the light passes the sheet's border.
@@ -302,7 +302,7 @@ fn followed(world: &World, ray: Ray, next: impl Fn(&SurfacePoint, DVec3) -> Ray)
     let (mut ray, mut path, mut inside) = (ray, vec![], 0usize);
     while let Some(hit) = caster.closest(&ray, &mut Quiet) {
         path.push(hit.primitive);
-        let surface = world.surface(&ray, hit);
+        let surface = world.surface(&ray, &hit);
         let entering = surface.normal.dot(ray.direction) < 0.0;
         let normal = if entering { surface.normal } else { -surface.normal };
         let behind = if entering { hit.primitive as usize + 1 } else { hit.primitive as usize };
@@ -378,7 +378,7 @@ fn mirror_drift(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
     let (mut place32, mut direction32) = (start.origin.as_vec3(), start.direction.as_vec3());
     for _ in 0..bounces {
         let hit = caster.closest(&ray, &mut Quiet).expect("a mirror");
-        let surface = world.surface(&ray, hit);
+        let surface = world.surface(&ray, &hit);
         place = surface.position;
         ray = secondary(&world, &surface, reflected(ray.direction, surface.normal));
         let to = if direction32.y < 0.0 { -place32.y } else { 1.0 - place32.y };

@@ -4,19 +4,17 @@ use crate::support::double_double::Dd;
 use crate::support::measure::{Failures, measure};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::{color_request, scene_of};
+use crate::support::scenes::{layers, scene_of};
 use crate::support::{hex, rays};
 use glam::{DVec2, DVec3};
-use raytracer::camera::Camera;
 use raytracer::grid::Caster;
-use raytracer::picture::quantize;
-use raytracer::render::{Request, View, render};
+use raytracer::picture::FloatPicture;
+use raytracer::render::Request;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::film::{Film, Spread};
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::{Light, Object, Scene};
-use raytracer::stats::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
@@ -48,7 +46,7 @@ fn case_62_bytes_of_colours() {
         let colors = [c, c.next_down(), c.next_up(), if i % 10 == 0 { 20.0 * (c - 0.5) } else { c }];
         let mut counts = [0; 3];
         for c in colors {
-            let (byte, exact) = (quantize(DVec3::splat(c), &mut 0)[0], exact_byte(c));
+            let (byte, exact) = (bytes_of(vec![DVec3::splat(c)]).0[0], exact_byte(c));
             let meant = byte != exact && means_byte(c, byte);
             counts[0] +=
                 failures.note(byte != exact && !meant, || format!("case 62: {} {byte} {exact}", hex(c)));
@@ -57,10 +55,10 @@ fn case_62_bytes_of_colours() {
         }
         (counts, [])
     });
-    let (mut nans, hostile) = (0, [f64::NAN, -f64::NAN]);
-    let bytes = hostile.map(|c| quantize(DVec3::new(0.5, c, 0.5), &mut nans));
+    let hostile = [f64::NAN, -f64::NAN].map(|c| DVec3::new(0.5, c, 0.5));
+    let (bytes, nans) = bytes_of(hostile.into());
     let beyond =
-        [f64::INFINITY, 1e300, f64::NEG_INFINITY, -1e300].map(|c| quantize(DVec3::splat(c), &mut nans)[0]);
+        [f64::INFINITY, 1e300, f64::NEG_INFINITY, -1e300].map(|c| bytes_of(vec![DVec3::splat(c)]).0[0]);
     let meant = (0..=255u8).filter(|&b| exact_byte(f64::from(b) / 255.0) != b).count();
     Record {
         case: 62,
@@ -79,7 +77,7 @@ fn case_62_bytes_of_colours() {
     }
     .write();
     assert!(ramp[2] > 0, "the textbook method does not fail");
-    assert_eq!((ramp[0], nans, bytes, beyond), (0, 2, [[127, 0, 127]; 2], [255, 255, 0, 0]));
+    assert_eq!((ramp[0], nans, bytes, beyond), (0, 2, [127, 0, 127].repeat(2), [255, 255, 0, 0]));
 }
 
 /// A scene with shadows and reflections enough that pixels differ in every bit.
@@ -98,6 +96,10 @@ fn busy_scene() -> Scene {
     scene
 }
 
+fn bytes_of(colors: Vec<DVec3>) -> (Vec<u8>, u64) {
+    FloatPicture { size: [colors.len(), 1], colors }.to_bytes()
+}
+
 /// The picture of the busy scene by so many threads.
 fn picture_by(threads: usize, size: [usize; 2], samples: u32, filter: Filter) -> Vec<u8> {
     let scene = busy_scene();
@@ -105,11 +107,9 @@ fn picture_by(threads: usize, size: [usize; 2], samples: u32, filter: Filter) ->
     let caster = Caster::new(&world, Some([4; 3])).expect("a grid");
     let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
     let sampler = Sampler::new(Pattern::Jittered, samples, Drand48::UNSEEDED);
-    let request = Request { view: View::Scene(effects), sampler, filter, ..color_request(size) };
-    let camera = Camera::new(&scene.camera, size);
+    let request = Request { effects, sampler, filter, ..Request::new(size) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    let (pictures, _) = pool.install(|| render::<Quiet>(&camera, &caster, &request)).expect("a picture");
-    pictures.color.expect("it was asked for").pixels().to_vec()
+    pool.install(|| layers(&scene, &caster, &request)).concat()
 }
 
 /// How many of so many sums of the same samples differ when added in another order: by a textbook's

@@ -63,7 +63,7 @@ fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
         let ray =
             camera.ray(glam::DVec2::new((pixel % side) as f64, (pixel / side) as f64), glam::DVec2::ZERO);
         let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
-        let point = world.surface(&ray, hit).position;
+        let point = world.surface(&ray, &hit).position;
         // Across the plane the cell is plain, unless the point lies at a line of the board.
         let q = board.turn * point / board.cell;
         let near_line = |x: f64| (x - x.round()).abs() < 1e-9 * (1.0 + x.abs());

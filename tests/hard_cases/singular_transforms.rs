@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use raytracer::grid::Caster;
-use raytracer::math::ray::{Hit, Ray};
+use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
 use raytracer::scene::error::{Problem, SceneError};
 use raytracer::stats::Quiet;
@@ -152,7 +152,7 @@ fn is_unit(v: DVec3) -> bool {
 fn has_sound_normal(world: &World, m: DMat3) -> bool {
     let ray = Ray::new(DVec3::ZERO, unit(m * DVec3::new(0.3, 0.4, 0.5)));
     let hit = Caster::new(world, None).expect("no grid").closest(&ray, &mut Quiet);
-    hit.is_some_and(|hit| is_unit(world.surface(&ray, hit).normal))
+    hit.is_some_and(|hit| is_unit(world.surface(&ray, &hit).normal))
 }
 
 /// Of planes flattened more or less: those refused, and wrongly so or not; those whose normal is not a number, by
@@ -229,7 +229,7 @@ fn flattened_ellipsoids(n: u64) -> ([u64; 5], [f64; 2]) {
             Some(exact) if s >= 1e-12 => exact,
             _ => (Dd::from(1.0), disc_normal(&ray, face)),
         };
-        let normal = world.surface(&ray, Hit { t, primitive: 0 }).normal;
+        let normal = world.visible_surface(&ray, Visible { primitive: 0, t_bound: t }).normal;
         let off = angle(&dd::vector(normal), &exact_normal);
         let error = (Dd::from(t) - exact_t).abs().value();
         failures.note(off > 1e-10, || failed_ray(48, SEED, index, ray.origin, ray.direction));

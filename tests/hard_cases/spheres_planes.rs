@@ -263,11 +263,11 @@ fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let object = Object::Sphere { center: sphere.center, radius: sphere.radius, material: 0 };
     let world = world_of(vec![object]);
     let caster = Caster::new(&world, None).expect("no grid");
-    let hit = caster.nearest(&ray, None, &mut Quiet)?;
-    let surface = world.surface(&ray, hit);
+    let hit = caster.closest(&ray, &mut Quiet)?;
+    let surface = world.surface(&ray, &hit);
     let truth = far_side(&sphere, surface.position, out)?;
     let secondary = secondary(&world, &surface, out);
-    let found = caster.nearest(&secondary, surface.triangle, &mut Quiet).map(|hit| hit.t);
+    let found = caster.nearest(&secondary, surface.triangle, &mut Quiet).map(|visible| visible.t_bound);
     let spurious = found.is_some_and(|t| truth.is_none_or(|far| t < 0.5 * far));
     let lost = found.is_none() && truth.is_some();
     let error = match (found, nearest(&sphere, &secondary)) {

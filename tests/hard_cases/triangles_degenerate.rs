@@ -156,7 +156,7 @@ fn case_16_triangles_without_area() {
         let ray = at_everything(&plain, &mut Rng::at(SEED, index), index);
         let [without, with] = [&caster, &mixed_caster].map(|c| {
             let hit = c.closest(&ray, &mut Quiet)?;
-            Some((hit.t.to_bits(), c.world.surface(&ray, hit).normal))
+            Some((hit.t.to_bits(), c.world.surface(&ray, &hit).normal))
         });
         let wrong = without != with || with.is_some_and(|(_, normal)| normal.is_nan());
         failures.note(wrong, || failed_ray(16, SEED, index, ray.origin, ray.direction));

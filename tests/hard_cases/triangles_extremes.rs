@@ -6,18 +6,17 @@ use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, bunny, icosphere, moved, rounded, world_of};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::color_request;
+use crate::support::scenes::layers;
 use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
-use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::{Shear, normal, point};
-use raytracer::render::{Request, render};
+use raytracer::render::{Layer, Request};
 use raytracer::scene::Scene;
 use raytracer::scene::parser::parse;
 use raytracer::stats::Quiet;
@@ -246,12 +245,9 @@ fn case_20_what_is_not_finite_is_missed() {
 
 /// The bytes of the colour, the depth and the normal picture.
 fn pictures(scene: &Scene, caster: &Caster) -> [Vec<u8>; 3] {
-    let size = [12, 12];
-    let request = Request { depth: Some([-1.0, 1.0]), normals: true, ..color_request(size) };
-    let (pictures, _) =
-        render::<Quiet>(&Camera::new(&scene.camera, size), caster, &request).expect("small pictures");
-    assert_eq!(pictures.nans, 0);
-    [pictures.color, pictures.depth, pictures.normals].map(|p| p.expect("it was asked for").pixels().to_vec())
+    let wanted = vec![Layer::Color, Layer::Depth { near: -1.0, far: 1.0 }, Layer::Normals];
+    let request = Request { layers: wanted, ..Request::new([12, 12]) };
+    layers(scene, caster, &request).try_into().expect("three layers")
 }
 
 /// A mesh shrunk to a point, or nearly, seen along directions whose coordinates are far apart.

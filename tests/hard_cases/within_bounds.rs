@@ -1,11 +1,10 @@
 //! Section F, hostile input: numbers as large and as small as a scene may have them make only numbers.
 
-use crate::support::scenes::color_request;
+use crate::support::scenes::layers_and_nans;
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
-use raytracer::render::{Request, View, render};
+use raytracer::render::{Layer, Request};
 use raytracer::scene;
-use raytracer::stats::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
@@ -96,11 +95,10 @@ fn nans_at_the_bounds(camera: &str, light: &str, materials: &str, objects: &str)
     let world = World::new(&scene, &[]).expect("numbers within bounds");
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 15, min_weight: 0.0 };
-    let request = Request { view: View::Scene(effects), normals: true, ..color_request([9, 9]) };
-    let camera = Camera::new(&scene.camera, [9, 9]);
-    let (pictures, _) = render::<Quiet>(&camera, &caster, &request).expect("a small picture");
-    let normals = pictures.normals.expect("it was asked for");
-    (pictures.nans, normals.pixels().iter().any(|&byte| byte != 0))
+    let layers = vec![Layer::Normals, Layer::Color];
+    let request = Request { effects, layers, ..Request::new([9, 9]) };
+    let (pictures, nans) = layers_and_nans(&Camera::new(&scene.camera, [9, 9]), &caster, &request);
+    (nans, pictures[0].iter().any(|&byte| byte != 0))
 }
 
 #[test]

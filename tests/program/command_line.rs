@@ -1,7 +1,8 @@
 //! Tables of command lines: what each means, or the exact line that says why it means nothing.
 
-use raytracer::cli::{CliError, Command, Depth, Enlarged, Options, parse};
+use raytracer::cli::{CliError, Command, Options, Output, parse};
 use raytracer::grid::options::Resolution;
+use raytracer::render::Layer;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -33,12 +34,8 @@ fn with_shadows(shadows: Shadows) -> Options {
 fn plain() -> Options {
     Options {
         input: PathBuf::from("s.txt"),
-        output: None,
+        outputs: vec![],
         size: [100, 100],
-        depth: None,
-        normals: None,
-        samples: None,
-        filter_picture: None,
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
@@ -50,12 +47,20 @@ fn plain() -> Options {
     }
 }
 
-fn path(name: &str) -> Option<PathBuf> {
-    Some(PathBuf::from(name))
+fn output(name: &str, layer: Layer) -> Output {
+    Output { layer, file: name.into() }
 }
 
-fn depth(t0: f64, t1: f64) -> Option<Depth> {
-    Some(Depth { t0, t1, file: "d.tga".into() })
+fn colors(name: &str) -> Output {
+    output(name, Layer::Color)
+}
+
+fn depth(near: f64, far: f64) -> Output {
+    output("d.tga", Layer::Depth { near, far })
+}
+
+fn samples(zoom: usize) -> Output {
+    output("s.tga", Layer::Samples { zoom })
 }
 
 fn accepts(line: &str, expected: Options) {
@@ -65,11 +70,17 @@ fn accepts(line: &str, expected: Options) {
 #[test]
 fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
-    accepts("-input s.txt -output a.tga", Options { output: path("a.tga"), ..plain() });
-    accepts("-output a.PNG -input s.txt", Options { output: path("a.PNG"), ..plain() });
+    accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
+    accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
-    accepts("-input s.txt -normals n.png", Options { normals: path("n.png"), ..plain() });
-    accepts("-input s.txt -normal n.tga", Options { normals: path("n.tga"), ..plain() });
+    accepts(
+        "-input s.txt -normals n.png",
+        Options { outputs: vec![output("n.png", Layer::Normals)], ..plain() },
+    );
+    accepts(
+        "-input s.txt -normal n.tga",
+        Options { outputs: vec![output("n.tga", Layer::Normals)], ..plain() },
+    );
     accepts("-shade_back -input s.txt", with_effects(Effects { shade_back: true, ..none() }));
     accepts("-input s.txt -shadows", with_shadows(Shadows::Opaque));
     accepts("-input s.txt -no_shadows", plain());
@@ -135,25 +146,24 @@ fn each_filter_and_its_size() {
 
 #[test]
 fn the_enlarged_pictures() {
-    let enlarged = |name: &str, zoom| Some(Enlarged { file: name.into(), zoom });
-    accepts("-input s.txt -render_samples s.tga 10", Options { samples: enlarged("s.tga", 10), ..plain() });
+    accepts("-input s.txt -render_samples s.tga 10", Options { outputs: vec![samples(10)], ..plain() });
     accepts(
         "-input s.txt -render_filter f.png 1",
-        Options { filter_picture: enlarged("f.png", 1), ..plain() },
+        Options { outputs: vec![output("f.png", Layer::Filter { zoom: 1 })], ..plain() },
     );
     accepts(
         "-render_filter f.tga 655 -input s.txt -render_samples s.tga 655",
-        Options { samples: enlarged("s.tga", 655), filter_picture: enlarged("f.tga", 655), ..plain() },
+        Options { outputs: vec![samples(655), output("f.tga", Layer::Filter { zoom: 655 })], ..plain() },
     );
     accepts(
         "-input s.txt -size 1 4369 -render_samples s.tga 15",
-        Options { size: [1, 4369], samples: enlarged("s.tga", 15), ..plain() },
+        Options { size: [1, 4369], outputs: vec![samples(15)], ..plain() },
     );
     accepts(
         "-input s.txt -size 9 9 -render_samples s.tga 15 -random_samples 36",
         Options {
             size: [9, 9],
-            samples: enlarged("s.tga", 15),
+            outputs: vec![samples(15)],
             sampler: Sampler::new(Pattern::Random, 36, Drand48::UNSEEDED),
             ..plain()
         },
@@ -162,14 +172,14 @@ fn the_enlarged_pictures() {
 
 #[test]
 fn negative_numbers_are_values() {
-    accepts("-input s.txt -depth -2 2 d.tga", Options { depth: depth(-2.0, 2.0), ..plain() });
-    accepts("-depth -.5 .5 d.tga -input s.txt", Options { depth: depth(-0.5, 0.5), ..plain() });
-    accepts("-input s.txt -depth -1e3 -1e-3 d.tga", Options { depth: depth(-1e3, -1e-3), ..plain() });
+    accepts("-input s.txt -depth -2 2 d.tga", Options { outputs: vec![depth(-2.0, 2.0)], ..plain() });
+    accepts("-depth -.5 .5 d.tga -input s.txt", Options { outputs: vec![depth(-0.5, 0.5)], ..plain() });
+    accepts("-input s.txt -depth -1e3 -1e-3 d.tga", Options { outputs: vec![depth(-1e3, -1e-3)], ..plain() });
     accepts(
         "-input s.txt -depth -3. 0. d.tga -stats",
-        Options { depth: depth(-3.0, 0.0), stats: true, ..plain() },
+        Options { outputs: vec![depth(-3.0, 0.0)], stats: true, ..plain() },
     );
-    accepts("-input s.txt -output -5.tga", Options { output: path("-5.tga"), ..plain() });
+    accepts("-input s.txt -output -5.tga", Options { outputs: vec![colors("-5.tga")], ..plain() });
 }
 
 #[test]
@@ -183,16 +193,15 @@ fn the_preview_flags_are_recorded() {
 
 #[test]
 fn lines_in_the_style_of_the_course() {
-    let sized = || Options { size: [200, 200], output: path("o.tga"), ..plain() };
+    let sized = || Options { size: [200, 200], outputs: vec![colors("o.tga")], ..plain() };
     accepts(
         "-input s.txt -size 200 200 -output o.tga -depth 14.5 19.5 d.tga",
-        Options { depth: depth(14.5, 19.5), ..sized() },
+        Options { outputs: vec![colors("o.tga"), depth(14.5, 19.5)], ..sized() },
     );
     accepts(
         "-input s.txt -size 200 200 -output o.tga -depth 9 11 d.tga -normals n.tga -shade_back",
         Options {
-            depth: depth(9.0, 11.0),
-            normals: path("n.tga"),
+            outputs: vec![colors("o.tga"), depth(9.0, 11.0), output("n.tga", Layer::Normals)],
             effects: Effects { shade_back: true, ..none() },
             ..sized()
         },
@@ -445,8 +454,9 @@ mod not_utf8 {
     fn names_need_not_be_text() {
         let name = b"\xff\xfe.tga";
         let parsed = parse_bytes(&[b"raytracer", b"-input", b"s.txt", b"-output", name]);
-        let output = Some(PathBuf::from(OsString::from_vec(name.to_vec())));
-        assert_eq!(parsed, Ok(Command::Render(Box::new(Options { output, ..plain() }))));
+        let file = PathBuf::from(OsString::from_vec(name.to_vec()));
+        let outputs = vec![Output { layer: Layer::Color, file }];
+        assert_eq!(parsed, Ok(Command::Render(Box::new(Options { outputs, ..plain() }))));
     }
 
     #[test]

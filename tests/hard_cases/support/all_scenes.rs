@@ -2,17 +2,14 @@
 
 use super::meshes::{bunny, world_of};
 use glam::{DAffine3, DVec3};
-use raytracer::camera::Camera as Viewer;
 use raytracer::grid::Caster;
-use raytracer::render::{Request, View};
-use raytracer::sampling::filter::Filter;
-use raytracer::sampling::sampler::Sampler;
+use raytracer::mode::Mode;
+use raytracer::render::{Layer, Request};
 use raytracer::scene::material::Material;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
 use raytracer::scene::{Camera, Light, Object, Position, Scene};
 use raytracer::scene_io::load;
-use raytracer::stats::{Probe, Quiet};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::{Path, PathBuf};
@@ -98,30 +95,18 @@ fn in_folder(folder: &Path) -> Vec<Named> {
 /// Shadows are opaque: what transparent ones filter depends on how far light goes through glass in
 /// units of length, so that a larger scene is darker, as it should be.
 pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
-    render_with::<Quiet>(named, world, cells, power)
+    let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
+    render_with(named, &caster, power)
 }
 
-/// The same with a probe. One that counts has every camera ray cast, where otherwise triangles may be
-/// projected instead.
-pub fn render_with<P: Probe>(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
-    let size = named.size;
-    let camera = Viewer::new(&named.scene.camera, size);
-    let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
+/// The same with a caster in any mode. In the course's mode every camera ray is cast, where otherwise triangles may be
+/// rasterized instead.
+pub fn render_with<M: Mode>(named: &Named, caster: &Caster<M>, power: i32) -> Vec<u8> {
+    let [near, far] = [2.0, 30.0].map(|t| t * 2f64.powi(power));
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.01 };
-    let request = Request {
-        size,
-        view: View::Scene(effects),
-        sampler: Sampler::CENTER,
-        filter: Filter::Box { radius: 0.5 },
-        color: true,
-        depth: Some([2.0, 30.0].map(|t| t * 2f64.powi(power))),
-        normals: true,
-        samples: None,
-    };
-    let (pictures, _) = raytracer::render::render::<P>(&camera, &caster, &request).expect("a small picture");
-    assert_eq!(pictures.nans, 0, "{}", named.name);
-    let all = [pictures.color, pictures.depth, pictures.normals];
-    all.into_iter().flatten().flat_map(|picture| picture.pixels().to_vec()).collect()
+    let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
+    super::scenes::layers(&named.scene, caster, &Request { effects, layers, ..Request::new(named.size) })
+        .concat()
 }
 
 /// The scene made larger by 2^power, which rounds nothing.

@@ -35,7 +35,7 @@ impl<'w> Brute<'w> {
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.each_hit(ray, |hit| {
-            if best.is_none_or(|best| self.world.precedes(hit, best)) {
+            if best.is_none_or(|best| self.world.precedes((hit.t, hit.primitive), (best.t, best.primitive))) {
                 best = Some(hit);
             }
         });
@@ -63,9 +63,9 @@ impl<'w> Brute<'w> {
     fn each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let shear = Shear::new(ray);
         for primitive in self.near(ray) {
-            let t = shear.intersect(self.world.corners_in_place(primitive as usize));
-            if let Some(t) = t.filter(|&t| ray.covers(t)) {
-                visit(Hit { t, primitive });
+            let crossing = shear.hit(self.world.corners_in_place(primitive as usize));
+            if let Some((t, weights)) = crossing.filter(|&(t, _)| ray.covers(t)) {
+                visit(Hit { t, primitive, weights: Some(weights) });
             }
         }
     }

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
-use raytracer::render::{Request, View, render};
-use raytracer::sampling::{filter::Filter, sampler::Sampler};
+use raytracer::mode::Mode;
+use raytracer::picture::FloatPicture;
+use raytracer::render::{Request, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
@@ -93,22 +94,27 @@ pub fn render_picture(
 ) -> Vec<u8> {
     let world = World::new(scene, meshes).expect("a sound scene");
     let caster = Caster::new(&world, cells).expect("a grid");
-    let request = Request { view: View::Scene(effects), ..color_request(size) };
-    let (pictures, _) =
-        render::<Quiet>(&Camera::new(&scene.camera, size), &caster, &request).expect("a picture");
-    pictures.color.expect("it was asked for").pixels().to_vec()
+    layers(scene, &caster, &Request { effects, ..Request::new(size) }).concat()
 }
 
-/// Asks for the colour picture, one centred sample a pixel, without shadows or secondary rays.
-pub fn color_request(size: [usize; 2]) -> Request<'static> {
-    Request {
-        size,
-        view: View::Scene(Effects::default()),
-        sampler: Sampler::CENTER,
-        filter: Filter::PIXEL,
-        color: true,
-        depth: None,
-        normals: false,
-        samples: None,
-    }
+/// The bytes of each layer of a request. None of its colours may be a NaN.
+pub fn layers<M: Mode>(scene: &Scene, caster: &Caster<M>, request: &Request) -> Vec<Vec<u8>> {
+    let (layers, nans) = layers_and_nans(&Camera::new(&scene.camera, request.size), caster, request);
+    assert_eq!(nans, 0, "colours that are not numbers");
+    layers
+}
+
+/// The bytes of each layer of a request, and how many of their colours are not numbers.
+pub fn layers_and_nans<M: Mode>(
+    camera: &Camera,
+    caster: &Caster<M>,
+    request: &Request,
+) -> (Vec<Vec<u8>>, u64) {
+    let rendered = render_in_memory::<_, Quiet>(camera, caster, View::Scene, request);
+    let (pictures, Quiet) = rendered.expect("small pictures");
+    let bytes = pictures.iter().map(FloatPicture::to_bytes);
+    bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {
+        all.push(bytes);
+        (all, nans + more)
+    })
 }

@@ -1,0 +1,142 @@
+//! A picture that is written row by row.
+//!
+//! The encoded bytes wait in a spool. When the last row is there they go to the target.
+
+use super::Format;
+use super::error::ImageError;
+use super::output::Target;
+use super::spool::Spool;
+use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, cut_to_bytes};
+use crate::scene::Color;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The length of a PNG file's chunks of compressed rows, in bytes.
+const CHUNK: usize = 1 << 16;
+
+/// A picture file whose rows are taken from the top.
+pub struct PictureWriter {
+    /// As the user named it, for messages.
+    path: PathBuf,
+    target: Target,
+    spool: Shared,
+    encoder: Encoder,
+    /// The current row's bytes.
+    bytes: Vec<u8>,
+    nans: u64,
+}
+
+enum Encoder {
+    /// The rows follow the header as they are, blue first.
+    Tga,
+    Png(Box<png::StreamWriter<'static, Shared>>),
+}
+
+/// The spool is shared, since the PNG encoder keeps what it writes to.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Spool>>);
+
+impl Shared {
+    fn spool(&self) -> MutexGuard<'_, Spool> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.spool().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.spool().flush()
+    }
+}
+
+impl PictureWriter {
+    /// `size` is the picture's width and height in pixels; an error if the format has no room for them.
+    pub(super) fn new(
+        path: PathBuf,
+        format: Format,
+        target: Target,
+        size: [usize; 2],
+    ) -> Result<Self, ImageError> {
+        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS);
+        let spool =
+            Shared(Arc::new(Mutex::new(Spool::new(target.folder(), uncompressed.saturating_add(18)))));
+        let encoder = match format {
+            Format::Tga => {
+                let [width, height] = size;
+                let header =
+                    tga_header(size).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                let written = spool.clone().write_all(&header);
+                written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
+            }
+            Format::Png => png_encoder(spool.clone(), size)
+                .map_err(|error| ImageError::io("write", &path, error.into()))
+                .map(|encoder| Encoder::Png(Box::new(encoder)))?,
+        };
+        Ok(Self { path, target, spool, encoder, bytes: Vec::new(), nans: 0 })
+    }
+
+    /// Takes the next row from the top.
+    pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
+        self.bytes.resize(colors.len() * CHANNELS, 0);
+        self.nans += match self.encoder {
+            Encoder::Tga => cut_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
+            Encoder::Png(_) => cut_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+        };
+        self.encode()
+    }
+
+    /// Takes the next row from the top as bytes: red, green, blue.
+    pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
+        self.bytes.clear();
+        self.bytes.extend_from_slice(bytes);
+        if let Encoder::Tga = self.encoder {
+            self.bytes.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
+        }
+        self.encode()
+    }
+
+    fn encode(&mut self) -> Result<(), ImageError> {
+        let written = match &mut self.encoder {
+            Encoder::Tga => self.spool.write_all(&self.bytes),
+            Encoder::Png(encoder) => encoder.write_all(&self.bytes),
+        };
+        written.map_err(|error| ImageError::io("write", &self.path, error))
+    }
+
+    /// Writes the whole picture to its target or, where that is a regular file, nothing at all. Returns how many
+    /// colours were not numbers; they are black.
+    pub fn finish(self) -> Result<u64, ImageError> {
+        let failed = |error| ImageError::io("write", &self.path, error);
+        if let Encoder::Png(encoder) = self.encoder {
+            encoder.finish().map_err(|error| failed(error.into()))?;
+        }
+        let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
+        self.target.fill(spool).map_err(failed)?;
+        Ok(self.nans)
+    }
+}
+
+/// The course's header: uncompressed true colour, 24 bits, rows from the top. None above 65535 pixels a side.
+fn tga_header([width, height]: [usize; 2]) -> Option<[u8; 18]> {
+    let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
+    let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
+    Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
+}
+
+/// Eight bits for each of three channels, compressed as quickly as the crate can.
+fn png_encoder(
+    spool: Shared,
+    size: [usize; 2],
+) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
+    let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let mut encoder = png::Encoder::new(spool, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.write_header()?.into_stream_writer_with_size(CHUNK)
+}

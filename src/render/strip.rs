@@ -1,0 +1,162 @@
+//! A strip of rows: it is traced from the bottom, in the order in which the film adds up samples, and handed out
+//! from the top, in the order in which files hold rows.
+//!
+//! Where the filter reaches beyond a pixel's row, the samples of the rows around the strip are traced for it, so
+//! that its pixels are those of the whole picture.
+
+use super::Progress;
+use super::layer::Layer;
+use super::request::Request;
+use super::row::{Colors, Row, Setting};
+use super::{TakeRow, Watch};
+use crate::mode::Mode;
+use crate::sampling::film::{Film, Spread};
+use crate::scene::Color;
+use crate::stats::Probe;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// How much memory a strip's finished rows may take, in bytes, and as much again for its rows in progress.
+const MEMORY: usize = 32 << 20;
+
+/// How many rows a thread traces before it asks for more.
+const ROWS_AT_ONCE: usize = 4;
+
+/// Counts the rows that are traced, and remembers whether the watch has ended the render.
+pub struct Tally<'a> {
+    rows: usize,
+    done: AtomicUsize,
+    is_cancelled: AtomicBool,
+    watch: Watch<'a>,
+}
+
+impl<'a> Tally<'a> {
+    pub fn new(rows: usize, watch: Watch<'a>) -> Self {
+        Self { rows, done: AtomicUsize::new(0), is_cancelled: AtomicBool::new(false), watch }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    fn row_is_done(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if (self.watch)(Progress { done, rows: self.rows }).is_break() {
+            self.is_cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Some rows of the window, counted from the bottom.
+pub struct Strip<'a, M> {
+    setting: &'a Setting<'a, M>,
+    pub rows: Range<usize>,
+}
+
+/// A strip's rows, ready to be handed out.
+pub struct Finished<P> {
+    pub probe: P,
+    /// The layers of each row of pixels, from the bottom.
+    rows: Vec<Vec<Vec<Color>>>,
+}
+
+impl<'a, M: Mode> Strip<'a, M> {
+    /// The rows from `end` down to `first` at most, as many as the memory allows and at least one.
+    pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
+        let Request { layers, .. } = setting.request;
+        let width = setting.request.columns().len();
+        let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
+        let rows = MEMORY / (colors * size_of::<Color>()).max(1);
+        // Some more where rows beside the strip are traced for it and thrown away.
+        let rows = rows.max(8 * setting.request.support()).max(rayon::current_num_threads());
+        Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+    }
+
+    /// Traces the strip; none where the watch ends it.
+    pub fn render<P: Probe>(&self, tally: &Tally) -> Option<Finished<P>> {
+        let Request { filter, size, .. } = *self.setting.request;
+        let [_, height] = size;
+        let support = self.setting.request.support();
+        let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
+        let mut film = Film::starting_at(filter, size, traced.start);
+        let mut finished = Finished { probe: P::default(), rows: vec![vec![]; self.rows.len()] };
+        for first in traced.clone().step_by(self.rows_in_flight()) {
+            let rows = first..traced.end.min(first + self.rows_in_flight());
+            for row in self.trace(rows, tally)? {
+                finished.take(row, self, &mut film);
+            }
+        }
+        Some(finished)
+    }
+
+    /// How many rows are traced before the film takes them: at least one for each thread.
+    fn rows_in_flight(&self) -> usize {
+        let Request { filter, size, .. } = *self.setting.request;
+        let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
+        (MEMORY / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
+    }
+
+    fn trace<P: Probe>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
+        let Setting { camera, caster, view, request } = *self.setting;
+        let visibility = request.visibility::<M, P>(camera, caster, view, rows.clone());
+        let trace = |j| {
+            let is_shown = self.rows.contains(&j);
+            let row = (!tally.is_cancelled()).then(|| self.setting.row(visibility.as_ref(), j, is_shown))?;
+            if is_shown {
+                tally.row_is_done();
+            }
+            Some(row)
+        };
+        // Left to itself the pool cuts the rows into a few large pieces, and waits for the last.
+        let traced: Vec<Option<Row<P>>> =
+            rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(trace).collect();
+        traced.into_iter().collect()
+    }
+}
+
+impl<P: Probe> Finished<P> {
+    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) {
+        let Setting { request, .. } = *strip.setting;
+        let place = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
+        if let Some(at) = place(row.j) {
+            self.probe = std::mem::take(&mut self.probe).merge(row.probe);
+            self.rows[at] = row.layers;
+        }
+        match row.colors {
+            Colors::Unwanted => {}
+            Colors::Finished(colors) => {
+                if let Some(at) = place(row.j) {
+                    enter_colors(&mut self.rows[at], request, colors);
+                }
+            }
+            Colors::Spread(spread) => film.add(spread, |j, colors| {
+                if let Some(at) = place(j) {
+                    let columns = request.columns();
+                    let colors = colors.skip(columns.start).take(columns.len()).collect();
+                    enter_colors(&mut self.rows[at], request, colors);
+                }
+            }),
+        }
+    }
+
+    /// Hands out the rows from the top.
+    pub fn hand_out<E>(&self, request: &Request, take_row: TakeRow<E>) -> Result<(), E> {
+        for row in self.rows.iter().rev() {
+            for (k, (layer, colors)) in request.layers.iter().zip(row).enumerate() {
+                let [width, _] = layer.size(request.window_size());
+                colors.chunks_exact(width.max(1)).rev().try_for_each(|colors| take_row(k, colors))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Enters the colours of a row in its layers of colours.
+fn enter_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) {
+    let mut wanted = request.layers.iter().zip(layers).filter(|(layer, _)| matches!(layer, Layer::Color));
+    if let Some((_, first)) = wanted.next() {
+        wanted.for_each(|(_, other)| other.clone_from(&colors));
+        *first = colors;
+    }
+}

@@ -1,0 +1,160 @@
+//! The front door: a scene is opened once, prepared once for each grid, and rendered as often as one likes.
+
+use crate::camera::Camera;
+use crate::grid::cell_lists::GridTooLarge;
+use crate::grid::options::{GridOptions, Resolution};
+use crate::grid::{Caster, Instructions};
+use crate::math::aabb::Aabb;
+use crate::mode::Mode;
+use crate::picture::{BadSize, FloatPicture};
+use crate::render::grid_view::Occupancy;
+use crate::render::{self, Request, Stopped, TakeRow, View, Watch};
+use crate::scene::Scene;
+use crate::scene::mesh::Mesh;
+use crate::scene_io::{self, LoadError, LoadedScene, Source};
+use crate::stats::{Probe, Quiet};
+use crate::world::World;
+use rayon::ThreadPool;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A scene with everything that it names, in world space.
+#[derive(Debug)]
+pub struct Renderer {
+    /// What the scene's text says.
+    pub scene: Scene,
+    /// The scene's text, to show where an error lies.
+    pub source: Source,
+    world: World,
+    /// Kept only for the view of the grid's cells.
+    meshes: Vec<Mesh>,
+    threads: Option<Arc<ThreadPool>>,
+}
+
+/// Whether the meshes are kept as they were read. Only the view of the grid's cells needs them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meshes {
+    /// They are moved into the world.
+    Moved,
+    /// They are copied, and kept beside the world.
+    Kept,
+}
+
+impl Renderer {
+    /// Reads the scene at `path` with its meshes. Work is done on rayon's current thread pool.
+    pub fn open(path: &Path) -> Result<Self, LoadError> {
+        Self::new(scene_io::load(path)?, Meshes::Moved)
+    }
+
+    /// A scene that has been read. An error where its objects do not fit into the world's numbers.
+    pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
+        let LoadedScene { scene, meshes, source } = loaded;
+        let (meshes, own) = match kept {
+            Meshes::Moved => (vec![], meshes),
+            Meshes::Kept => (meshes.clone(), meshes),
+        };
+        match World::of_meshes(&scene, own) {
+            Ok(world) => Ok(Self { scene, source, world, meshes, threads: None }),
+            Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+        }
+    }
+
+    /// The same renderer, whose work is done on these threads.
+    pub fn on_threads(self, threads: Arc<ThreadPool>) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+
+    /// The scene in world space.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The box around everything finite; none where nothing is.
+    pub fn bounds(&self) -> Option<Aabb> {
+        (!self.world.bounds.is_empty()).then_some(self.world.bounds)
+    }
+
+    /// Builds the acceleration structure for pictures of about so many camera rays.
+    pub fn prepare<M: Mode>(
+        &self,
+        grid: Option<Resolution>,
+        rays: usize,
+    ) -> Result<Prepared<'_, M>, GridTooLarge> {
+        self.on_own_threads(|| {
+            let options = GridOptions::new(grid, &self.world, rays, M::AS_COURSE);
+            let caster = Caster::with(&self.world, options, Instructions::available()[0])?.in_mode();
+            let cells = caster.cells().or(options.cells);
+            Ok(Prepared { renderer: self, caster, occupancy: None, cells })
+        })
+    }
+
+    /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The renderer
+    /// must have kept the scene's meshes.
+    pub fn prepare_cells<M: Mode>(
+        &self,
+        grid: Resolution,
+        rays: usize,
+    ) -> Result<Prepared<'_, M>, GridTooLarge> {
+        self.on_own_threads(|| {
+            let cells = GridOptions::new(Some(grid), &self.world, rays, M::AS_COURSE).cells;
+            let caster =
+                Caster::with(&self.world, GridOptions::NONE, Instructions::available()[0])?.in_mode();
+            let occupancy =
+                cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
+            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells })
+        })
+    }
+
+    fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.threads {
+            Some(threads) => threads.install(work),
+            None => work(),
+        }
+    }
+}
+
+/// A scene that is ready to be rendered.
+#[derive(Debug)]
+pub struct Prepared<'r, M> {
+    renderer: &'r Renderer,
+    caster: Caster<'r, M>,
+    /// What is drawn in place of the scene.
+    occupancy: Option<Occupancy>,
+    cells: Option<[usize; 3]>,
+}
+
+impl<M: Mode> Prepared<'_, M> {
+    /// The cells of the grid along each axis.
+    pub fn cells(&self) -> Option<[usize; 3]> {
+        self.cells
+    }
+
+    /// Renders the layers of a request into memory, in the order in which it names them. A picture without pixels, or
+    /// with more than there is memory for, is an error.
+    pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
+        let render = || {
+            render::render_in_memory::<_, Quiet>(&self.camera(request), &self.caster, self.view(), request)
+        };
+        self.renderer.on_own_threads(render).map(|(pictures, Quiet)| pictures)
+    }
+
+    /// Renders a request row by row, as [`render::render`] does, and returns what the probe has seen.
+    pub fn render_rows<P: Probe, E: Send>(
+        &self,
+        request: &Request,
+        watch: Watch,
+        take_row: TakeRow<E>,
+    ) -> Result<P, Stopped<E>> {
+        let camera = self.camera(request);
+        self.renderer
+            .on_own_threads(|| render::render(&camera, &self.caster, self.view(), request, watch, take_row))
+    }
+
+    fn camera(&self, request: &Request) -> Camera {
+        Camera::new(request.camera.as_ref().unwrap_or(&self.renderer.scene.camera), request.size)
+    }
+
+    fn view(&self) -> View<'_> {
+        self.occupancy.as_ref().map_or(View::Scene, View::Cells)
+    }
+}
