@@ -1,41 +1,43 @@
-//! Four floats in one AVX register.
+//! The AVX implementation of [`F64x4`]: four floats in one register. For rays it is the fast counterpart of
+//! [`Scalar`](super::f64x4::Scalar) and gives the same bits.
 
 use super::f64x4::F64x4;
 use super::instructions::Avx2;
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// One AVX register, and the proof that there is such a thing. In a function that is not itself compiled
-/// for AVX it works as well, but slowly.
+/// Four floats in an AVX register, together with the proof that the processor has AVX. The operations are
+/// fast only in functions that are themselves compiled for AVX; elsewhere each one becomes a function call.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx {
     lanes: __m256d,
     proof: Avx2,
 }
 
-/// Runs intrinsics of AVX, none of which may take a pointer, by an [`Avx2`].
+/// Evaluates an expression of AVX intrinsics, none of which may take a pointer, on the strength of an
+/// [`Avx2`].
 macro_rules! avx {
     ($proof:expr, $intrinsics:expr) => {{
         let _: Avx2 = $proof;
-        // SAFETY: there is an `Avx2` only where the processor has AVX2, of which AVX is a part, and
-        // intrinsics without pointers ask for nothing else.
+        // SAFETY: a value of type `Avx2` exists only when the processor has AVX2, which includes AVX, and
+        // intrinsics without pointers have no further requirements.
         unsafe { $intrinsics }
     }};
 }
 
 impl Avx {
-    /// Other numbers by this one's proof.
+    /// Wraps other lanes with the proof of this value.
     #[inline(always)]
     fn with(self, lanes: __m256d) -> Self {
         Self { lanes, ..self }
     }
 
-    /// x, y and z, each in front of a register.
+    /// The x, y and z lanes, each in the lowest lane of a register of its own.
     #[inline(always)]
     fn axes(self) -> [__m128d; 3] {
         avx!(self.proof, {
-            let low = _mm256_castpd256_pd128(self.lanes);
-            [low, _mm_unpackhi_pd(low, low), _mm256_extractf128_pd::<1>(self.lanes)]
+            let xy = _mm256_castpd256_pd128(self.lanes);
+            [xy, _mm_unpackhi_pd(xy, xy), _mm256_extractf128_pd::<1>(self.lanes)]
         })
     }
 }
@@ -87,18 +89,19 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
-    fn where_negative(self, one: f64) -> Self {
-        // The selection looks at the sign alone.
-        let one = self.broadcast(one).lanes;
-        self.with(avx!(self.proof, _mm256_blendv_pd(_mm256_setzero_pd(), one, self.lanes)))
+    fn where_negative(self, value: f64) -> Self {
+        // The blend reads only the sign bits.
+        let value = self.broadcast(value).lanes;
+        self.with(avx!(self.proof, _mm256_blendv_pd(_mm256_setzero_pd(), value, self.lanes)))
     }
 
     #[inline(always)]
-    fn unless_infinite(self, other: Self, instead: f64) -> Self {
-        let (size, infinity, instead) = (other.abs(), self.broadcast(f64::INFINITY), self.broadcast(instead));
+    fn unless_infinite(self, other: Self, replacement: f64) -> Self {
+        let (infinity, replacement) = (self.broadcast(f64::INFINITY), self.broadcast(replacement));
+        let abs = other.abs();
         self.with(avx!(self.proof, {
-            let infinite = _mm256_cmp_pd::<_CMP_EQ_OQ>(size.lanes, infinity.lanes);
-            _mm256_blendv_pd(self.lanes, instead.lanes, infinite)
+            let infinite = _mm256_cmp_pd::<_CMP_EQ_OQ>(abs.lanes, infinity.lanes);
+            _mm256_blendv_pd(self.lanes, replacement.lanes, infinite)
         }))
     }
 
@@ -122,8 +125,8 @@ impl F64x4 for Avx {
         bytemuck::cast(avx!(self.proof, _mm256_cvtpd_ps(self.lanes)))
     }
 
-    // By name: two such selections side by side the compiler would do as one, in four times as
-    // many steps, for which the whole ray waits.
+    // The scalar instructions are named explicitly, since the compiler would merge adjacent generic minima
+    // and maxima into one vector sequence four times as long, which is on the critical path of every ray.
     #[inline(always)]
     fn min3(self) -> f64 {
         let [x, y, z] = self.axes();

@@ -1,12 +1,13 @@
-//! Sums of two floats, about 106 bits, for the few places that f64 is too short for (Dekker, "A
-//! Floating-Point Technique for Extending the Available Precision", Numer. Math. 18, 1971).
+//! Double-double arithmetic: a number is the unevaluated sum of two floats, about 106 bits, for the few
+//! computations that f64 is not precise enough for (Dekker, "A Floating-Point Technique for Extending the
+//! Available Precision", Numer. Math. 18, 1971).
 //!
-//! Every operation is off by less than 2^-100 of its result.
+//! The relative error of every operation is below 2^-100.
 
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
-/// The unevaluated sum of a float and its rounding error.
+/// A double-double number: the unevaluated sum of a float and a correction of at most half an ulp.
 #[derive(Clone, Copy, Debug)]
 pub struct Dd {
     high: f64,
@@ -17,16 +18,16 @@ impl Dd {
     /// The exact difference of two floats.
     pub fn difference(a: f64, b: f64) -> Self {
         let high = a - b;
-        let part = high - a;
-        Self { high, low: (a - (high - part)) - (b + part) }
+        let minus_b = high - a;
+        Self { high, low: (a - (high - minus_b)) - (b + minus_b) }
     }
 
-    /// The two floats, the smaller first.
+    /// The two floats, the low part first.
     pub fn parts(self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// The nearest float.
+    /// The number rounded to the nearest float.
     pub fn value(self) -> f64 {
         self.high + self.low
     }
@@ -63,23 +64,23 @@ impl Mul for Dd {
     }
 }
 
-/// The same sum with everything in `high` that fits there.
+/// The same sum with `high` rounded to the nearest float (Dekker's fast two-sum).
 fn renormalized(high: f64, low: f64) -> Dd {
     let sum = high + low;
     Dd { high: sum, low: low - (sum - high) }
 }
 
-/// The exact difference of two points.
+/// The exact difference of two points, by coordinate.
 pub fn difference(a: DVec3, b: DVec3) -> [Dd; 3] {
     [Dd::difference(a.x, b.x), Dd::difference(a.y, b.y), Dd::difference(a.z, b.z)]
 }
 
-/// The dot product.
+/// The dot product of two vectors.
 pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The cross product, for oracles.
+/// The cross product of two vectors, for reference values in tests.
 #[cfg(test)]
 pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -99,27 +100,27 @@ mod tests {
         exact(x.high) + exact(x.low)
     }
 
-    /// Evenly spread in [-0.5, 0.5), with digits down to the last.
-    fn spread(i: u32, step: f64) -> f64 {
+    /// Evenly distributed in [-0.5, 0.5), with all bits of the significand in use.
+    fn sample(i: u32, step: f64) -> f64 {
         (i as f64 * step).fract() - 0.5
     }
 
-    /// Sums of all signs and of magnitudes from 2^-20 to 2^20, whose parts fill their digits.
+    /// Numbers of both signs and of magnitudes from 2^-20 to 2^20, with all bits of both parts in use.
     fn sums() -> impl Iterator<Item = Dd> {
         (1..400).map(|i| {
-            let high = spread(i, 2f64.sqrt()) * 2f64.powi((i % 41) as i32 - 20);
-            renormalized(high, spread(i, 3f64.sqrt()) * 2f64.powi(-52) * high)
+            let high = sample(i, 2f64.sqrt()) * 2f64.powi((i % 41) as i32 - 20);
+            renormalized(high, sample(i, 3f64.sqrt()) * 2f64.powi(-52) * high)
         })
     }
 
     fn assert_accurate(found: Dd, true_value: BigRational, operation: &str) {
         let error = (exact_sum(found) - &true_value).abs();
-        assert!(error <= true_value.abs() * exact(2f64.powi(-100)), "{operation} off: {found:?}");
-        assert_eq!(found.high, found.high + found.low, "{operation} leaves a part that fits into the first");
+        assert!(error <= true_value.abs() * exact(2f64.powi(-100)), "inaccurate {operation}: {found:?}");
+        assert_eq!(found.high, found.high + found.low, "the {operation} is not renormalized");
     }
 
     #[test]
-    fn operations_are_off_by_less_than_two_to_the_minus_100() {
+    fn the_relative_error_of_operations_is_below_two_to_the_minus_100() {
         for (x, y) in sums().zip(sums().skip(7)) {
             let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
             assert_accurate(x + y, &exact_x + &exact_y, "sum");
@@ -129,29 +130,29 @@ mod tests {
     }
 
     #[test]
-    fn sums_that_cancel_keep_their_digits() {
+    fn cancellation_loses_no_digits() {
         for (x, y) in sums().zip(sums().skip(7)) {
             let near = Dd { high: x.high, low: 0.3 * x.low };
             assert_accurate(x - near, exact_sum(x) - exact_sum(near), "difference of neighbours");
-            assert_accurate(x + y - x, exact_sum(x + y) - exact_sum(x), "rest");
+            assert_accurate(x + y - x, exact_sum(x + y) - exact_sum(x), "sum that cancels");
         }
     }
 
     #[test]
-    fn the_difference_of_floats_is_exact_whichever_is_larger() {
+    fn the_difference_of_two_floats_is_exact_whichever_is_larger() {
         for i in 1..400 {
-            let (a, b) = (spread(i, 2f64.sqrt()), spread(i, 3f64.sqrt()) * 2f64.powi((i % 81) as i32 - 40));
+            let (a, b) = (sample(i, 2f64.sqrt()), sample(i, 3f64.sqrt()) * 2f64.powi((i % 81) as i32 - 40));
             let found = Dd::difference(a, b);
             assert_eq!(exact_sum(found), exact(a) - exact(b));
             assert_eq!(found.parts(), [found.low, found.high]);
             assert_eq!(found.value(), a - b);
         }
-        // Half way between two floats below 1 and above it, the float is the even one.
+        // A tie between two floats rounds to the even one.
         assert_eq!(Dd::difference(1.0, -2f64.powi(-53)).value(), 1.0);
     }
 
     #[test]
-    fn products_of_vectors() {
+    fn dot_products_and_differences_of_vectors() {
         let vector = |x: f64, y: f64, z: f64| [x, y, z].map(Dd::from);
         let (a, b) = (vector(2.0, 3.0, 7.0), vector(11.0, 17.0, 29.0));
         assert_eq!(dot(a, b).value(), 276.0);
@@ -160,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_float_loses_is_kept() {
+    fn bits_that_a_single_float_would_lose_are_kept() {
         let tiny = 2f64.powi(-90);
         assert_eq!((Dd::difference(1.0, tiny) - Dd::from(1.0)).value(), -tiny);
         let x = Dd::difference(1.0, -2f64.powi(-50));

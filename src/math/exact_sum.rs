@@ -1,30 +1,30 @@
-//! Sums of products of floats without rounding, overflow or underflow: in fixed point, with a place for every
-//! bit that a product of three floats can have (Kulisch, "Computer Arithmetic and Validity", 2nd edition, de
-//! Gruyter, 2013).
+//! Sums of products of floats without rounding, overflow or underflow: a fixed-point accumulator that is wide
+//! enough for every bit of a product of three floats (Kulisch, "Computer Arithmetic and Validity", 2nd
+//! edition, de Gruyter, 2013).
 //!
-//! Every finite float is a whole number below 2^53 times 2^(e - 1074), with e from 0 to 2045. So a product of
-//! three is a whole number below 2^159 times 2^(e - 3222), with e from 0 to 6135: 6294 bits hold it, and 6400
-//! bits the sum of more products than a program can add.
+//! Every finite float is an integer below 2^53 times 2^(e - 1074), with e from 0 to 2045. Hence a product of
+//! three floats is an integer below 2^159 times 2^(e - 3222), with e from 0 to 6135. It fits into 6294 bits,
+//! and 6400 bits hold the sum of more products than a program can add.
 
 use super::scaled::Scaled;
 use glam::DVec3;
 
-/// An exact sum, as digits to the base 2^64, the least significant first. Carries are left in the digits
-/// until the sum is asked for.
+/// An exact sum as digits in base 2^64, the least significant first. A digit may temporarily be negative or
+/// exceed 64 bits: carries are propagated only when the value is read.
 #[derive(Debug)]
 pub struct ExactSum {
     digits: [i128; DIGITS],
-    /// All digits before the first of these, and from the second on, are zero.
+    /// The first digit in use and the end of the digits in use; all others are zero.
     used: [usize; 2],
 }
 
-/// One more than the bits need, below all others, so that every digit has one below it.
+/// One digit more than the bits need, below all others, so that every digit in use has a lower neighbour.
 const DIGITS: usize = 1 + 6400 / 64;
 
-/// The exponent of the last digit's last bit.
+/// The exponent of the least significant bit of the lowest digit.
 const LOWEST_EXPONENT: i32 = -3 * 1074 - 64;
 
-/// A finite float taken apart: `significand * 2^(exponent - 1074)`, apart from the sign.
+/// The decomposition of a finite float: its absolute value is `significand * 2^(exponent - 1074)`.
 struct Parts {
     is_negative: bool,
     significand: u64,
@@ -65,7 +65,7 @@ impl ExactSum {
         self.used = [self.used[0].min(first), self.used[1].max(first + 4)];
     }
 
-    /// Adds the determinant of the matrix with these finite rows, or columns.
+    /// Adds the determinant of the 3x3 matrix with these rows (or columns), which must be finite.
     pub fn add_determinant(&mut self, [p, q, r]: [DVec3; 3]) {
         for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
             self.add_product([p[i], q[j], r[k]]);
@@ -73,15 +73,15 @@ impl ExactSum {
         }
     }
 
-    /// The sum, rounded to the nearest float of unbounded exponent. Its sign is exact, and it is zero only
-    /// if the sum is.
+    /// The sum, rounded to the nearest float of unbounded exponent. Its sign is exact, and it is zero only if
+    /// the sum is zero.
     pub fn value(mut self) -> Scaled {
         let is_negative = self.carry() < 0;
         if is_negative {
             self.digits_in_use().iter_mut().for_each(|digit| *digit = -*digit);
             self.carry();
         }
-        let Scaled { significand, exponent } = self.value_without_carries();
+        let Scaled { significand, exponent } = self.normalized_value();
         Scaled { significand: if is_negative { -significand } else { significand }, exponent }
     }
 
@@ -90,36 +90,38 @@ impl ExactSum {
         self.digits.get_mut(first..end).unwrap_or_default()
     }
 
-    /// Leaves digits from 0 to 2^64 - 1, and returns what is carried out of them: 0, or -1 for a negative sum,
-    /// to which the digits then are the two's complement.
+    /// Propagates carries, so that every digit is from 0 to 2^64 - 1, and returns the carry out of the
+    /// highest digit: 0, or -1 for a negative sum, whose two's complement the digits then are.
     fn carry(&mut self) -> i128 {
-        self.digits_in_use().iter_mut().fold(0, |carried, digit| {
-            let sum = *digit + carried;
+        self.digits_in_use().iter_mut().fold(0, |carry, digit| {
+            let sum = *digit + carry;
             *digit = sum & i128::from(u64::MAX);
             sum >> 64
         })
     }
 
-    /// The value of digits from 0 to 2^64 - 1.
-    fn value_without_carries(&self) -> Scaled {
+    /// The value after carries have been propagated, for a sum that is not negative.
+    fn normalized_value(&self) -> Scaled {
         let [first, end] = self.used;
         let Some(highest) = (first..end).rev().find(|&i| self.digits[i] != 0) else { return Scaled::ZERO };
         let two_digits = (self.digits[highest] as u128) << 64 | self.digits[highest - 1] as u128;
-        // These are 65 bits or more, so that all bits below them only tell whether the sum lies above a tie.
-        let has_more = self.digits[..highest - 1].iter().skip(first).any(|&digit| digit != 0);
-        let (significand, exponent) = libm::frexp((two_digits | u128::from(has_more)) as f64);
+        // These two digits have at least 65 significant bits, so all lower bits matter only as a sticky bit:
+        // they decide whether the sum lies above a tie.
+        let sticky = self.digits[..highest - 1].iter().skip(first).any(|&digit| digit != 0);
+        let (significand, exponent) = libm::frexp((two_digits | u128::from(sticky)) as f64);
         Scaled { significand, exponent: exponent + LOWEST_EXPONENT + 64 * (highest as i32 - 1) }
     }
 }
 
-/// The digits of a product of less than 256 bits, the least significant first.
+/// The product of two 128-bit integers as digits in base 2^64, the least significant first. The product must
+/// be less than 2^256.
 fn product(a: u128, b: u128) -> [u64; 4] {
     let halves = |x: u128| [x as u64, (x >> 64) as u64].map(u128::from);
     let ([a_low, a_high], [b_low, b_high]) = (halves(a), halves(b));
-    let [first, carried] = halves(a_low * b_low);
-    let ([cross, cross_high], [other, other_high]) = (halves(a_low * b_high), halves(a_high * b_low));
-    let [second, carried] = halves(carried + cross + other);
-    let [third, fourth] = halves(a_high * b_high + carried + cross_high + other_high);
+    let [first, carry] = halves(a_low * b_low);
+    let ([lh_low, lh_high], [hl_low, hl_high]) = (halves(a_low * b_high), halves(a_high * b_low));
+    let [second, carry] = halves(carry + lh_low + hl_low);
+    let [third, fourth] = halves(a_high * b_high + carry + lh_high + hl_high);
     [first, second, third, fourth].map(|digit| digit as u64)
 }
 
@@ -134,18 +136,18 @@ mod tests {
     }
 
     #[test]
-    fn a_product_keeps_its_value_and_sign() {
+    fn a_product_has_its_value_and_sign() {
         assert_eq!(sum(&[[3.0, -0.5, 7.0]]), Scaled { significand: -10.5 / 16.0, exponent: 4 });
         assert_eq!(sum(&[]), Scaled::ZERO);
         assert_eq!(sum(&[[0.0, 1.0, 1.0], [-0.0, 5.0, 2.0]]), Scaled::ZERO);
     }
 
     #[test]
-    fn the_smallest_and_the_largest_products_are_in_reach() {
-        let (min3, most) = (f64::from_bits(1), f64::MAX);
-        assert_eq!(sum(&[[min3; 3]]), Scaled { significand: 0.5, exponent: -3221 });
-        assert_eq!(sum(&[[-most; 3]]), Scaled { significand: -1.0 + 3.0 * 0.5f64.powi(53), exponent: 3072 });
-        let all = [[most; 3], [min3; 3], [-most, most, most], [min3, -min3, min3], [min3; 3]];
+    fn the_smallest_and_the_largest_products_are_representable() {
+        let (tiny, huge) = (f64::from_bits(1), f64::MAX);
+        assert_eq!(sum(&[[tiny; 3]]), Scaled { significand: 0.5, exponent: -3221 });
+        assert_eq!(sum(&[[-huge; 3]]), Scaled { significand: -1.0 + 3.0 * 2f64.powi(-53), exponent: 3072 });
+        let all = [[huge; 3], [tiny; 3], [-huge, huge, huge], [tiny, -tiny, tiny], [tiny; 3]];
         assert_eq!(sum(&all), Scaled { significand: 0.5, exponent: -3221 });
     }
 
@@ -156,8 +158,8 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_far_below_a_tie_decides_it() {
-        let (half_an_ulp, tiny) = (0.5f64.powi(53), 0.5f64.powi(1000));
+    fn a_bit_far_below_breaks_a_tie() {
+        let (half_an_ulp, tiny) = (2f64.powi(-53), 2f64.powi(-1000));
         let tie = [[1.0; 3], [half_an_ulp, 1.0, 1.0]];
         assert_eq!(sum(&tie).significand, 0.5);
         assert_eq!(sum(&[tie[0], tie[1], [tiny; 3]]).significand, 0.5 + half_an_ulp);

@@ -1,78 +1,85 @@
-//! Four floats side by side, so that whole registers do the work: one ray's three axes and a spare
-//! place, or one axis of four rays.
+//! Four f64 lanes in one SIMD value. They hold the three axes of one ray and an unused fourth lane, or one
+//! axis of four rays.
 //!
-//! What stands in the spare place never reaches a result; it may be anything.
+//! The unused lane never influences a result and may hold any value.
 
+use super::extremes;
 use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Arithmetic place by place. Every implementation gives the same bits.
+/// Lane-wise arithmetic. Every implementation gives the same bits.
 pub trait F64x4:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// The proof that the processor has the instructions that the arithmetic takes.
+    /// Proves that the processor has the instructions that the implementation uses.
     type Proof: Copy;
-    /// The proof without which this value would not be.
+    /// The proof that this value was made with.
     fn proof(self) -> Self::Proof;
+    /// A value with these lanes.
     fn new(proof: Self::Proof, lanes: [f64; 4]) -> Self;
+    /// `x` in all lanes.
     fn splat(proof: Self::Proof, x: f64) -> Self;
-    /// Any other number in all places.
+    /// `x` in all lanes, with the proof of this value.
     #[inline(always)]
     fn broadcast(self, x: f64) -> Self {
         Self::splat(self.proof(), x)
     }
+    /// The lanes as an array.
     fn to_array(self) -> [f64; 4];
-    /// One over each.
+    /// The reciprocals.
     #[inline(always)]
     fn recip(self) -> Self {
         self.broadcast(1.0) / self
     }
+    /// The absolute values.
     fn abs(self) -> Self;
-    /// The lesser; the other's where this one is NaN.
+    /// The minima; the lane of `other` where either one is NaN.
     fn min(self, other: Self) -> Self;
-    /// The greater; the other's where this one is NaN.
+    /// The maxima; the lane of `other` where either one is NaN.
     fn max(self, other: Self) -> Self;
-    /// 1 where this is positive, 0 elsewhere.
+    /// 1 where this is greater than 0, and 0 elsewhere.
     fn one_where_positive(self) -> Self;
-    /// `one` where this has a sign, 0 elsewhere.
-    fn where_negative(self, one: f64) -> Self;
-    /// This where `other` is finite or NaN, `instead` where it is infinite.
-    fn unless_infinite(self, other: Self, instead: f64) -> Self;
-    /// The places where this is at most `other`, bit 0 for the first; none where one is NaN.
+    /// `value` where the sign bit is set (so also for -0), and 0 elsewhere.
+    fn where_negative(self, value: f64) -> Self;
+    /// This value where `other` is finite or NaN, and `replacement` where it is infinite.
+    fn unless_infinite(self, other: Self, replacement: f64) -> Self;
+    /// The set of lanes where this is at most `other`, bit 0 for the first lane. A lane with a NaN is not in
+    /// it.
     fn le_mask(self, other: Self) -> u32;
-    /// Which of the three axes have a sign, bit 0 for x.
+    /// The set of axes (the first three lanes) whose sign bit is set, bit 0 for x.
     fn sign_mask(self) -> usize;
-    /// The nearest whole numbers, of numbers that are below 2^31.
+    /// The nearest integers, for absolute values below 2^31.
     fn to_i32(self) -> [i32; 4];
-    /// To the nearest whole numbers, of numbers from 0 to 2^51.
+    /// Rounds to the nearest integers, for values from 0 to 2^51.
     #[inline(always)]
     fn round(self) -> Self {
         (self + self.broadcast(ROUND_TO_INTEGER)) - self.broadcast(ROUND_TO_INTEGER)
     }
-    /// To single precision.
+    /// Rounds to single precision.
     fn to_f32(self) -> [f32; 4];
-    /// The least of the three axes; the later one's where an axis is NaN.
+    /// The minimum of the three axes; when two are compared and one is NaN, the later axis counts.
     fn min3(self) -> f64;
-    /// The greatest of the three axes; the later one's where an axis is NaN.
+    /// The maximum of the three axes; when two are compared and one is NaN, the later axis counts.
     fn max3(self) -> f64;
 }
 
-/// Added to a number below 2^51 it leaves no bits for a fraction, and the nearest whole number in
-/// the lowest ones: 1.5 * 2^52. Faster than a conversion that must also say what becomes of others.
+/// 1.5 * 2^52. A number below 2^51 plus this constant is so large that its last bit stands for 1: the sum is
+/// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
+/// also handle NaN and numbers out of range.
 pub const ROUND_TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
-/// Runs on every machine.
+/// Four lanes in an array, for processors without AVX.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scalar([f64; 4]);
 
 impl Scalar {
-    /// Place by place.
+    /// Applies `f` to each lane.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(f))
     }
 
-    /// Place by place with another.
+    /// Applies `f` to each pair of lanes.
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
@@ -109,12 +116,12 @@ impl F64x4 for Scalar {
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+        self.zip(other, extremes::min)
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+        self.zip(other, extremes::max)
     }
 
     #[inline(always)]
@@ -123,13 +130,13 @@ impl F64x4 for Scalar {
     }
 
     #[inline(always)]
-    fn where_negative(self, one: f64) -> Self {
-        self.map(|x| if x.is_sign_negative() { one } else { 0.0 })
+    fn where_negative(self, value: f64) -> Self {
+        self.map(|x| if x.is_sign_negative() { value } else { 0.0 })
     }
 
     #[inline(always)]
-    fn unless_infinite(self, other: Self, instead: f64) -> Self {
-        self.zip(other, |x, y| if y.abs() == f64::INFINITY { instead } else { x })
+    fn unless_infinite(self, other: Self, replacement: f64) -> Self {
+        self.zip(other, |x, y| if y.abs() == f64::INFINITY { replacement } else { x })
     }
 
     #[inline(always)]
@@ -155,14 +162,14 @@ impl F64x4 for Scalar {
 
     #[inline(always)]
     fn min3(self) -> f64 {
-        let min3 = |a: f64, b: f64| if a < b { a } else { b };
-        min3(min3(self.0[0], self.0[1]), self.0[2])
+        let [x, y, z, _] = self.0;
+        extremes::min3([x, y, z])
     }
 
     #[inline(always)]
     fn max3(self) -> f64 {
-        let max3 = |a: f64, b: f64| if a > b { a } else { b };
-        max3(max3(self.0[0], self.0[1]), self.0[2])
+        let [x, y, z, _] = self.0;
+        extremes::max3([x, y, z])
     }
 }
 
@@ -202,41 +209,40 @@ impl Div for Scalar {
 mod tests {
     use super::*;
 
-    const BIG: f64 = 1e300;
+    const HUGE: f64 = 1e300;
 
-    /// Whether two numbers, of which one may be a NaN, are the same.
-    fn same(a: f64, b: f64) -> bool {
+    /// Whether two floats have the same value and sign, or are both NaN.
+    fn is_identical(a: f64, b: f64) -> bool {
         a == b && a.is_sign_negative() == b.is_sign_negative() || a.is_nan() && b.is_nan()
     }
 
-    /// What an implementation makes of numbers of all kinds is what scalar arithmetic makes of each.
+    /// Checks every operation against scalar arithmetic, for zeros, ordinary and huge numbers, infinities and
+    /// NaN.
     fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
-        let numbers = [0.0, -0.0, 1.5, -2.75, 7.0, BIG, -BIG, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let numbers = [0.0, -0.0, 1.5, -2.75, 7.0, HUGE, -HUGE, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
         let four = |i: usize| [0, 1, 3, 4].map(|k| numbers[(i + k) % numbers.len()]);
         for (a, b) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (four(i), four(j)))) {
             let (x, y) = (F::new(proof, a), F::new(proof, b));
             let check = |name: &str, found: F, expected: fn(f64, f64) -> f64| {
                 for (k, found) in found.to_array().into_iter().enumerate() {
                     let expected = expected(a[k], b[k]);
-                    assert!(same(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
+                    assert!(is_identical(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
                 }
             };
             check("sum", x + y, |a, b| a + b);
             check("difference", x - y, |a, b| a - b);
             check("product", x * y, |a, b| a * b);
             check("quotient", x / y, |a, b| a / b);
-            check("inverse", x.recip(), |a, _| 1.0 / a);
-            check("size", x.abs(), |a, _| a.abs());
-            check("lesser", x.min(y), |a, b| if a < b { a } else { b });
-            check("greater", x.max(y), |a, b| if a > b { a } else { b });
+            check("reciprocal", x.recip(), |a, _| 1.0 / a);
+            check("absolute value", x.abs(), |a, _| a.abs());
+            check("minimum", x.min(y), |a, b| if a < b { a } else { b });
+            check("maximum", x.max(y), |a, b| if a > b { a } else { b });
             check("is positive", x.one_where_positive(), |a, _| f64::from(a > 0.0));
+            check("seven where negative", x.where_negative(7.0), |a, _| {
+                if a.is_sign_negative() { 7.0 } else { 0.0 }
+            });
             check(
-                "seven by sign",
-                x.where_negative(7.0),
-                |a, _| if a.is_sign_negative() { 7.0 } else { 0.0 },
-            );
-            check(
-                "three for infinite",
+                "three where infinite",
                 x.unless_infinite(y, 3.0),
                 |a, b| if b.is_infinite() { 3.0 } else { a },
             );
@@ -245,39 +251,42 @@ mod tests {
             let sign_mask = (0..3).filter(|&k| a[k].is_sign_negative()).map(|k| 1 << k).sum::<usize>();
             assert_eq!(x.sign_mask(), sign_mask, "{a:?}");
             let to_f32 = x.to_f32();
-            assert!((0..4).all(|k| same(to_f32[k].into(), (a[k] as f32).into())), "{a:?}: {to_f32:?}");
+            assert!(
+                (0..4).all(|k| is_identical(to_f32[k].into(), (a[k] as f32).into())),
+                "{a:?}: {to_f32:?}"
+            );
         }
     }
 
-    /// The least and the greatest of the axes, the nearest whole numbers, and that the spare place counts not.
+    /// Checks minima and maxima of the axes, which must not depend on the unused lane, and rounding.
     fn selects_and_rounds<F: F64x4>(proof: F::Proof) {
         for [x, y, z] in
             [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [3.0, 2.0, 1.0], [-1.0, -2.0, -0.5]]
         {
-            for spare in [-9.0, 9.0, f64::NAN] {
-                let axes = F::new(proof, [x, y, z, spare]);
+            for unused in [-9.0, 9.0, f64::NAN] {
+                let axes = F::new(proof, [x, y, z, unused]);
                 assert_eq!((axes.min3(), axes.max3()), (x.min(y).min(z), x.max(y).max(z)));
             }
         }
-        let late = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
-        assert_eq!((late.min3(), late.max3()), (2.0, 2.0));
+        let with_nan = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
+        assert_eq!((with_nan.min3(), with_nan.max3()), (2.0, 2.0));
         let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
-        let [low, up] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
-        assert_eq!(low.round().to_array(), numbers.map(f64::round));
-        assert_eq!(low.to_i32(), numbers.map(|x| x.round() as i32));
-        assert_eq!(up.to_i32(), low.to_i32().map(|n| n + 1));
-        assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), low.to_i32().map(|n| -n));
+        let [lanes, next] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
+        assert_eq!(lanes.round().to_array(), numbers.map(f64::round));
+        assert_eq!(lanes.to_i32(), numbers.map(|x| x.round() as i32));
+        assert_eq!(next.to_i32(), lanes.to_i32().map(|n| n + 1));
+        assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), lanes.to_i32().map(|n| -n));
     }
 
     #[test]
-    fn portable_arithmetic_is_that_of_single_numbers() {
+    fn portable_lanes_agree_with_scalar_arithmetic() {
         agrees_with_scalars::<Scalar>(Portable);
         selects_and_rounds::<Scalar>(Portable);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[test]
-    fn the_arithmetic_of_wide_registers_is_that_of_single_numbers() {
+    fn avx_lanes_agree_with_scalar_arithmetic() {
         use crate::math::{avx::Avx, instructions::Avx2};
         if let Some(proof) = Avx2::detect() {
             agrees_with_scalars::<Avx>(proof);

@@ -1,12 +1,12 @@
-//! Instructions that not every processor has, and proofs that this one has them.
+//! Which instructions the inner loops may use. Zero-sized values prove that the processor has them, so that
+//! safe code cannot reach an instruction that would fault.
 
-/// Proof of nothing: instructions that every processor has that the program is compiled for.
+/// The empty proof: only instructions of the target that the program is compiled for are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Portable;
 
-/// Proof that this processor has AVX2, FMA and the bit manipulation that comes with them. Only
-/// [`Avx2::detect`] makes one, and only where that is so; so safe code cannot run these instructions
-/// elsewhere:
+/// Proof that this processor has AVX2, FMA and the bit-manipulation instructions that come with them. Only
+/// [`Avx2::detect`] makes such a value, so that safe code cannot run these instructions on another processor:
 ///
 /// ```compile_fail
 /// let claimed = raytracer::math::instructions::Avx2(());
@@ -17,8 +17,9 @@ pub struct Avx2(());
 
 #[cfg(target_arch = "x86_64")]
 impl Avx2 {
-    /// Asks the processor, and the system whether it keeps the registers. Whatever is compiled with
-    /// `#[target_feature]` and called on the strength of this type enables no more than these features.
+    /// Detects the features at run time, including whether the operating system saves the registers. A
+    /// function with `#[target_feature]` that is called on the strength of this proof must enable no further
+    /// features.
     pub fn detect() -> Option<Self> {
         use std::arch::is_x86_feature_detected as has;
         let vectors = has!("avx2") && has!("fma");
@@ -27,18 +28,18 @@ impl Avx2 {
     }
 }
 
-/// The instructions that the inner loop is compiled for. Every hit is the same with each.
+/// The instruction set that the inner loops are compiled for. Hits do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
-    /// Those that every processor has.
+    /// Only what the compilation target guarantees.
     Portable,
-    /// Eight numbers of single precision at once, or four of double.
+    /// Eight lanes in single precision, or four in double precision.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
 }
 
 impl Instructions {
-    /// What this machine can run, the fastest first.
+    /// The instruction sets that this machine can run, the fastest first.
     pub fn available() -> Vec<Self> {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = Avx2::detect() {

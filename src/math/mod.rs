@@ -1,4 +1,5 @@
-//! What everything stands on: boxes, rays and the robust arithmetic around them.
+//! Boxes, rays, arithmetic with bounded or no rounding error, and SIMD lanes. All other modules build on
+//! these.
 
 pub mod aabb;
 pub mod double_double;

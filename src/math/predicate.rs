@@ -1,31 +1,34 @@
-//! The determinants that decide whether and where a ray meets a triangle, from the coordinates as they are and
-//! without any rounding before the last: right for all finite floats.
+//! Exact geometric predicates: the determinants that decide whether and where a ray meets a triangle,
+//! computed from the given coordinates and rounded only once, at the end. They are correct for all finite
+//! floats. The triangle test calls them when its own error bound does not decide.
 //!
-//! No difference of points is taken, which would have to be rounded and might overflow. Instead products are
-//! multiplied out: (p - o) x (q - o) = p x q + q x o + o x p.
+//! Differences of points are avoided, since they would be rounded and might overflow. Products are expanded
+//! instead: (p - o) x (q - o) = p x q + q x o + o x p.
 
 use super::exact_sum::ExactSum;
 use super::scaled::Scaled;
 use glam::DVec3;
 
-/// The edges of a triangle, in turn.
+/// The edges of a triangle, each opposite to the vertex of the same index.
 fn edges<T: Copy>([a, b, c]: [T; 3]) -> [[T; 2]; 3] {
     [[b, c], [c, a], [a, b]]
 }
 
-/// `d . ((p - o) x (q - o))` for the edges from p to q opposite to each vertex.
+/// The edge functions `d . ((p - o) x (q - o))` of a ray from `o` along `d`, where the edge from p to q is
+/// opposite to each vertex in turn.
 pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
     edges(triangle).map(|[p, q]| projected_area(d, [o, p, q]))
 }
 
-/// `d . ((b - a) x (c - a))`: twice the area of a triangle seen along `d`, in lengths of `d`.
+/// `d . ((b - a) x (c - a))`: twice the signed area of a triangle projected along `d`, times the length of
+/// `d`.
 pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let mut sum = ExactSum::default();
     edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q]));
     sum.value()
 }
 
-/// `(a - o) . ((b - a) x (c - a))`: six times the volume between a point and a triangle.
+/// `(a - o) . ((b - a) x (c - a))`: six times the signed volume of the tetrahedron of a point and a triangle.
 pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let mut sum = ExactSum::default();
     sum.add_determinant(triangle);
@@ -33,7 +36,7 @@ pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
     sum.value()
 }
 
-/// `(b - a) x (c - a)`: the normal of a triangle, as long as twice its area.
+/// `(b - a) x (c - a)`: the normal of a triangle, whose length is twice the triangle's area.
 pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
     [[1, 2], [2, 0], [0, 1]].map(|[i, j]| {
         let mut sum = ExactSum::default();
@@ -45,7 +48,7 @@ pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
     })
 }
 
-/// `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
+/// One component of a cross product, `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
 pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scaled {
     let mut sum = ExactSum::default();
     for (point, sign) in [(q, 1.0), (p, -1.0)] {
@@ -60,12 +63,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn three_vectors_in_a_plane_span_nothing_and_out_of_it_a_trifle() {
+    fn coplanar_vectors_give_zero_and_nearly_coplanar_ones_a_sign() {
         let (p, q) = (DVec3::new(0.1, 0.7, -0.3), DVec3::new(1.3, 2.0 / 3.0, 0.9));
-        // p . (beside x q) = (beside - p) . (q x p)
+        // The expected sign follows from p . (beside x q) = (beside - p) . (q x p).
         let beside = p.with_z(p.z.next_up());
         let expected = if q.x * p.y - q.y * p.x > 0.0 { 1 } else { -1 };
-        for scale in [0.5f64.powi(1000), 1.0, 2f64.powi(1000)] {
+        for scale in [2f64.powi(-1000), 1.0, 2f64.powi(1000)] {
             let [p, q, beside] = [p, q, beside].map(|v| scale * v);
             assert_eq!(projected_area(p, [DVec3::ZERO, p, q]), Scaled::ZERO);
             assert_eq!(volume(p, [DVec3::ZERO, p, q]), Scaled::ZERO);
@@ -74,8 +77,8 @@ mod tests {
     }
 
     #[test]
-    fn products_that_agree_to_a_hundred_digits_differ() {
-        let tiny = 0.5f64.powi(60);
+    fn products_that_agree_to_a_hundred_bits_are_told_apart() {
+        let tiny = 2f64.powi(-60);
         let edge = |x: f64, y: f64| [DVec3::new(tiny, tiny, 0.0), DVec3::new(x, y, 0.0)];
         assert_eq!(cross_component(DVec3::splat(0.7), edge(0.1, 0.1), [0, 1]), Scaled::ZERO);
         assert_eq!(cross_component(DVec3::new(0.3, 0.1, 0.0), edge(0.3, 0.1), [0, 1]).sign(), -1);

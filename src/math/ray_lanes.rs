@@ -1,24 +1,27 @@
-//! Rays as [`F64x4`] wants them.
+//! Rays in SIMD lanes ([`F64x4`]): one ray by its axes, or a packet of four rays.
 
 use super::f64x4::F64x4;
 use super::ray::Ray;
 
-/// One ray along all axes, or four rays along one.
+/// All axes of one ray, or one axis of four rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayLanes<F> {
+    /// Where t is 0.
     pub origin: F,
+    /// The direction, of any length.
     pub direction: F,
-    /// One over the direction.
+    /// The reciprocal of the direction.
     pub inv_direction: F,
 }
 
 impl<F: F64x4> RayLanes<F> {
+    /// Rays with this origin and direction.
     #[inline(always)]
     pub fn new(origin: F, direction: F) -> Self {
         Self { origin, direction, inv_direction: direction.recip() }
     }
 
-    /// A ray along its three axes. The spare lanes hold numbers that are in registers anyway.
+    /// The three axes of a ray. The unused lanes repeat numbers that are in registers anyway.
     #[inline(always)]
     pub fn all_axes(proof: F::Proof, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
@@ -26,15 +29,17 @@ impl<F: F64x4> RayLanes<F> {
     }
 }
 
-/// Four rays, axis by axis.
+/// Four rays in structure-of-arrays layout: each value holds one quantity of all four rays.
 #[derive(Clone, Copy, Debug)]
 pub struct RayPacket4<F> {
+    /// Origins and directions along x, y and z.
     pub axes: [RayLanes<F>; 3],
     pub t_min: F,
     pub t_max: F,
 }
 
 impl<F: F64x4> RayPacket4<F> {
+    /// Transposes four rays.
     #[inline(always)]
     pub fn new(proof: F::Proof, [a, b, c, d]: [&Ray; 4]) -> Self {
         let four = |lanes| F::new(proof, lanes);
