@@ -1,30 +1,30 @@
-//! Four marches, set up together.
+//! The set-up of the [`Dda`] for a packet of four rays at once, with the same results as for each ray alone.
 
 use super::Lattice;
-use super::dda::{Dda, DdaSetup, SHORTEST_INTERVAL, T_ONE};
+use super::dda::{Dda, DdaSetup, MIN_INTERVAL, T_ONE};
 use super::ray_aabb::RayIntervals;
 use crate::math::f64x4::F64x4;
 use crate::math::ray_lanes::RayPacket4;
 
-/// Where four rays start, and when they cross faces. Of a ray that misses the lattice it says nothing.
+/// The initial states of the DDAs of four rays. That of a ray that misses the lattice is meaningless.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Dda4 {
     axes: [DdaSetup; 3],
-    /// The axes along which each ray runs backwards (bit 0 for x).
-    backwards: [i32; 4],
+    /// The set of axes along which the direction of each ray is negative (bit 0 for x).
+    negative_axes: [i32; 4],
     entry: [f64; 4],
     fixed_per_t: [f64; 4],
 }
 
 impl Dda4 {
-    /// Of rays with these passages through the lattice's bounds.
+    /// Of rays with these intervals in the lattice's bounds.
     #[inline(always)]
     pub fn new<F: F64x4>(lattice: &Lattice, packet: &RayPacket4<F>, intervals: &RayIntervals<F>) -> Self {
         let RayIntervals { entry, exit, .. } = *intervals;
-        let fixed_per_t = exit.broadcast(T_ONE) / (exit - entry).max(exit.broadcast(SHORTEST_INTERVAL));
+        let fixed_per_t = exit.broadcast(T_ONE) / (exit - entry).max(exit.broadcast(MIN_INTERVAL));
         let [x, y, z] = &packet.axes;
         let (tables, proof) = (&lattice.tables, entry.proof());
-        let backwards = x.inv_direction.where_negative(1.0)
+        let negative_axes = x.inv_direction.where_negative(1.0)
             + y.inv_direction.where_negative(2.0)
             + z.inv_direction.where_negative(4.0);
         Self {
@@ -33,13 +33,13 @@ impl Dda4 {
                 DdaSetup::new(&tables.lattice_lanes_of_axis(proof, 1), y, entry, fixed_per_t),
                 DdaSetup::new(&tables.lattice_lanes_of_axis(proof, 2), z, entry, fixed_per_t),
             ],
-            backwards: backwards.to_i32(),
+            negative_axes: negative_axes.to_i32(),
             entry: entry.to_array(),
             fixed_per_t: fixed_per_t.to_array(),
         }
     }
 
-    /// The march of one of the rays.
+    /// The DDA of one of the rays.
     #[inline(always)]
     pub fn dda<'l>(&self, lattice: &'l Lattice, ray: usize) -> Dda<'l> {
         let [x, y, z] = &self.axes;
@@ -48,8 +48,8 @@ impl Dda4 {
             t_next: [x.t_next[ray], y.t_next[ray], z.t_next[ray], 0],
             t_delta: [x.t_delta[ray], y.t_delta[ray], z.t_delta[ray], 0],
         };
-        let backwards = self.backwards[ray] as usize & 7;
-        Dda::with_setup(lattice, &setup, backwards, self.entry[ray], self.fixed_per_t[ray])
+        let negative_axes = self.negative_axes[ray] as usize & 7;
+        Dda::with_setup(lattice, &setup, negative_axes, self.entry[ray], self.fixed_per_t[ray])
     }
 }
 
@@ -64,18 +64,19 @@ mod tests {
     use crate::math::ray_lanes::RayLanes;
     use glam::DVec3;
 
-    /// The cells and the ticks of a march through a lattice of `cells`, and a few steps beyond.
-    fn way(mut dda: Dda, cells: [usize; 3]) -> Vec<(usize, i32)> {
-        let mut way = vec![];
+    /// The indices of the cells that a DDA visits in a lattice of `cells`, with the fixed-point t at which it
+    /// leaves each, including a few steps beyond the lattice.
+    fn visited(mut dda: Dda, cells: [usize; 3]) -> Vec<(usize, i32)> {
+        let mut visited = vec![];
         for _ in 0..cells.iter().sum() {
-            way.push((dda.index(), dda.exit()));
+            visited.push((dda.index(), dda.exit()));
             dda.step();
         }
-        way
+        visited
     }
 
     #[test]
-    fn four_rays_go_as_each_by_itself() {
+    fn four_rays_visit_the_same_cells_as_each_alone() {
         let cells = [9, 1, 20];
         let lattice = Lattice::new(Aabb { min: DVec3::new(-1.0, 2.0, 0.0), max: DVec3::splat(3.0) }, cells);
         let coordinate = |k: u32| (f64::from(k) * 0.618_034).fract() * 6.0 - 1.5;
@@ -101,8 +102,8 @@ mod tests {
                 );
                 assert_eq!(intervals.set >> i & 1 != 0, interval.is_some(), "{ray:?}");
                 if let Some(interval) = interval {
-                    let (one, of_four) = (Dda::new(&lattice, &interval), dda4.dda(&lattice, i));
-                    assert_eq!(way(of_four, cells), way(one, cells), "{ray:?}");
+                    let (single, of_packet) = (Dda::new(&lattice, &interval), dda4.dda(&lattice, i));
+                    assert_eq!(visited(of_packet, cells), visited(single, cells), "{ray:?}");
                     entered += 1;
                 }
             }

@@ -1,5 +1,5 @@
-//! Where rays enter and leave a box: slab by slab (Kay and Kajiya, "Ray Tracing Complex Scenes",
-//! SIGGRAPH 1986).
+//! The intersection of rays with an axis-aligned box by the slab method (Kay and Kajiya, "Ray Tracing Complex
+//! Scenes", SIGGRAPH 1986). It gives the interval of t in which the grid is traversed.
 
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
@@ -9,72 +9,78 @@ use crate::math::ray_lanes::{RayLanes, RayPacket4};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
-/// A box: two corners with a spare place each.
+/// An axis-aligned box in SIMD lanes: its two corners, each with an unused fourth lane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimdAabb {
-    pub low: [f64; 4],
-    high: [f64; 4],
+    /// The corner with the smallest coordinates.
+    pub min: [f64; 4],
+    max: [f64; 4],
 }
 
 impl SimdAabb {
+    /// A box in SIMD lanes.
     pub fn new(bounds: &Aabb) -> Self {
         let corner = |v: DVec3| [v.x, v.y, v.z, 0.0];
-        Self { low: corner(bounds.min), high: corner(bounds.max) }
+        Self { min: corner(bounds.min), max: corner(bounds.max) }
     }
 
-    /// Whether a ray's line surely misses the box, from however far away it comes.
+    /// Whether the line of a ray certainly misses the box, however far away its origin is.
     ///
-    /// A crossing is off by three roundings of the way to it, which may be many times the box. The box is
-    /// widened by more than that.
+    /// The error of a crossing is three roundings of the distance to it, which may be many times the size of
+    /// the box. The box is padded by more than that.
     pub fn is_surely_missed(&self, ray: &Ray) -> bool {
-        let corners = self.low.iter().chain(&self.high).fold(0.0, |most: f64, x| most.max(x.abs()));
-        let largest = ray.origin.abs().max_element() + corners;
-        let widening = 128.0 * UNIT_ROUNDOFF * largest + f64::MIN_POSITIVE;
+        let corners = self.min.iter().chain(&self.max);
+        let max_corner_coord = corners.fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let max_distance = ray.origin.abs().max_element() + max_corner_coord;
+        let padding = 128.0 * UNIT_ROUNDOFF * max_distance + f64::MIN_POSITIVE;
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
-            let (from, speed) = (ray.origin[axis], ray.direction[axis]);
-            let ways = [self.low[axis] - widening - from, self.high[axis] + widening - from];
-            if speed == 0.0 && ways[0] * ways[1] > 0.0 {
+            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+            let distances = [self.min[axis] - padding - origin, self.max[axis] + padding - origin];
+            if direction == 0.0 && distances[0] * distances[1] > 0.0 {
                 return true;
-            } else if speed != 0.0 {
-                let [one, other] = ways.map(|way| way / speed);
-                (entry, exit) = (entry.max(one.min(other)), exit.min(one.max(other)));
+            } else if direction != 0.0 {
+                let [t0, t1] = distances.map(|distance| distance / direction);
+                (entry, exit) = (entry.max(t0.min(t1)), exit.min(t0.max(t1)));
             }
         }
         entry > exit
     }
 
-    /// The faces along all axes.
+    /// The lower and upper faces of all axes, for one ray.
     #[inline(always)]
     fn all_axes<F: F64x4>(&self, proof: F::Proof) -> [F; 2] {
-        [F::new(proof, self.low), F::new(proof, self.high)]
+        [F::new(proof, self.min), F::new(proof, self.max)]
     }
 
-    /// The faces along one axis.
+    /// The lower and upper face of one axis, for four rays.
     #[inline(always)]
     fn axis<F: F64x4>(&self, proof: F::Proof, axis: usize) -> [F; 2] {
-        [F::splat(proof, self.low[axis]), F::splat(proof, self.high[axis])]
+        [F::splat(proof, self.min[axis]), F::splat(proof, self.max[axis])]
     }
 }
 
-/// Where rays cross two faces, the nearer first.
+/// The t at which rays cross the two faces of a slab, the nearer first.
 #[inline(always)]
-fn crossings<F: F64x4>([low, high]: [F; 2], ray_lanes: &RayLanes<F>) -> [F; 2] {
-    let low = (low - ray_lanes.origin) * ray_lanes.inv_direction;
-    let high = (high - ray_lanes.origin) * ray_lanes.inv_direction;
-    [low.min(high), low.max(high)]
+fn crossings<F: F64x4>([min, max]: [F; 2], ray_lanes: &RayLanes<F>) -> [F; 2] {
+    let t_of_min = (min - ray_lanes.origin) * ray_lanes.inv_direction;
+    let t_of_max = (max - ray_lanes.origin) * ray_lanes.inv_direction;
+    [t_of_min.min(t_of_max), t_of_min.max(t_of_max)]
 }
 
-/// Where a ray enters and leaves a box.
+/// The t at which a ray enters and leaves a box, and the ray itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayInterval<F> {
+    /// At least the ray's `t_min`.
     pub entry: f64,
+    /// Finite, and possibly beyond the ray's end.
     pub exit: f64,
-    /// The ray along all axes.
+    /// All axes of the ray.
     pub ray_lanes: RayLanes<F>,
 }
 
-/// Where a ray from `t_min` on enters and leaves the box, if it does so before `t_max`.
+/// The interval of t from `t_min` on in which a ray is in the box, or none when it does not begin until after
+/// `t_max`.
 #[inline(always)]
 pub fn intersect_aabb<F: F64x4>(
     simd_bounds: &SimdAabb,
@@ -85,22 +91,24 @@ pub fn intersect_aabb<F: F64x4>(
     let [near, far] = crossings(simd_bounds.all_axes(ray_lanes.origin.proof()), &ray_lanes);
     let entry = max(near.max3(), t_min);
     let exit = far.min3();
-    // A ray within a face has a NaN there, and misses: nothing reaches the faces. One without
-    // direction never gets out again.
+    // A ray in the plane of a face has a NaN there and counts as a miss, which is right because the bounds
+    // are padded so that no primitive reaches the faces. A ray with a zero direction has an infinite exit.
     let passes = near.le_mask(far) & 7 == 7 && entry <= exit && entry <= t_max && exit < f64::INFINITY;
     passes.then_some(RayInterval { entry, exit, ray_lanes })
 }
 
-/// Where four rays enter and leave a box.
+/// The t at which four rays enter and leave a box.
 #[derive(Clone, Copy, Debug)]
 pub struct RayIntervals<F> {
-    /// Those that do, bit 0 for the first ray; of the others nothing is said.
+    /// The set of rays that meet the box, bit 0 for the first. The lanes of the others are meaningless.
     pub set: u32,
+    /// As in [`RayInterval`].
     pub entry: F,
+    /// As in [`RayInterval`].
     pub exit: F,
 }
 
-/// The same for four rays as [`intersect_aabb`] for one, with the same numbers.
+/// The counterpart of [`intersect_aabb`] for four rays. It gives the same bits.
 #[inline(always)]
 pub fn intersect_aabb4<F: F64x4>(simd_bounds: &SimdAabb, packet: &RayPacket4<F>) -> RayIntervals<F> {
     let [x, y, z] = &packet.axes;
@@ -110,9 +118,10 @@ pub fn intersect_aabb4<F: F64x4>(simd_bounds: &SimdAabb, packet: &RayPacket4<F>)
     let [near_z, far_z] = crossings(simd_bounds.axis(proof, 2), z);
     let entry = near_x.max(near_y).max(near_z).max(packet.t_min);
     let exit = far_x.min(far_y).min(far_z);
-    let precedes = near_x.le_mask(far_x) & near_y.le_mask(far_y) & near_z.le_mask(far_z);
-    let ends = exit.le_mask(exit.broadcast(f64::MAX));
-    RayIntervals { set: precedes & entry.le_mask(exit) & entry.le_mask(packet.t_max) & ends, entry, exit }
+    let is_ordered = near_x.le_mask(far_x) & near_y.le_mask(far_y) & near_z.le_mask(far_z);
+    let is_finite = exit.le_mask(exit.broadcast(f64::MAX));
+    let set = is_ordered & entry.le_mask(exit) & entry.le_mask(packet.t_max) & is_finite;
+    RayIntervals { set, entry, exit }
 }
 
 #[cfg(test)]
@@ -120,25 +129,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_ray_at_a_box_surely_misses_it_from_however_far() {
+    fn a_ray_aimed_at_a_box_never_counts_as_surely_missing_it() {
         let bounds = Aabb { min: DVec3::new(-1.0, 2.0, 3.0), max: DVec3::new(0.5, 2.5, 3.0) };
         let simd_bounds = SimdAabb::new(&bounds);
         let mut missed = 0;
         for i in 0..20_000 {
-            let part = |k: f64| libm::fmod(k * f64::from(i), 1.0);
-            let target = bounds.min + DVec3::new(part(0.618), part(0.754), part(0.569)) * bounds.extent();
-            let far = libm::exp2(60.0 * part(0.819));
-            let origin = far * DVec3::new(part(0.137) - 0.5, part(0.273) - 0.5, part(0.391) - 0.5);
-            // Rounded, the line may truly miss the box; by how little is what the widening is for.
+            let fraction = |k: f64| libm::fmod(k * f64::from(i), 1.0);
+            let target =
+                bounds.min + DVec3::new(fraction(0.618), fraction(0.754), fraction(0.569)) * bounds.extent();
+            let distance = libm::exp2(60.0 * fraction(0.819));
+            let origin =
+                distance * DVec3::new(fraction(0.137) - 0.5, fraction(0.273) - 0.5, fraction(0.391) - 0.5);
+            // Because the direction is rounded, the exact line may miss the box by a little; the padding
+            // allows for it.
             let direction = (target - origin).normalize();
             assert!(!simd_bounds.is_surely_missed(&Ray::new(origin, direction)), "{origin} {target}");
             assert!(!simd_bounds.is_surely_missed(&Ray::new(origin, direction * libm::exp2(-900.0))));
-            let beside = Ray::new(origin, target + DVec3::splat(1e-9 * far + 3.0) - origin);
+            let beside = Ray::new(origin, target + DVec3::splat(1e-9 * distance + 3.0) - origin);
             missed += usize::from(simd_bounds.is_surely_missed(&beside));
         }
         assert!(missed > 19_000, "{missed}");
-        let ray_lanes = Ray::new(DVec3::new(0.0, 2.25, -9.0), DVec3::Z);
-        assert!(!simd_bounds.is_surely_missed(&ray_lanes));
-        assert!(simd_bounds.is_surely_missed(&Ray { origin: ray_lanes.origin + DVec3::Y, ..ray_lanes }));
+        let parallel = Ray::new(DVec3::new(0.0, 2.25, -9.0), DVec3::Z);
+        assert!(!simd_bounds.is_surely_missed(&parallel));
+        assert!(simd_bounds.is_surely_missed(&Ray { origin: parallel.origin + DVec3::Y, ..parallel }));
     }
 }

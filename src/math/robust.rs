@@ -16,7 +16,7 @@ const OFFSET_ROUNDINGS: f64 = 32.0;
 ///
 /// The distance of a computed point from its surface is at most a few roundings of the point's coordinates
 /// and of the coordinates of the primitives nearby, the largest of which is `max_abs_coord`.
-/// [`OFFSET_ROUNDINGS`] covers that error and the intersection test's own, as `proofs/offset.g` proves.
+/// `OFFSET_ROUNDINGS` covers that error and the intersection test's own, as `proofs/offset.g` proves.
 /// Measured: no false and no missed shadow at scales from 1e-6 to 1e6.
 ///
 /// The point moves along the direction, so that it stays on the line of the ray and the error of a path does
@@ -56,7 +56,7 @@ pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
 }
 
 /// `v` times a power of two such that its largest absolute coordinate is from 0.5 to 1, and the exponent of
-/// that power. The scaling is exact, and leaves zero unchanged.
+/// that power. The scaling is exact unless a coordinate underflows, and leaves zero unchanged.
 fn scaled_to_unit(v: DVec3) -> (DVec3, i32) {
     let exponent = libm::frexp(v.abs().max_element()).1;
     (DVec3::from_array(v.to_array().map(|x| libm::ldexp(x, -exponent))), -exponent)
