@@ -1,5 +1,5 @@
 # The plane of a triangle without area, such as rounding makes it, passes its points within what voxelization adds.
-#@ src/grid/voxelize.rs PLANE_ROUNDINGS = 32.0
+#@ src/grid/voxelize/triangle.rs PLANE_ROUNDINGS = 32.0
 #
 # In cells, a and b are the sides from a triangle's first corner, divided by its largest extent along an axis, the
 # length, and p the way to any point of it, divided likewise: no coordinate exceeds 1. n = a x b, and n.p = 0. With

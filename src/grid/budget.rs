@@ -1,34 +1,37 @@
-//! Lists of the cells that shapes touch, and what filling them may cost.
+//! Lists of the cells that shapes touch, with a budget for finding them. [`super::voxelize`] fills the lists,
+//! and [`super::allowance`] says how large the budget of an automatic grid is.
 
 use super::cell_lists::GridTooLarge;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The cost of entering a shape in a cell, where looking at a cell costs 1: an entry takes up memory and is
+/// The cost of inserting a shape into a cell, relative to testing a cell: a reference takes memory and is
 /// copied several times.
 pub const REFERENCE_COST: usize = 16;
 
-/// What all threads together may still spend on filling a grid.
+/// What all threads together may still spend on finding the cells of a grid, in tests of a cell.
 #[derive(Debug)]
 pub struct Budget {
     left: AtomicUsize,
-    /// A list takes so much at once.
+    /// The amount that a list takes at once.
     portion: usize,
 }
 
 impl Budget {
-    /// Budgets `most` for `lists` lists of cells. A list takes a sixteenth of its fair share at once, so that
-    /// threads rarely meet here, and all lists together leave less than a sixteenth of the whole unspent.
-    pub fn new(most: usize, lists: usize) -> Self {
-        Self { left: AtomicUsize::new(most), portion: (most / lists.max(1) / 16).max(1) }
+    /// A budget of `total` for `lists` lists of cells. A list takes a sixteenth of its fair share at once, so
+    /// that threads rarely contend for the counter, and all lists together leave less than a sixteenth of the
+    /// total unspent.
+    pub fn new(total: usize, lists: usize) -> Self {
+        Self { left: AtomicUsize::new(total), portion: (total / lists.max(1) / 16).max(1) }
     }
 
-    /// Grants whatever is asked for: 2^20 portions would be more than lists of 32-bit indices can spend.
+    /// A budget that is never exhausted: lists of 32-bit indices cannot spend its 2^20 portions.
     pub fn unlimited() -> Self {
         Self { left: AtomicUsize::new(usize::MAX), portion: usize::MAX >> 20 }
     }
 
-    /// Takes enough portions for `cost`. Whether any list is refused does not depend on the order in which
-    /// the lists ask, since nothing is given back: one is refused if and only if they ask for too much in all.
+    /// Takes enough portions for `cost`, and returns what was taken. Since nothing is given back, a list
+    /// fails if and only if all lists together need too much; whether that happens does not depend on the
+    /// order of the calls.
     #[cold]
     fn take(&self, cost: usize) -> Result<usize, GridTooLarge> {
         let taken = cost.next_multiple_of(self.portion);
@@ -38,38 +41,39 @@ impl Budget {
     }
 }
 
-/// The indices of the cells that shapes touch, one shape's after the other's. The list grows only as far as
-/// there are memory and budget, since a grid may be as fine as its user likes.
+/// The indices of the cells that shapes touch, shape by shape. Since a user may ask for an arbitrarily fine
+/// grid, the list reports an error instead of exceeding the available memory or the budget.
 #[derive(Debug)]
 pub struct TouchedCells<'a> {
-    /// By the lattice's numbering, in the order of entering.
+    /// Indices of the lattice, in the order of insertion.
     pub indices: Vec<u32>,
     budget: &'a Budget,
+    /// What the list has taken from the budget.
     granted: usize,
     /// What the list has cost so far.
     pub spent: usize,
 }
 
 impl<'a> TouchedCells<'a> {
-    /// An empty list that is paid for from `budget`.
+    /// An empty list that spends from `budget`.
     pub fn new(budget: &'a Budget) -> Self {
         Self { indices: vec![], budget, granted: 0, spent: 0 }
     }
 
-    /// Makes room for some cells that are about to be looked at, and pays for looking at them.
+    /// Reserves memory for this number of cells, which are about to be tested, and pays for the tests.
     #[inline(always)]
-    pub fn look_at(&mut self, cells: u32) -> Result<(), GridTooLarge> {
+    pub fn reserve(&mut self, cells: u32) -> Result<(), GridTooLarge> {
         self.pay(cells as usize)?;
         self.indices.try_reserve(cells as usize).map_err(|_| GridTooLarge)
     }
 
-    /// Enters the shape in a cell for which there is room.
+    /// Adds a cell that the shape touches, for which memory has been reserved.
     #[inline(always)]
     pub fn push(&mut self, index: u32) {
         self.indices.push(index);
     }
 
-    /// Pays for what was entered since there were `before` entries.
+    /// Pays for the references added since the list had `before` of them.
     #[inline(always)]
     pub fn pay_references(&mut self, before: usize) -> Result<(), GridTooLarge> {
         self.pay(REFERENCE_COST * (self.indices.len() - before))
@@ -89,28 +93,28 @@ impl<'a> TouchedCells<'a> {
 mod tests {
     use super::*;
 
-    fn refused(budget: &Budget, costs: [u32; 2]) -> bool {
+    /// Whether two lists that test these numbers of cells, in turns, exceed the budget.
+    fn is_exceeded(budget: &Budget, costs: [u32; 2]) -> bool {
         let mut lists = costs.map(|_| TouchedCells::new(budget));
-        // In turns, one cell after the other.
-        (0..costs[0].max(costs[1])).any(|k| (0..2).any(|i| k < costs[i] && lists[i].look_at(1).is_err()))
+        (0..costs[0].max(costs[1])).any(|k| (0..2).any(|i| k < costs[i] && lists[i].reserve(1).is_err()))
     }
 
     #[test]
     fn lists_share_a_budget() {
         for costs in [[400, 400], [800, 1], [0, 900]] {
-            assert!(!refused(&Budget::new(1000, 2), costs), "{costs:?}");
+            assert!(!is_exceeded(&Budget::new(1000, 2), costs), "{costs:?}");
         }
         for costs in [[501, 501], [0, 1001], [1001, 1]] {
-            assert!(refused(&Budget::new(1000, 2), costs), "{costs:?}");
+            assert!(is_exceeded(&Budget::new(1000, 2), costs), "{costs:?}");
         }
-        assert!(!refused(&Budget::unlimited(), [5000, 5000]));
+        assert!(!is_exceeded(&Budget::unlimited(), [5000, 5000]));
     }
 
     #[test]
-    fn entries_cost_more_than_looking() {
+    fn a_reference_costs_more_than_a_test() {
         let budget = Budget::unlimited();
         let mut list = TouchedCells::new(&budget);
-        list.look_at(5).unwrap();
+        list.reserve(5).unwrap();
         list.push(7);
         list.pay_references(0).unwrap();
         assert_eq!((list.spent, list.indices), (5 + REFERENCE_COST, vec![7]));

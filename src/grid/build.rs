@@ -1,10 +1,11 @@
-//! What the finite primitives stand in: one grid, with grids of their own for crowded cells, or one
-//! list of everything.
+//! Building the acceleration structure of the finite primitives: a list, a uniform grid, or a grid with
+//! nested grids in its crowded cells. The steps are in modules of their own: the lattice and the cells of
+//! each primitive ([`super::fitting`]), then the contents of each cell ([`super::cell_contents`]).
 
 use super::allowance::{Allowance, separates};
 use super::cell_contents::CellContents;
 use super::cell_table::CellTable;
-use super::fitting::{Fitted, bounds_of, cell_lists, padding};
+use super::fitting::{FittedLattice, bounds_of, cell_lists, padding};
 use super::prim_set::PrimSet;
 use super::triangle8::Frame;
 use crate::grid::Lattice;
@@ -17,40 +18,43 @@ use crate::world::World;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Up to so many primitives that span a crowded cell stand beside its grid instead of in it.
+/// Up to this number of primitives that span a crowded cell are kept in a list beside its nested grid.
 const MAX_SPANNING: usize = 32;
 
-/// Cells for each primitive in such a grid. Measured on a mesh of 2.5 million: with twice as many, rays
-/// are slower by 5 to 10% and building by 25%.
+/// Cells per primitive of a nested grid. Measured on a mesh of 2.5 million triangles: with twice as many
+/// cells, rays are slower by 5 to 10% and building by 25%.
 const NESTED_CELLS: f64 = 0.4;
 
-/// Some primitives, by cells or all in one list.
+/// The acceleration structure of some primitives: a grid, or a single list.
 #[derive(Debug)]
 pub struct AccelerationStructure {
+    /// Rays are tested only in this box.
     pub simd_bounds: SimdAabb,
-    /// The cells of a grid; none in a list.
+    /// The entries of the grid's cells; none for a list.
     pub table: Option<CellTable>,
+    /// The primitives of the cells; a list counts as one cell.
     pub cells: CellContents,
-    /// What the cells hold whose words name it.
+    /// The nested grids, in the order of the entries that refer to them.
     pub nested: Vec<NestedGrid>,
+    /// The primitives that the structure was built from.
     pub prims: PrimSet,
-    /// What filling it has cost, what was given up included, without the nested ones.
+    /// The cost of building it, including abandoned attempts and without the nested grids.
     cost: usize,
-    /// A ray that begins farther than this from the middle, along any axis, is too coarse for the
-    /// proofs of filter and march; everything is tested for it one by one.
+    /// The proofs of filter and DDA hold for rays whose origin is at most this far from the centre along each
+    /// axis. For other rays every primitive is tested.
     pub max_origin_distance: f64,
 }
 
-/// How large a structure is.
+/// The size of an acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StructureSize {
-    /// Cells of all grids, their borders' included; a list counts as one.
+    /// Cells of all grids, including the borders; a list counts as one cell.
     pub cells: usize,
-    /// How many primitives stand in the cells and lists, each as often as it does.
+    /// References to primitives in all cells and lists; a primitive counts once for each cell that lists it.
     pub references: usize,
     /// Blocks of eight triangles.
     pub blocks: usize,
-    /// What building took, where looking at a cell for a primitive costs 1 and entering it there 16.
+    /// The cost of building: 1 for each test of a cell, and 16 for each reference.
     pub cost: usize,
 }
 
@@ -67,22 +71,22 @@ impl std::ops::Add for StructureSize {
     }
 }
 
-/// What stands in a crowded cell.
+/// The contents of a crowded cell.
 #[derive(Debug)]
 pub struct NestedGrid {
-    /// What spans the cell, as a list: in the grid it would stand in most cells, and keep the grid from
-    /// fitting around the rest.
+    /// The primitives that span the cell, as a list. In the grid they would be in most cells, and keep its
+    /// bounds from fitting the others.
     pub spanning: Option<AccelerationStructure>,
-    /// The rest, as a grid.
+    /// The other primitives.
     pub grid: AccelerationStructure,
 }
 
 impl AccelerationStructure {
-    /// Of all finite primitives.
+    /// The structure of all finite primitives of a world. An error when it does not fit into memory.
     pub fn new(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         let Some(cells) = cells else {
-            return Self::listed(world, PrimSet::All, &bounds, Frame::new(&bounds));
+            return Self::list(world, PrimSet::All, &bounds, Frame::new(&bounds));
         };
         let allowance = |max_per_cell: usize| Allowance::new(max_per_cell, world.finite_count());
         match rule {
@@ -90,18 +94,19 @@ impl AccelerationStructure {
                 Self::automatic(world, PrimSet::All, bounds, cells, allowance(max_per_cell))
             }
             CellRule::Course { is_bounded: true } => {
-                let fitted = Fitted::new(world, &PrimSet::All, bounds, cells, rule, allowance(usize::MAX))?;
-                Self::gridded(world, PrimSet::All, fitted.lattice, fitted.cell_lists, &[])
+                let fitted =
+                    FittedLattice::new(world, &PrimSet::All, bounds, cells, rule, allowance(usize::MAX))?;
+                Self::grid(world, PrimSet::All, fitted.lattice, fitted.cell_lists, &[])
             }
             CellRule::Exact | CellRule::Course { is_bounded: false } => {
                 let lattice = Lattice::new(bounds, cells);
                 let cell_lists = cell_lists(world, &PrimSet::All, &lattice, rule, &Budget::unlimited())?;
-                Self::gridded(world, PrimSet::All, lattice, cell_lists, &[])
+                Self::grid(world, PrimSet::All, lattice, cell_lists, &[])
             }
         }
     }
 
-    /// How large it is, with everything nested in it.
+    /// The size of the structure, including all nested ones.
     pub fn size(&self) -> StructureSize {
         let own = StructureSize {
             cells: self.table.as_ref().map_or(1, |table| table.lattice().index_count()),
@@ -113,8 +118,8 @@ impl AccelerationStructure {
         nested.fold(own, |all, structure| all + structure.size())
     }
 
-    /// Of `prims` as far as they reach into a box, in the order of their numbers.
-    fn listed(world: &World, prims: PrimSet, bounds: &Aabb, frame: Frame) -> Result<Self, GridTooLarge> {
+    /// A list of the parts of `prims` that lie in a box.
+    fn list(world: &World, prims: PrimSet, bounds: &Aabb, frame: Frame) -> Result<Self, GridTooLarge> {
         let cost = REFERENCE_COST * prims.count(world);
         Ok(Self {
             simd_bounds: SimdAabb::new(bounds),
@@ -127,8 +132,8 @@ impl AccelerationStructure {
         })
     }
 
-    /// Of `prims` as far as they reach into a box: a grid of at most these cells with grids in its crowded
-    /// cells, or a list where no grid that the allowance covers separates them.
+    /// The parts of `prims` that lie in a box, in a grid of at most these cells with nested grids in its
+    /// crowded cells, or in a list if no grid within the allowance separates them.
     fn automatic(
         world: &World,
         prims: PrimSet,
@@ -138,34 +143,35 @@ impl AccelerationStructure {
     ) -> Result<Self, GridTooLarge> {
         let count = prims.count(world);
         let rule = CellRule::Nested { max_per_cell: allowance.max_per_cell };
-        let Fitted { lattice, mut cell_lists, given_up } =
-            Fitted::new(world, &prims, bounds, cells, rule, allowance)?;
+        let FittedLattice { lattice, mut cell_lists, abandoned_cost } =
+            FittedLattice::new(world, &prims, bounds, cells, rule, allowance)?;
         let (counts, references) = (cell_lists.counts(&lattice)?, cell_lists.references());
         if count > allowance.max_per_cell && !separates(&counts, count, references) {
-            let frame = Frame::new(&bounds.union(union(world, &prims)));
-            let mut list = Self::listed(world, prims, &bounds, frame)?;
-            list.cost += given_up + cell_lists.cost();
+            let frame = Frame::new(&bounds.union(bounds_of_prims(world, &prims)));
+            let mut list = Self::list(world, prims, &bounds, frame)?;
+            list.cost += abandoned_cost + cell_lists.cost();
             return Ok(list);
         }
-        let within = allowance.within(count, references);
-        let crowded =
-            within.map_or(Ok(vec![]), |within| cell_lists.take_crowded(&counts, within.max_per_cell))?;
+        let nested_allowance = allowance.nested(count, references);
+        let crowded = nested_allowance
+            .map_or(Ok(vec![]), |nested| cell_lists.take_crowded(&counts, nested.max_per_cell))?;
         drop(counts);
-        let mut grid = Self::gridded(world, prims, lattice.clone(), cell_lists, &crowded)?;
-        grid.cost += given_up;
-        let Some(within) = within else {
+        let mut grid = Self::grid(world, prims, lattice.clone(), cell_lists, &crowded)?;
+        grid.cost += abandoned_cost;
+        let Some(nested_allowance) = nested_allowance else {
             return Ok(grid);
         };
         let nest = |(cell, ids): &(u32, Vec<u32>)| {
             let ids = ids.iter().map(|&i| grid.prims.id(i as usize)).collect();
-            NestedGrid::new(world, ids, &cell_box(&lattice, *cell), within)
+            NestedGrid::new(world, ids, &padded_cell(&lattice, *cell), nested_allowance)
         };
         grid.nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
         Ok(grid)
     }
 
-    /// A grid of the rows of `prims`, and of cells that they leave out for grids of their own.
-    fn gridded(
+    /// A grid of `prims` with these cell lists. The entries of `crowded` cells, which the lists leave out,
+    /// refer to nested grids, which the caller adds.
+    fn grid(
         world: &World,
         prims: PrimSet,
         lattice: Lattice,
@@ -182,27 +188,30 @@ impl AccelerationStructure {
     }
 }
 
-/// So many cells away a dozen roundings of a ray's way stay below what cells are widened by for them: 2^32.
+/// Maximum distance of a ray's origin in cells, 2^32: the rounding errors of a hit point then stay below the
+/// padding that `proofs/dda.g` assumes.
 const MAX_ORIGIN_CELLS: f64 = 4294967296.0;
 
-/// So many boxes from its middle, 2^20 of the filter's units, the proof of the filter holds: 2^19.
-const MAX_ORIGIN_BOXES: f64 = 524288.0;
+/// Maximum distance of a ray's origin in box sizes. That is at most 2^20 units of the filter's frame, for
+/// which the proof of the filter holds.
+const MAX_ORIGIN_BOXES: f64 = (1u32 << 19) as f64;
 
-/// How far from a box' middle a ray may begin. `cell` is the least edge length of its cells.
-fn max_origin_distance(bounds: &Aabb, cell: f64) -> f64 {
-    (bounds.extent().max_element() * MAX_ORIGIN_BOXES).min(cell * MAX_ORIGIN_CELLS)
+/// Maximum distance of a ray's origin from the centre of a box along each axis, for which the proofs of
+/// filter and DDA hold. `min_cell_size` is the smallest edge length of the cells.
+fn max_origin_distance(bounds: &Aabb, min_cell_size: f64) -> f64 {
+    (bounds.extent().max_element() * MAX_ORIGIN_BOXES).min(min_cell_size * MAX_ORIGIN_CELLS)
 }
 
-/// A cell, widened by more than what is entered in it.
-fn cell_box(lattice: &Lattice, index: u32) -> Aabb {
+/// The box of a cell, with twice the padding that was used for insertion.
+fn padded_cell(lattice: &Lattice, index: u32) -> Aabb {
     let padding = padding(lattice);
-    let low = lattice.cell_of(index as usize);
+    let cell = lattice.cell_of(index as usize);
     let corner = |cells: DVec3| lattice.bounds.min + cells * lattice.cell_size;
-    Aabb { min: corner(low - 2.0 * padding), max: corner(low + (1.0 + 2.0 * padding)) }
+    Aabb { min: corner(cell - 2.0 * padding), max: corner(cell + (1.0 + 2.0 * padding)) }
 }
 
 impl NestedGrid {
-    /// Of the primitives that a cell holds, as far as they reach into it.
+    /// The nested grid of the primitives with these ids, restricted to a cell.
     fn new(world: &World, ids: Vec<u32>, cell: &Aabb, allowance: Allowance) -> Result<Self, GridTooLarge> {
         let (mut spanning, mut grid): (Vec<u32>, _) =
             ids.into_iter().partition(|&id| spans(&world.box_of(id), cell));
@@ -217,28 +226,31 @@ impl NestedGrid {
             return Ok(Self { spanning: None, grid });
         }
         let spanning = PrimSet::Subset(spanning);
-        // The filter's ray enters by the cell's box, so that the frame must hold that too.
+        // The filter moves a ray's origin to where it enters the cell's box, so the frame must contain that
+        // box too.
         let bounds = widened(*cell);
-        let frame = Frame::new(&bounds.union(union(world, &spanning)));
-        Ok(Self { spanning: Some(AccelerationStructure::listed(world, spanning, &bounds, frame)?), grid })
+        let frame = Frame::new(&bounds.union(bounds_of_prims(world, &spanning)));
+        Ok(Self { spanning: Some(AccelerationStructure::list(world, spanning, &bounds, frame)?), grid })
     }
 }
 
-/// Whether a box reaches across half the cell or more along some axis.
+/// Whether a box covers at least half of the cell along some axis.
 fn spans(bounds: &Aabb, cell: &Aabb) -> bool {
     let common = bounds.max.min(cell.max) - bounds.min.max(cell.min);
     common.cmpge(0.5 * cell.extent()).any()
 }
 
-fn union(world: &World, prims: &PrimSet) -> Aabb {
+/// The bounding box of some primitives.
+fn bounds_of_prims(world: &World, prims: &PrimSet) -> Aabb {
     (0..prims.count(world)).fold(Aabb::EMPTY, |all, i| all.union(world.box_of(prims.id(i))))
 }
 
-/// Cells for as much of the primitives as lies in a cell, which may be little.
+/// The bounds and the resolution of a nested grid, fitted to the part of the primitives' bounds that lies in
+/// the cell.
 fn nested_cells(world: &World, prims: &PrimSet, cell: &Aabb) -> (Aabb, [usize; 3]) {
-    let all = union(world, prims);
+    let all = bounds_of_prims(world, prims);
     let common = Aabb { min: all.min.max(cell.min), max: all.max.min(cell.max) };
-    // Something that only just touches the widened cell may miss it by rounding.
+    // The bounds of a primitive that only just touches the padded cell may miss it because of rounding.
     let bounds = widened(if common.is_empty() { *cell } else { common });
     (bounds, cubic(&bounds, NESTED_CELLS * prims.count(world) as f64))
 }

@@ -1,5 +1,6 @@
-//! What stands in each cell, laid out for the loop that reads it: one word a cell, blocks of eight
-//! triangles one after the other, and a list of the few primitives that are no triangles.
+//! The contents of the cells, laid out for the inner loop: one 32-bit entry per cell, contiguous blocks of
+//! eight triangles, and a list of the few primitives that are not triangles. They are built from the
+//! [`CellLists`] by a counting sort in two passes, count and fill.
 
 use super::cell_table::EMPTY;
 use super::prim_set::PrimSet;
@@ -11,27 +12,32 @@ use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A word's lowest bits say how many blocks its cell has, so that nobody waits for the blocks to know
-/// it; this many where there are as many or more.
-const MANY_BLOCKS: u32 = (1 << COUNT_BITS) - 1;
+/// Number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not
+/// load the first block to know it.
 const COUNT_BITS: u32 = 4;
-/// From this word on up to the next one a word names a grid of the cell's own, the first one by this.
+/// The largest number of blocks that fits into an entry. It means this number or more, and the first block
+/// then holds the exact number.
+const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
+/// The entry of the cell with the first nested grid. Larger entries, up to
+/// [`BORDER`](super::cell_table::BORDER), refer to the following nested grids.
 pub const NESTED: u32 = 1 << 31;
 
-/// The cells' contents. A word names the cell's first block and says how many follow one another from
-/// there, or is one of those above.
+/// The contents of all cells. The entry of a cell with primitives holds the index of its first block and the
+/// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a nested grid.
 #[derive(Debug)]
 pub struct CellContents {
-    /// Until they are handed over.
+    /// By index of the lattice, until [`take_entries`](Self::take_entries) moves them out.
     entries: Vec<u32>,
+    /// The triangles of all cells, cell by cell.
     pub blocks: Vec<Block>,
-    /// The primitives that are no triangles, cell by cell: each cell's last block says which are its own.
+    /// The ids of the other primitives, cell by cell. The last block of a cell holds the range of its own.
     pub non_triangles: Vec<u32>,
+    /// The coordinates of the blocks.
     pub frame: Frame,
 }
 
 impl CellContents {
-    /// Lays out the primitives of a lattice's cells, each cell's in the order of their numbers.
+    /// Lays out the primitives of the cells of a lattice. Those of each cell are in ascending order.
     pub fn new(
         world: &World,
         lattice: &Lattice,
@@ -40,37 +46,38 @@ impl CellContents {
     ) -> Result<Self, GridTooLarge> {
         let triangles = prims.triangles(world);
         let non_triangles = triangles..prims.count(world);
+        // What `entries` holds changes with each step: lane counts, ends of lanes, starts of lanes, entries.
         let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone())?;
         let lanes = to_ends(lattice, &mut entries)?;
         let mut ids = filled_with([NONE; LANES], lanes / LANES)?;
         scatter(cell_lists, prims, triangles, &mut entries, ids.as_flattened_mut());
         let mut cells = Self::of_ids(world, ids, Frame::new(&lattice.bounds))?;
-        cells.finish(entries, lattice);
+        cells.encode_entries(entries, lattice);
         cells.add_non_triangles(cell_lists, prims, non_triangles)?;
         Ok(cells)
     }
 
-    /// Hands over the words, by index of the lattice that the cells were made for.
+    /// Moves out the entries, by index of the lattice that the contents were built for.
     pub fn take_entries(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.entries)
     }
 
-    /// The first block of the cell with this word, if there is one.
+    /// The first block of the cell with this entry, or none if the entry is not that of a cell with blocks.
     #[inline(always)]
     pub fn first_block(blocks: &[Block], entry: u32) -> Option<&Block> {
         if entry < NESTED && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
     }
 
-    /// The blocks of the cell with this word, which is none of those that stand for something else.
+    /// The blocks of the cell with this entry, which must be that of a cell with blocks.
     #[inline(always)]
     pub fn blocks_of(blocks: &[Block], entry: u32) -> &[Block] {
         let first = (entry >> COUNT_BITS) as usize;
-        let count = entry & MANY_BLOCKS;
-        let count = if count < MANY_BLOCKS { count } else { blocks[first].count };
+        let count = entry & MAX_COUNT;
+        let count = if count < MAX_COUNT { count } else { blocks[first].count };
         &blocks[first..first + count as usize]
     }
 
-    /// Everything in one cell.
+    /// All primitives in a single cell.
     pub fn all(world: &World, prims: &PrimSet, frame: Frame) -> Result<Self, GridTooLarge> {
         let triangles = prims.triangles(world);
         let mut ids = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
@@ -79,34 +86,34 @@ impl CellContents {
         let mut cells = Self::of_ids(world, ids, frame)?;
         let last = cells.blocks.len() - 1;
         let non_triangles = triangles..prims.count(world);
-        cells.note_non_triangles(non_triangles.map(|i| (last as u32, prims.id(i))).collect())?;
+        cells.set_non_triangles(non_triangles.map(|i| (last as u32, prims.id(i))).collect())?;
         Ok(cells)
     }
 
-    /// How many primitives stand in all cells, each as often as it does.
+    /// The number of references to primitives in all cells.
     pub fn references(&self) -> usize {
         let ids = self.blocks.iter().flat_map(|block| &block.ids);
         ids.filter(|&&id| id != NONE).count() + self.non_triangles.len()
     }
 
-    /// Lets the words of these cells, which are empty so far, name grids from the first one on.
+    /// Sets the entries of these cells, which must be empty, to those of the nested grids in order.
     pub fn link_nested(&mut self, cells: impl Iterator<Item = u32>) {
         for (entry, cell) in (NESTED..).zip(cells) {
             self.entries[cell as usize] = entry;
         }
     }
 
-    /// Blocks of these triangles, which do not say yet how many their cells have.
+    /// Contents with blocks of these triangles, whose entries and counts are still to be set.
     fn of_ids(world: &World, ids: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
         let mut blocks: Vec<Block> = try_zeroed_vec(ids.len()).map_err(|()| GridTooLarge)?;
-        let all_within = frame.holds(&world.bounds);
-        let empty = blocks.par_iter_mut();
-        empty.zip(&ids).for_each(|(block, ids)| block.fill(world, &frame, all_within, ids));
+        let all_in_frame = frame.holds(&world.bounds);
+        let zeroed = blocks.par_iter_mut();
+        zeroed.zip(&ids).for_each(|(block, ids)| block.fill(world, &frame, all_in_frame, ids));
         Ok(Self { entries: vec![], blocks, non_triangles: vec![], frame })
     }
 
-    /// Turns the place of each cell's first lane into its word.
-    fn finish(&mut self, mut entries: Vec<u32>, lattice: &Lattice) {
+    /// Sets the counts of the blocks, and turns the position of each cell's first lane into its entry.
+    fn encode_entries(&mut self, mut entries: Vec<u32>, lattice: &Lattice) {
         let blocks = &mut self.blocks;
         let mut end = blocks.len() as u32;
         for run in lattice.x_runs().rev() {
@@ -114,50 +121,52 @@ impl CellContents {
                 let first = *entry / LANES as u32 - 1;
                 let count = end - first;
                 blocks[first as usize].count = count;
-                *entry = first << COUNT_BITS | count.min(MANY_BLOCKS);
+                *entry = first << COUNT_BITS | count.min(MAX_COUNT);
                 end = first;
             }
         }
         self.entries = entries;
     }
 
+    /// Adds the primitives that are not triangles, which are `non_triangles` of `prims`.
     fn add_non_triangles(
         &mut self,
         cell_lists: &CellLists,
         prims: &PrimSet,
         non_triangles: Range<usize>,
     ) -> Result<(), GridTooLarge> {
-        let mut places = with_room_for(non_triangles.clone().map(|i| cell_lists.cells_of(i).len()).sum())?;
+        let mut by_block = with_room_for(non_triangles.clone().map(|i| cell_lists.cells_of(i).len()).sum())?;
         for i in non_triangles {
-            places.extend(cell_lists.cells_of(i).iter().map(|&cell| (self.last_block(cell), prims.id(i))));
+            by_block.extend(cell_lists.cells_of(i).iter().map(|&cell| (self.last_block(cell), prims.id(i))));
         }
-        places.sort_unstable();
-        self.note_non_triangles(places)
+        by_block.sort_unstable();
+        self.set_non_triangles(by_block)
     }
 
-    /// The last block of a cell that is not empty.
+    /// The index of the last block of a cell that has blocks.
     fn last_block(&self, cell: u32) -> u32 {
         let first = self.entries[cell as usize] >> COUNT_BITS;
         first + self.blocks[first as usize].count - 1
     }
 
-    /// Takes last blocks, which must ascend, and numbers of what is no triangle.
-    fn note_non_triangles(&mut self, places: Vec<(u32, u32)>) -> Result<(), GridTooLarge> {
-        self.non_triangles = with_room_for(places.len())?;
+    /// Stores primitives that are not triangles, given as pairs of the cell's last block and the primitive's
+    /// id in ascending order.
+    fn set_non_triangles(&mut self, by_block: Vec<(u32, u32)>) -> Result<(), GridTooLarge> {
+        self.non_triangles = with_room_for(by_block.len())?;
         let blocks = &mut self.blocks;
-        for (&(block, id), place) in places.iter().zip(0..) {
+        for (&(block, id), i) in by_block.iter().zip(0..) {
             let block = &mut blocks[block as usize];
             if block.non_triangles == [0, 0] {
-                block.non_triangles[0] = place;
+                block.non_triangles[0] = i;
             }
-            block.non_triangles[1] = place + 1;
+            block.non_triangles[1] = i + 1;
             self.non_triangles.push(id);
         }
         Ok(())
     }
 }
 
-/// How many lanes each cell needs.
+/// The number of lanes that each cell needs.
 fn counts(
     lattice: &Lattice,
     cell_lists: &CellLists,
@@ -168,39 +177,41 @@ fn counts(
     for &cell in cell_lists.cells_below(triangles).flatten() {
         counts[cell as usize] += 1;
     }
-    // A cell without triangles also has a block, to name its other primitives.
+    // A cell without triangles also needs a block, which holds the range of its other primitives.
     for &cell in non_triangles.flat_map(|id| cell_lists.cells_of(id)) {
         counts[cell as usize] = counts[cell as usize].max(1);
     }
     Ok(counts)
 }
 
-/// Lanes end here at the latest, so that a word below [`NESTED`] can name every block.
-const LANES_END: u32 = (NESTED >> COUNT_BITS) * LANES as u32;
+/// Upper bound on the end of a cell's lanes, so that the index of every block fits into an entry below
+/// [`NESTED`].
+const MAX_LANE_END: u32 = (NESTED >> COUNT_BITS) * LANES as u32;
 
-/// Turns each cell's count into the place where its lanes end, and gives the number of all lanes.
-/// Each cell begins a block. Places count from one block, so that none is [`EMPTY`].
+/// Turns the count of each cell into the position where its lanes end, and returns the number of all lanes.
+/// The lanes of each cell start a new block. Positions are offset by one block, so that none of them equals
+/// [`EMPTY`].
 fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge> {
     let mut next = LANES as u64;
     for run in lattice.x_runs() {
         for count in counts[run].iter_mut().filter(|count| **count > 0) {
             let end = next + *count as u64;
             next = end.next_multiple_of(LANES as u64);
-            *count = u32::try_from(end).ok().filter(|&end| end <= LANES_END).ok_or(GridTooLarge)?;
+            *count = u32::try_from(end).ok().filter(|&end| end <= MAX_LANE_END).ok_or(GridTooLarge)?;
         }
     }
     Ok(next as usize - LANES)
 }
 
-/// Enters the triangles backwards from the `ends` of their cells, which become the cells' starts.
-/// The end of a cell that only names other primitives stays in its one block.
+/// Writes the ids of the triangles backwards from the `ends` of their cells, which thereby become the starts.
+/// The end of a cell without triangles stays as it is, in the cell's only block.
 fn scatter(cell_lists: &CellLists, prims: &PrimSet, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
     for i in (0..triangles).rev() {
         let id = prims.id(i);
         for &cell in cell_lists.cells_of(i) {
-            let place = &mut ends[cell as usize];
-            *place -= 1;
-            lanes[*place as usize - LANES] = id;
+            let position = &mut ends[cell as usize];
+            *position -= 1;
+            lanes[*position as usize - LANES] = id;
         }
     }
 }
@@ -214,7 +225,7 @@ mod tests {
     use crate::scene::parser::parse;
 
     #[test]
-    fn blocks_hold_what_the_rows_say() {
+    fn blocks_hold_the_primitives_of_the_cell_lists() {
         let objects: String = (0..50)
             .map(|i| {
                 format!("Triangle {{ vertex0 {i} 0 0 vertex1 {} 1 0 vertex2 {} 0 {} }}", i + 3, i + 1, i % 7)

@@ -1,4 +1,4 @@
-//! Filling the grid: in which cells each primitive stands.
+//! The cells of each primitive: the result of insertion, before the primitives are laid out by cell.
 
 use super::Lattice;
 use super::budget::{Budget, TouchedCells};
@@ -9,23 +9,25 @@ use rayon::prelude::*;
 /// The cells of each primitive.
 #[derive(Clone, Debug)]
 pub struct CellLists {
-    /// [`PRIMS_PER_CHUNK`] primitives each, but for the last.
+    /// Chunks of [`PRIMS_PER_CHUNK`] primitives; the last one may be smaller.
     chunks: Vec<Chunk>,
 }
 
-/// The cells of some primitives, one primitive's after the other's.
+/// The cells of consecutive primitives, primitive by primitive.
 #[derive(Clone, Debug)]
 struct Chunk {
-    /// Where each primitive's cells end.
+    /// The end of each primitive's cells in `cells`.
     ends: Vec<u32>,
+    /// Indices of the lattice.
     cells: Vec<u32>,
-    /// What finding the cells has cost, in the units of a [`Budget`].
+    /// The cost of finding the cells, in the units of a [`Budget`].
     cost: usize,
 }
 
+/// The number of primitives that one task inserts.
 const PRIMS_PER_CHUNK: usize = 4096;
 
-/// Why a grid cannot be built: its cells or their contents do not fit into memory.
+/// The error of building a grid: its cells or their contents do not fit into memory, or exceed a budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridTooLarge;
 
@@ -38,8 +40,8 @@ impl std::fmt::Display for GridTooLarge {
 impl std::error::Error for GridTooLarge {}
 
 impl CellLists {
-    /// Of the primitives numbered below `count`; `cells_of` appends the indices of one's cells. The
-    /// cells are found on all threads, and the result depends on none.
+    /// The lists of primitives 0 to `count`, excluding `count`; `cells_of` appends the cells of one of them.
+    /// The work is done on all threads, and the result does not depend on their number.
     pub fn new(
         lattice: &Lattice,
         count: usize,
@@ -48,7 +50,7 @@ impl CellLists {
         Self::within(&Budget::unlimited(), lattice, count, cells_of)
     }
 
-    /// The same as far as a budget allows, or an error.
+    /// The same as [`new`](Self::new), with an error when the lists exceed the budget.
     pub fn within(
         budget: &Budget,
         lattice: &Lattice,
@@ -64,22 +66,22 @@ impl CellLists {
         if cell_lists.references() <= u32::MAX as usize { Ok(cell_lists) } else { Err(GridTooLarge) }
     }
 
-    /// How many lists the cells of so many primitives are kept in.
+    /// The number of chunks for this number of primitives.
     pub fn chunk_count(count: usize) -> usize {
         count.div_ceil(PRIMS_PER_CHUNK)
     }
 
-    /// How many cells all primitives have together.
+    /// The number of references: the cells of all primitives together.
     pub fn references(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.cells.len()).sum()
     }
 
-    /// What finding the cells has cost, in the units of a [`Budget`].
+    /// The cost of finding the cells, in the units of a [`Budget`].
     pub fn cost(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.cost).sum()
     }
 
-    /// How many primitives each cell holds, by index.
+    /// The number of primitives in each cell, by index.
     pub fn counts(&self, lattice: &Lattice) -> Result<Vec<u32>, GridTooLarge> {
         let mut counts = filled_with(0u32, lattice.index_count())?;
         for &cell in self.chunks.iter().flat_map(|chunk| &chunk.cells) {
@@ -88,8 +90,8 @@ impl CellLists {
         Ok(counts)
     }
 
-    /// Takes out the cells that hold more than `max_per_cell` primitives, as [`counts`](Self::counts) has counted
-    /// them; gives them in ascending order, with what they hold.
+    /// Removes the cells with more than `max_per_cell` primitives from the lists, and returns them in
+    /// ascending order, each with its primitives. `counts` is the result of [`counts`](Self::counts).
     pub fn take_crowded(
         &mut self,
         counts: &[u32],
@@ -107,7 +109,7 @@ impl CellLists {
         Ok(crowded)
     }
 
-    /// The cells of all primitives numbered below `id`, in some pieces.
+    /// The cells of all primitives before `id`, as slices.
     pub fn cells_below(&self, id: usize) -> impl Iterator<Item = &[u32]> {
         self.chunks.iter().enumerate().map_while(move |(k, chunk)| {
             let last = id.checked_sub(k * PRIMS_PER_CHUNK + 1)?.min(chunk.ends.len() - 1);
@@ -119,9 +121,9 @@ impl CellLists {
     #[inline]
     pub fn cells_of(&self, id: usize) -> &[u32] {
         let Chunk { ends, cells, .. } = &self.chunks[id / PRIMS_PER_CHUNK];
-        let place = id % PRIMS_PER_CHUNK;
-        let start = if place == 0 { 0 } else { ends[place - 1] };
-        &cells[start as usize..ends[place] as usize]
+        let i = id % PRIMS_PER_CHUNK;
+        let start = if i == 0 { 0 } else { ends[i - 1] };
+        &cells[start as usize..ends[i] as usize]
     }
 }
 
@@ -143,7 +145,8 @@ impl Chunk {
         Ok(Self { ends, cost: touched.spent, cells: touched.indices })
     }
 
-    /// Moves what stands in crowded cells from here to the list of its cell.
+    /// Moves the references in crowded cells from this chunk, whose first primitive is `first`, to the lists
+    /// of those cells.
     fn take(&mut self, first: u32, counts: &[u32], max_per_cell: usize, crowded: &mut [(u32, Vec<u32>)]) {
         let all = std::mem::take(&mut self.cells);
         let mut start = 0;
@@ -151,8 +154,8 @@ impl Chunk {
             for &cell in &all[start..*end as usize] {
                 if counts[cell as usize] as usize <= max_per_cell {
                     self.cells.push(cell);
-                } else if let Ok(place) = crowded.binary_search_by_key(&cell, |c| c.0) {
-                    crowded[place].1.push(id);
+                } else if let Ok(i) = crowded.binary_search_by_key(&cell, |c| c.0) {
+                    crowded[i].1.push(id);
                 }
             }
             start = *end as usize;
@@ -161,31 +164,30 @@ impl Chunk {
     }
 }
 
-/// A list of exactly this length, or an error where the memory is not to be had.
+/// A vector of `count` copies of a value, or an error when there is not enough memory.
 pub fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
     let mut list = with_room_for(count)?;
     list.resize(count, value);
     Ok(list)
 }
 
-/// An empty list for so many, or an error where the memory is not to be had.
+/// An empty vector with capacity for exactly `count` elements, or an error when there is not enough memory.
 pub fn with_room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
     let mut list = Vec::new();
     list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
     Ok(list)
 }
 
-/// The box a little larger, so that no hit lies outside by rounding, and never flat.
+/// A slightly larger box, which contains all hits in spite of rounding and has a positive extent along every
+/// axis.
 pub fn widened(bounds: Aabb) -> Aabb {
     let extent = bounds.extent();
-    let coordinate = bounds.min.abs().max(bounds.max.abs()).max_element();
-    let largest = extent.max_element();
-    // Powers of two, so that a scene scaled by a power of two has the same cells.
-    let thinnest = (largest * 0.5f64.powi(10)).max(coordinate * 0.5f64.powi(30)).max(f64::MIN_POSITIVE);
-    let padding = [0, 1, 2].map(|axis| {
-        let flat = extent[axis] < thinnest;
-        if flat { thinnest } else { extent[axis] * 0.5f64.powi(20) }
-    });
+    let max_abs_coord = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let max_extent = extent.max_element();
+    // The factors are powers of two, so that a scene scaled by a power of two has the same cells.
+    let min_extent = (max_extent * 2f64.powi(-10)).max(max_abs_coord * 2f64.powi(-30)).max(f64::MIN_POSITIVE);
+    let padding = [0, 1, 2]
+        .map(|axis| if extent[axis] < min_extent { min_extent } else { extent[axis] * 2f64.powi(-20) });
     let padding = DVec3::from_array(padding);
     Aabb { min: bounds.min - padding, max: bounds.max + padding }
 }
@@ -196,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_hold_the_cells_of_each_box() {
+    fn cell_lists_hold_the_cells_of_each_box() {
         let boxes: Vec<Aabb> = (0..10_000)
             .map(|i| DVec3::new((i * 7 % 20) as f64, (i * 3 % 20) as f64, 0.0))
             .map(|p| Aabb { min: p, max: p + 1.0 })
@@ -220,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_or_single_point_scene_still_has_cells() {
+    fn flat_and_single_point_scenes_have_cells_of_positive_size() {
         for p in [DVec3::ZERO, DVec3::splat(3.0), DVec3::new(1.0, 2.0, 0.0)] {
             let lattice = Lattice::new(widened(Aabb { min: DVec3::ZERO, max: p }), [3, 3, 3]);
             assert!(lattice.cell_size.min_element() > 0.0);
@@ -228,13 +230,13 @@ mod tests {
     }
 
     #[test]
-    fn a_widened_box_is_larger_by_little_on_all_sides_and_thin_nowhere() {
+    fn a_widened_box_is_slightly_larger_on_all_sides_and_never_flat() {
         let bounds = Aabb { min: DVec3::new(-1.0, 3.0, 5.0), max: DVec3::new(1.0, 4.0, 5.0) };
         let larger = widened(bounds);
         let [below, above] = [bounds.min - larger.min, larger.max - bounds.max];
         assert_eq!(below, DVec3::new(2.0 / 1048576.0, 1.0 / 1048576.0, 2.0 / 1024.0));
         assert_eq!(below, above);
-        // Far from the origin, where coordinates are coarse.
+        // Far from the origin, where the spacing of floats is large.
         let far = DVec3::new(1.0, -1048576.0, 2.0);
         let larger = widened(Aabb { min: far, max: far });
         assert_eq!(
@@ -243,9 +245,9 @@ mod tests {
         );
     }
 
-    /// Two runs of primitives, of which all but a few stand in cells of their own.
+    /// Two chunks of primitives, of which all but a few are in cells of their own.
     #[test]
-    fn crowded_cells_are_taken_out_with_what_they_hold() {
+    fn crowded_cells_are_removed_with_their_primitives() {
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [20, 20, 20]);
         let (max_per_cell, count) = (3, PRIMS_PER_CHUNK + 100);
         let cells_of = |id: usize| -> Vec<u32> {
@@ -278,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn an_absurd_grid_is_an_error() {
+    fn a_grid_with_too_many_cells_is_an_error() {
         let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
         let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);
         assert_eq!(CellLists::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));

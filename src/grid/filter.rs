@@ -1,24 +1,26 @@
-//! Eight triangles at once in single precision: which of them the ray may hit.
+//! The conservative test of eight triangles in single precision: which of them a ray may hit.
 //!
-//! The filter decides nothing by itself unless it can prove it. It says of each triangle that the
-//! ray surely misses it, surely hits it, or that double precision must decide.
+//! The filter reports only what it can prove. For each triangle it says that the ray certainly misses it,
+//! certainly hits it, or that double precision must decide.
 //!
-//! It is Moeller and Trumbore's test without the division, ordered so that a product of the edges can
-//! be stored. With s from the ray's origin to the triangle's first corner, e1 from the second corner
-//! to the first, e2 from the first to the third, n = e1 x e2, q = d x s and the determinant n.d, the
-//! ray hits where u = e2.q, v = e1.q and w = det - u - v have the determinant's sign, at
-//! t = n.s / det.
+//! It is the test of Moeller and Trumbore ("Fast, Minimum Storage Ray/Triangle Intersection", Journal of
+//! Graphics Tools 2(1), 1997) without the division, rearranged so that the cross product of the edges can be
+//! stored. Let s be the vector from the ray's origin to the triangle's first corner, e1 the edge from the
+//! second corner to the first, e2 the edge from the first corner to the third, n = e1 x e2, q = d x s, and
+//! det = n.d the determinant. The ray hits the triangle if u = e2.q, v = e1.q and w = det - u - v have the
+//! sign of the determinant, at t = n.s / det.
 //!
-//! *Error bound.* Let r = 2^-24, the relative rounding of single precision, b the largest coordinate
-//! of the block's edges and c the least power of two that is no less than 1 and than any coordinate of
+//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate
+//! of the block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of
 //! its corners. In the block's [`Frame`](super::triangle8::Frame) the ray's origin, which is moved along the
-//! ray to where it enters the box, has coordinates of at most 1, the direction's largest is 1, and
-//! b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and one whose
-//! numbers are at most 1 is at most 4: it is linear in each of them, so that none is larger than one of
-//! numbers that are all 1 or -1. Where the ray meets the triangle, p from the first corner, s = t d - p;
-//! so q = p x d, and that is small where the triangle is. With terms of less than r / 10 left out:
+//! ray to where it enters the box, has coordinates of at most 1, the largest coordinate of the direction is
+//! 1, and b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a
+//! determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is reached
+//! when all are 1 or -1. With p the vector from the first corner to the point where the ray meets the
+//! triangle's plane, s = t d - p; hence q = p x d, which is small for a small triangle. This table
+//! leaves out terms of less than r/10:
 //!
-//! | quantity | at most | error at most, portable | with fused multiplication and addition |
+//! | quantity | at most | error at most, portable | with fused multiply-add |
 //! |---|---|---|---|
 //! | s | 2 c | 2 r c: corner and origin r c / 2 each, their difference r c | |
 //! | n | 2 b^2 | 2 r b^2 | |
@@ -30,67 +32,70 @@
 //! | n.s | 8 b^2 c | 40 r b^2 c: n 8, s 8, rounding 3 * 8 | 36 |
 //! | n.s - t det | | 113 r b^2 c for 0 <= t <= 2.5, see [`Verdict::depths`] | 104 |
 //!
-//! `proofs/filter_portable.g` and `proofs/filter_fma.g` let a machine check these sums, with the terms of
-//! second order and the double-precision test's own error of a few 2^-53 of the way from the ray's
-//! origin, which stays below 2 r for origins up to 2^20 boxes away; farther ones do not come here. They
-//! also say why a wrong sign of det does no harm, and why that holds for misses that are nearly hits.
-//! [`FilterErrorBounds`] rounds the bounds up, and adds what may be lost to underflow.
+//! `proofs/filter_portable.g` and `proofs/filter_fma.g` prove these sums, including the terms of second order
+//! and the error of the test in double precision: a few 2^-53 of the distance to the ray's origin, which is
+//! below 2 r for origins up to 2^20 frame units away. Rays from farther away are not tested by the filter.
+//! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
+//! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
 
 use super::triangle8::{Block, FilterErrorBounds, LANES};
 use crate::math::f64x4::{F64x4, Scalar};
 use crate::math::instructions::{Instructions, Portable};
 
-/// No hit lies farther along the ray: the box is 2 wide. Larger values are cut to this.
+/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is 2 wide, and
+/// the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
 pub const MAX_DEPTH: f64 = 2.5;
 
-/// A ray as the filter wants it, in the coordinates of a frame. Its origin lies in the box, its
-/// direction's largest coordinate is 1.
+/// A ray in single precision, in the coordinates of a frame. Its origin lies in the frame's box.
 #[derive(Clone, Copy, Debug)]
 pub struct FilterRay {
-    /// With a spare place, as below.
+    /// Where the ray enters the box; the fourth lane is unused.
     pub origin: [f32; 4],
-    /// Its largest absolute coordinate is 1.
+    /// The direction, with a largest absolute coordinate of 1; the fourth lane is unused.
     pub direction: [f32; 4],
-    /// How far along the ray a hit still counts.
+    /// Depth up to which a hit counts.
     pub max_depth: f32,
 }
 
-/// What the filter says of a block. Sets of lanes have bit 0 for the first.
+/// The filter's result for a block. Sets of lanes have bit 0 for the first lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// All others surely miss.
+    /// The lanes that may be hit; all others are certainly missed.
     pub possible: u32,
-    /// Surely hit, before the farthest t asked for.
+    /// The lanes that are certainly hit, before the ray's maximum depth.
     pub certain: u32,
-    /// n.s and the determinant of each lane, both turned so that the determinant is not negative;
-    /// only where a hit is possible.
+    /// n.s of each lane, negated where the determinant is negative. It is valid only for possible hits.
     depth: [f32; LANES],
+    /// The absolute value of the determinant of each lane, under the same condition.
     det: [f32; LANES],
 }
 
 impl Verdict {
     const NONE: Self = Self { possible: 0, certain: 0, depth: [0.0; LANES], det: [0.0; LANES] };
 
-    /// The filter's t where a lane that is certain is hit: not less, and not more than these.
+    /// A lower and an upper bound on the depth of the hit in a lane that is certain.
     ///
-    /// Of the bound the error of n.s takes 40 r b^2 c and that of t det 45; the roundings of these
-    /// quotients take 20, and 8 are left for what is made of them in double precision.
+    /// Of the error bound 40 r b^2 c are for n.s, 45 for t det and 20 for the roundings of these quotients,
+    /// which leaves 8 for the arithmetic in double precision that follows.
     #[inline(always)]
     pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
-        let (depth, det, padding) = (self.depth[lane], self.det[lane], block.error_bounds.depth);
-        [(depth + padding) / det, (depth - padding) / det]
+        let (depth, det) = (self.depth[lane], self.det[lane]);
+        let negated_bound = block.error_bounds.depth;
+        [(depth + negated_bound) / det, (depth - negated_bound) / det]
     }
 }
 
-/// One way to run the inner loop: the proof that the processor has its instructions. What its filter
-/// says of a lane may differ between kernels, what is true not.
+/// An implementation of the filter. It is at the same time the proof that the processor has its instructions.
+/// The verdicts of different kernels may differ, but all of them are correct, so that hits do not depend on
+/// the kernel.
 pub(crate) trait Kernel: Copy {
+    /// The lanes in double precision for the same instructions.
     type F64x4: F64x4<Proof = Self>;
     /// Tests a block against a ray.
     fn test(self, block: &Block, ray: &FilterRay) -> Verdict;
 }
 
-/// Tests a block against a ray with some instructions; for tests of the filter by itself.
+/// Tests a block against a ray with an instruction set chosen at run time, for tests of the filter alone.
 pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay) -> Verdict {
     match instructions {
         Instructions::Portable => Portable.test(block, ray),
@@ -113,14 +118,14 @@ impl Kernel for Portable {
             let s: [f32; 3] = std::array::from_fn(|axis| block.corner[axis][lane] - ray.origin[axis]);
             let q = cross([dx, dy, dz], s);
             let (det, u, v, depth) = (dot(n, [dx, dy, dz]), dot(e2, q), dot(e1, q), dot(n, s));
-            // Signs turned so that the determinant counts as positive.
+            // All quantities are negated where the determinant is negative.
             let (u, v, depth) = if det < 0.0 { (-u, -v, -depth) } else { (u, v, depth) };
             let det = det.abs();
             let w = det - (u + v);
             let inside = u.min(v).min(w);
             let before = ray.max_depth * det - depth;
-            // NaN lanes fail the comparisons; `min` would hide the NaN of a single operand, but an
-            // empty lane has three.
+            // An empty lane, which holds NaN, fails the comparisons. `min` ignores a NaN in one operand, but
+            // in an empty lane all three operands are NaN.
             let possible =
                 inside >= edge_error_bound && depth >= depth_error_bound && before >= depth_error_bound;
             let certain =
@@ -146,7 +151,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    //! Eight lanes in one register each.
+    //! The kernel for AVX2 and FMA: each quantity of the eight lanes is in one register.
 
     use super::*;
     use crate::math::avx::Avx;
@@ -202,28 +207,28 @@ mod avx2 {
         let s = [0, 1, 2].map(|axis| _mm256_sub_ps(corner[axis], o[axis]));
         let q = cross(d, s);
         let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
-        // Signs turned so that the determinant counts as positive.
-        let minus = _mm256_set1_ps(-0.0);
-        let sign = _mm256_and_ps(det, minus);
-        let det = _mm256_andnot_ps(minus, det);
+        // All quantities are negated where the determinant is negative.
+        let sign_bit = _mm256_set1_ps(-0.0);
+        let sign = _mm256_and_ps(det, sign_bit);
+        let det = _mm256_andnot_ps(sign_bit, det);
         let [u, v, depth] = [u, v, depth].map(|x| _mm256_xor_ps(x, sign));
         let w = _mm256_sub_ps(det, _mm256_add_ps(u, v));
         let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
         let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
-        let within = _mm256_min_ps(depth, before);
-        let [edge, deep] =
+        let depth_inside = _mm256_min_ps(depth, before);
+        let [edge_error_bound, depth_error_bound] =
             [&block.error_bounds.edge, &block.error_bounds.depth].map(|x| _mm256_broadcast_ss(x));
         let possible = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge),
-            _mm256_cmp_ps::<_CMP_GE_OQ>(within, deep),
+            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge_error_bound),
+            _mm256_cmp_ps::<_CMP_GE_OQ>(depth_inside, depth_error_bound),
         );
         let possible = _mm256_movemask_ps(possible) as u32;
         if possible == 0 {
             return Verdict::NONE;
         }
         let certain = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge, minus)),
-            _mm256_cmp_ps::<_CMP_GT_OQ>(within, _mm256_xor_ps(deep, minus)),
+            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge_error_bound, sign_bit)),
+            _mm256_cmp_ps::<_CMP_GT_OQ>(depth_inside, _mm256_xor_ps(depth_error_bound, sign_bit)),
         );
         let certain = _mm256_movemask_ps(certain) as u32;
         Verdict { possible, certain, depth: store(depth), det: store(det) }

@@ -1,4 +1,5 @@
-//! The cells that primitives touch, in a lattice that is no finer than it may be.
+//! The cells that primitives touch, in a lattice no finer than the allowance covers. This step connects
+//! primitives and rules of insertion to [`super::voxelize`], which knows only shapes.
 
 use super::allowance::{Allowance, coarser};
 use super::options::CellRule;
@@ -11,16 +12,17 @@ use crate::grid::voxelize;
 use crate::math::aabb::Aabb;
 use crate::world::{Primitive, World};
 
-/// A lattice with rows that an allowance covers.
-pub struct Fitted {
+/// A lattice whose cell lists an allowance covers.
+pub struct FittedLattice {
     pub lattice: Lattice,
     pub cell_lists: CellLists,
-    /// What the rows of finer lattices have cost, which it does not cover.
-    pub given_up: usize,
+    /// The cost of abandoned attempts with finer lattices, which the allowance did not cover.
+    pub abandoned_cost: usize,
 }
 
-impl Fitted {
-    /// Of these cells, or of fewer where their rows would cost more than the allowance covers.
+impl FittedLattice {
+    /// A lattice with this number of cells along each axis, or fewer if their lists would exceed the
+    /// allowance.
     pub fn new(
         world: &World,
         prims: &PrimSet,
@@ -31,25 +33,25 @@ impl Fitted {
     ) -> Result<Self, GridTooLarge> {
         let count = prims.count(world);
         let cost = allowance.cost(count);
-        let (mut lattice, mut given_up) = (Lattice::new(bounds, cells), 0);
+        let (mut lattice, mut abandoned_cost) = (Lattice::new(bounds, cells), 0);
         loop {
             let budget = Budget::new(cost, CellLists::chunk_count(count));
             match (cell_lists(world, prims, &lattice, rule, &budget), coarser(lattice.cells())) {
-                (Ok(cell_lists), _) => return Ok(Self { lattice, cell_lists, given_up }),
+                (Ok(cell_lists), _) => return Ok(Self { lattice, cell_lists, abandoned_cost }),
                 (Err(_), Some(cells)) => lattice = Lattice::new(bounds, cells),
                 (Err(error), None) => return Err(error),
             }
-            given_up += cost;
+            abandoned_cost += cost;
         }
     }
 }
 
-/// The box around everything finite, a little larger.
+/// The padded bounding box of all finite primitives.
 pub fn bounds_of(world: &World) -> Aabb {
     widened(world.boxes().fold(world.bounds, |all, b| all.union(b)))
 }
 
-/// The cells of a lattice's `prims`, as far as the budget allows.
+/// The cells of each of `prims` in a lattice, or an error when they exceed the budget.
 pub fn cell_lists(
     world: &World,
     prims: &PrimSet,
@@ -59,21 +61,20 @@ pub fn cell_lists(
 ) -> Result<CellLists, GridTooLarge> {
     let padding = padding(lattice);
     CellLists::within(budget, lattice, prims.count(world), |i, out| {
-        enter(world, prims.id(i), lattice, rule, padding, out)
+        insert(world, prims.id(i), lattice, rule, padding, out)
     })
 }
 
-/// By how much of a cell the cells are widened: a little more than the march needs, for the rounding
-/// of a hit's place.
+/// The padding of cells for insertion, in cells: the error bounds of the DDA and of hit points.
 pub fn padding(lattice: &Lattice) -> f64 {
     face_error_bound(lattice) + POSITION_ERROR_BOUND
 }
 
-/// The most that a dozen roundings of a ray's way can be, in cells: see `proofs/dda.g`.
+/// Error bound of the position of a hit or a crossing because of f64 roundings, in cells: see `proofs/dda.g`.
 const POSITION_ERROR_BOUND: f64 = 1e-5;
 
-/// Appends the cells of a primitive.
-fn enter(
+/// Appends the cells into which a primitive is inserted by a rule.
+fn insert(
     world: &World,
     id: u32,
     lattice: &Lattice,

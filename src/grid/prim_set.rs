@@ -1,16 +1,19 @@
-//! Which primitives a structure holds.
+//! The set of primitives that an acceleration structure is built from.
 
 use crate::world::World;
 
-/// Finite primitives of a world, counted from 0 in the order of their numbers.
+/// A set of finite primitives of a world. Its members are numbered from 0 in the order of their ids in the
+/// world.
 #[derive(Debug)]
 pub enum PrimSet {
+    /// All finite primitives.
     All,
-    /// Those of these numbers, which ascend.
+    /// The primitives with these ids, which are in ascending order.
     Subset(Vec<u32>),
 }
 
 impl PrimSet {
+    /// The number of primitives.
     pub fn count(&self, world: &World) -> usize {
         match self {
             Self::All => world.finite_count(),
@@ -18,7 +21,7 @@ impl PrimSet {
         }
     }
 
-    /// How many are triangles; those come first.
+    /// The number of triangles, which come first.
     pub fn triangles(&self, world: &World) -> usize {
         let all = world.triangles.len();
         match self {
@@ -27,7 +30,7 @@ impl PrimSet {
         }
     }
 
-    /// The number in the world of the i-th.
+    /// The id in the world of the i-th primitive.
     #[inline]
     pub fn id(&self, i: usize) -> u32 {
         match self {

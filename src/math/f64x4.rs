@@ -66,7 +66,7 @@ pub trait F64x4:
 /// 1.5 * 2^52. A number below 2^51 plus this constant is so large that its last bit stands for 1: the sum is
 /// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
 /// also handle NaN and numbers out of range.
-pub const ROUND_TO_INTEGER: f64 = 6_755_399_441_055_744.0;
+pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// Four lanes in an array, for processors without AVX.
 #[derive(Clone, Copy, Debug, PartialEq)]
