@@ -1,22 +1,23 @@
-# The determinant of a 3x3 matrix is computed to within 6 roundings of Hadamard's bound, so that 16 tell what is singular.
+# The error of the computed determinant of a 3x3 matrix is at most 6 roundings of Hadamard's bound, so 16 tell what is singular.
 #@ src/math/robust.rs SINGULAR_ROUNDINGS = 16.0
 #@ src/math/robust.rs DETERMINANT_ROUNDINGS = 6.0
 #@ src/math/robust.rs ENTRY_ROUNDINGS = 2.5
 #
-# With x, y and z for the columns, the determinant is z . (x x y): six products of three entries. In each, two entries
-# are multiplied, the product is subtracted from another or another from it, the difference is multiplied by the third
-# entry, and the product goes through at most two sums: five roundings, each a factor of 1 + r. So the error is at most
-# the largest such factor less 1, times the sum of the products' absolute values. That sum is the permanent of
-# the absolute values, which is at most 3!/3^(3/2) < 1.1548 times the product of the columns' lengths (Carlen, Lieb,
-# Loss, "An inequality of Hadamard type for permanents", Methods and Applications of Analysis 13, 2006).
+# With x, y and z for the columns, the determinant is z . (x x y): six products of three entries. In each of them, two
+# entries are multiplied, the product is added to or subtracted from another product, the difference is multiplied by
+# the third entry, and that goes through at most two sums: five roundings, each a factor of 1 + r. So the error
+# is at most the largest such factor less 1, times the sum of the absolute values of the products. That sum is the
+# permanent of the absolute values, which is at most 3!/3^(3/2) < 1.1548 times the product of the columns' lengths
+# (Carlen, Lieb, Loss, "An inequality of Hadamard type for permanents", Methods and Applications of Analysis 13,
+# 2006).
 #
-# `sum` is that sum in Hadamard's bounds. The columns are scaled to a largest entry between 1/2 and 1, so that
-# Hadamard's bound is above 1/8, and what underflows is below 2^-1000 of it: `lost` allows for much more.
+# `sum` is that sum in units of Hadamard's bound. The columns are scaled to a largest entry between 1/2 and 1, so that
+# Hadamard's bound is above 1/8, and the error due to underflow is below 2^-1000 of it: `lost` allows for much more.
 #
-# Entries are the numbers of a scene multiplied with one another. Where each of a matrix' entries is off by 2.5
-# roundings, its determinant is off by the second goal. The third says that one which passes is not singular for all
-# that: not even a matrix that is off as far as that has a determinant of zero. `length` is what rounding may make
-# of the bound itself: three lengths of at most four roundings each, two products, and two more in the comparison.
+# The entries are products of numbers of a scene. If the error of each entry is at most 2.5 roundings, the resulting
+# error of the determinant is `given`. The last goal says that a matrix whose exact determinant is zero still passes
+# as singular when both errors occur. `length` is the effect of rounding on the bound itself: three lengths of at most
+# four roundings each, two products, and two more roundings in the comparison.
 
 SINGULAR_ROUNDINGS = 16.0;
 DETERMINANT_ROUNDINGS = 6.0;

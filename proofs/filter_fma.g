@@ -1,24 +1,24 @@
-# The filter in f32, with fused multiplications and additions, is off by no more than its error bounds.
+# The errors of the filter in f32, with fused multiply-add, are within its error bounds.
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
 #@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
 #@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
-# The derivation is that of filter_portable.g. A sum of products begins with the third, so that the first is
-# rounded once, the second twice, and the third three times; and of a difference of two products one is not
-# rounded.
+# The derivation is the same as in filter_portable.g, with two differences. A sum of three products is computed from
+# the third one on, so that the first is rounded once, the second twice, and the third three times. In a difference of
+# two products only one product is rounded.
 
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
 DEPTH_ROUNDINGS = 113.5;
 MAX_DEPTH = 2.5;
 
-# Stored numbers, as they are off by what filter_stored.g proves.
+# The stored numbers, whose errors filter_stored.g bounds.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
 sf1 = s1 + ds1; df1 = dt1 + dd1;
 sf2 = s2 + ds2; df2 = dt2 + dd2;
 
-# q = d x s: with the stored numbers, and the true one.
+# q = d x s: from the stored numbers, and the exact one.
 qe0 = df1 * sf2 - df2 * sf1;
 q0 = dt1 * s2 - dt2 * s1;
 qe1 = df2 * sf0 - df0 * sf2;
@@ -26,7 +26,8 @@ q1 = dt2 * s0 - dt0 * s2;
 qe2 = df0 * sf1 - df1 * sf0;
 q2 = dt0 * s1 - dt1 * s0;
 
-# u = e.q, where q is (qe - pq) (1 + rq): what the roundings make of each product, and the parts of the error.
+# u = e.q, where q is (qe - pq) (1 + rq): the factors that roundings contribute to each product, and the parts of the
+# error.
 e0 = ef0 * (1 + re0); tu0 = (1 + rq0) * (1 + ru0); x0 = ef0 * (tu0 - 1 - re0);
 e1 = ef1 * (1 + re1); tu1 = (1 + rq1) * (1 + ru1) * (1 + ru0); x1 = ef1 * (tu1 - 1 - re1);
 e2 = ef2 * (1 + re2); tu2 = (1 + rq2) * (1 + ru2) * (1 + ru1) * (1 + ru0); x2 = ef2 * (tu2 - 1 - re2);
@@ -40,7 +41,7 @@ of_d = e0 * (dd1 * s2 - dd2 * s1) + e1 * (dd2 * s0 - dd0 * s2) + e2 * (dd0 * s1 
 u_edges = of_products + of_second + of_s + of_d;
 u_error = u_edges + of_sum;
 
-# det = n.d and n.s.
+# det = n.d, and n.s.
 td0 = (1 + rd0); y0 = (1 + rn0) * td0 * df0 - dt0;
 ts0 = (1 + rs0); z0 = (1 + rn0) * ts0 * sf0 - s0;
 td1 = (1 + rd1) * (1 + rd0); y1 = (1 + rn1) * td1 * df1 - dt1;
@@ -57,11 +58,11 @@ depthf = (n0 + m0) * (1 + rn0) * sf0 * ts0 + (n1 + m1) * (1 + rn1) * sf1 * ts1 +
 depth_sum = n0 * z0 + n1 * z1 + n2 * z2;
 depth_m = m0 * (1 + rn0) * sf0 * ts0 + m1 * (1 + rn1) * sf1 * ts1 + m2 * (1 + rn2) * sf2 * ts2;
 depth_error = depth_sum + depth_m;
-# w = det - (u + v) has one part that grows with b c and one that grows with b^2.
+# The error of w = det - (u + v) has a part proportional to b c and a part proportional to b^2.
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
-# The farthest t, and what is tested and given for a t whose right value, times det, is n.s.
+# The test against the maximum depth, and the bounds of Verdict::depths, for a t whose exact value times det is n.s.
 before = dfar * (det + det_error) + far * det_error - depth_error - t_error * det;
 depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error - t * det_error) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);

@@ -1,64 +1,67 @@
-# The filter in f32, with separate multiplications and additions, is off by no more than its error bounds.
+# The errors of the filter in f32, with separate multiplications and additions, are within its error bounds.
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
 #@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
 #@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
-# Names are those of src/grid/filter.rs; a trailing f marks what is computed in f32, and r is 2^-24.
+# The names are those of src/grid/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
 #
-# Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4,
-# which changes no rounding: then all are at most 1, and t, too, is at most MAX_DEPTH. What stands behind an edge,
-# u, v, w, n, det and n.s, is divided by b, or b^2, which need not be a power of two; so their roundings are
-# modelled by a relative error of their own each, re, rn, rq, ru, rd, rs, ra, rb, rp, of at most r, and not by the
-# distance of floats there. Goals then are multiples of r b c, r b^2 and r b^2 c.
+# Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4, which
+# changes no rounding. Then all of them are at most 1, and t is at most MAX_DEPTH. Edges and what is computed from
+# them, u, v, w, n, det and n.s, are divided by b or b^2, which need not be powers of two. Hence their roundings are
+# modelled by relative errors of their own, re, rn, rq, ru, rd, rs, ra, rb and rp, of at most r, instead of by the
+# spacing of floats. The goals are multiples of r b c, r b^2 and r b^2 c.
 #
-# Underflow. A relative error is no model of numbers below 2^-126: there storing or multiplying adds up to 2^-150.
-# Counted with their factors those are at most 36 for w (12 for each edge, which q multiplies, and 3 for its
-# products; 3 for n and 3 for its products) and 32 for n.s - t det: below 2^-144, while the source adds 2^-126.
-# Sums that underflow are exact. Where det is certain it exceeds 2^-126.
+# Underflow. A relative error does not model numbers below 2^-126: there, storing or multiplying adds an error of up
+# to 2^-150. Counted with their factors, these errors are at most 36 for w (12 for each edge, which q multiplies, and
+# 3 for its products; 3 for n and 3 for its products) and 32 for n.s - t det. That is less than 2^-144, while the
+# source allows for 2^-126. Sums that underflow are exact. Where det is certain, it exceeds 2^-126.
 #
-# What is given:
-# - s, ds, df, dd, pq and dfar: differences to the origin, directions, what the roundings of the products of q
-#   change, and the rounding of the farthest t; see filter_stored.g, which proves them.
-# - e, g are the edges, |ef| <= b = 1; the edge is computed in f64 with one rounding, then stored. Of v the same
-#   is true as of u. n is the cross product in f64, off by 8 * 2^-53 + 2nd order: m, |m| <= 2^-49.
-# - The determinant of three rows of numbers of at most 1 is at most 4, since it is linear in each number, so
-#   that it is largest where all are 1 or -1; there the cross product of two rows is (2, 2, 0) but for order and
-#   signs, or zero, so that n.x is at most twice the sum of the two largest bounds of x. The hypotheses on of_s,
-#   of_d, det_sum and depth_sum are that, with the bounds of ds and dd, and those of x, y and z, which are goals.
-# - So is the one on of_sum: with p from the first corner to where the ray meets the triangle's plane, s = t d - p
-#   and q = p x d; and in a triangle no coordinate of p exceeds b.
-# - Hits have 0 <= u + v <= det and 0 <= w <= det, if signs are turned so that det is positive.
-# - t is what the test in f64 finds, in the frame's units; t_error is what it, and what the source makes in f64 of
-#   these numbers, is off: a sheared vertex by 5 * 2^-53 * 2^20, at most 32 times 2 times that in t, since it is
-#   refined in twice the digits where the area is smaller; 0.7 r, and the sum with entry far less. Below 2 r.
+# Hypotheses.
+# - s, ds, df, dd, pq and dfar are the differences to the origin, the directions, the change of q due to the roundings
+#   of its products, and the rounding of the maximum depth. filter_stored.g proves their bounds.
+# - e and g are the edges, and |ef| <= b = 1. An edge is computed in f64 with one rounding, and then stored. What
+#   holds for u holds for v. n is the cross product in f64, with an error m of 8 * 2^-53 plus terms of second order:
+#   |m| <= 2^-49.
+# - The determinant of three rows of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is
+#   reached when all are 1 or -1. Then the cross product of two rows is, up to order and signs, (2, 2, 0) or zero.
+#   Hence n.x is at most twice the sum of the two largest bounds of x. The hypotheses on of_s, of_d, det_sum and
+#   depth_sum follow from this, from the bounds of ds and dd, and from those of x, y and z, which are goals.
+# - The hypothesis on of_sum follows in the same way. With p the vector from the first corner to the point where the
+#   ray meets the triangle's plane, s = t d - p and q = p x d; and in a triangle no coordinate of p exceeds b.
+# - Hits have 0 <= u + v <= det and 0 <= w <= det, if all quantities are negated where det is negative.
+# - t is the result of the test in f64, in units of the frame. t_error is its error, together with that of the f64
+#   arithmetic on the filter's results: a sheared vertex has an error of 5 * 2^-53 * 2^20, which causes one of at most
+#   32 times 2 times that in t, since t is refined in double-double arithmetic if the area is smaller. That is 0.7 r;
+#   the sum with entry adds far less. The total is below 2 r.
 #
-# What follows.
-# - Rejected means missed. If a hit's det has the right sign, u, v >= -u_error, w >= -(w_edges + w_area),
-#   n.s >= -depth_error - t_error det, and farthest det - n.s is before times at most 1 + r below zero. If the sign
-#   is wrong, det is within det_error of zero, 18 r b^2; so u and v turned the wrong way are at least -u_error
-#   - det_error, w at least -(u_error + v_error), n.s at least -depth_error - t det_error, and the last one is
-#   at least n.s >= -depth_error: all within the bounds.
-# - Certain means hit. Let u, v and w as computed all exceed their bound B, 37 r b c + 67 r b^2. Then u + v is
-#   below det, so that w's roundings are those of numbers below det as for a hit; and det, their sum, exceeds
-#   3 B - 18 r b^2 > 183 r b^2 and has the sign that it was found to have. Let N be how much the true negative ones
-#   among u / det, v / det and w / det come to together: then p is at most (1 + 2 N) b, and as of_sum grows with p,
-#   each of u, v, w errs by no more than B + 40 r b^2 * 2 N. As two at most are negative, N <= 160 N r b^2 / det < N,
-#   unless N is zero. The depth comparisons exceed their bounds, so t lies on the ray, before the farthest.
-# - Verdict::depths are below and above t: (n.s -+ bound) / det with two roundings, times det, minus t det, is
-#   depths -+ bound, and its sign is that of -+ bound.
+# Conclusions.
+# - A rejected triangle is missed. For a hit, if the computed det has the right sign, then u, v >= -u_error, w >=
+#   -(w_edges + w_area), n.s >= -depth_error - t_error det, and max_depth det - n.s is at least minus the error
+#   `before`, times at most 1 + r. If the sign is wrong, det is within det_error of zero, 18 r b^2; so the negated u
+#   and v are at least -u_error - det_error, w is at least -(u_error + v_error), n.s is at least -depth_error - t
+#   det_error, and the last one is at least n.s >= -depth_error. All of these are within the bounds.
+# - A certain hit is a hit. Let u, v and w as computed all exceed their bound B, 37 r b c + 67 r b^2. Then u + v is
+#   below det, so that w's roundings are those of numbers below det, as for a hit; and det, which is their sum,
+#   exceeds 3 B - 18 r b^2 > 183 r b^2 and has the sign that was computed. Let N be the absolute value of the sum of
+#   the negative ones among the exact u / det, v / det and w / det. Then p is at most (1 + 2 N) b, and since of_sum
+#   grows with p, the error of each of u, v and w is at most B + 40 r b^2 * 2 N. As at most two of them are negative,
+#   N <= 160 N r b^2 / det < N, unless N is zero. The depth comparisons exceed their bounds, so t lies on the ray,
+#   before the maximum depth.
+# - Verdict::depths are a lower and an upper bound on t: (n.s -+ bound) / det with two roundings, times det, minus t
+#   det, is depths -+ bound, and its sign is that of -+ bound.
 
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
 DEPTH_ROUNDINGS = 113.5;
 MAX_DEPTH = 2.5;
 
-# Stored numbers, as they are off by what filter_stored.g proves.
+# The stored numbers, whose errors filter_stored.g bounds.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
 sf1 = s1 + ds1; df1 = dt1 + dd1;
 sf2 = s2 + ds2; df2 = dt2 + dd2;
 
-# q = d x s: with the stored numbers, and the true one.
+# q = d x s: from the stored numbers, and the exact one.
 qe0 = df1 * sf2 - df2 * sf1;
 q0 = dt1 * s2 - dt2 * s1;
 qe1 = df2 * sf0 - df0 * sf2;
@@ -66,7 +69,8 @@ q1 = dt2 * s0 - dt0 * s2;
 qe2 = df0 * sf1 - df1 * sf0;
 q2 = dt0 * s1 - dt1 * s0;
 
-# u = e.q, where q is (qe - pq) (1 + rq): what the roundings make of each product, and the parts of the error.
+# u = e.q, where q is (qe - pq) (1 + rq): the factors that roundings contribute to each product, and the parts of the
+# error.
 e0 = ef0 * (1 + re0); tu0 = (1 + rq0) * (1 + ru0) * (1 + ru3) * (1 + ru4); x0 = ef0 * (tu0 - 1 - re0);
 e1 = ef1 * (1 + re1); tu1 = (1 + rq1) * (1 + ru1) * (1 + ru3) * (1 + ru4); x1 = ef1 * (tu1 - 1 - re1);
 e2 = ef2 * (1 + re2); tu2 = (1 + rq2) * (1 + ru2) * (1 + ru4); x2 = ef2 * (tu2 - 1 - re2);
@@ -80,7 +84,7 @@ of_d = e0 * (dd1 * s2 - dd2 * s1) + e1 * (dd2 * s0 - dd0 * s2) + e2 * (dd0 * s1 
 u_edges = of_products + of_second + of_s + of_d;
 u_error = u_edges + of_sum;
 
-# det = n.d and n.s.
+# det = n.d, and n.s.
 td0 = (1 + rd0) * (1 + rd3) * (1 + rd4); y0 = (1 + rn0) * td0 * df0 - dt0;
 ts0 = (1 + rs0) * (1 + rs3) * (1 + rs4); z0 = (1 + rn0) * ts0 * sf0 - s0;
 td1 = (1 + rd1) * (1 + rd3) * (1 + rd4); y1 = (1 + rn1) * td1 * df1 - dt1;
@@ -97,11 +101,11 @@ depthf = (n0 + m0) * (1 + rn0) * sf0 * ts0 + (n1 + m1) * (1 + rn1) * sf1 * ts1 +
 depth_sum = n0 * z0 + n1 * z1 + n2 * z2;
 depth_m = m0 * (1 + rn0) * sf0 * ts0 + m1 * (1 + rn1) * sf1 * ts1 + m2 * (1 + rn2) * sf2 * ts2;
 depth_error = depth_sum + depth_m;
-# w = det - (u + v) has one part that grows with b c and one that grows with b^2.
+# The error of w = det - (u + v) has a part proportional to b c and a part proportional to b^2.
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
-# The farthest t, and what is tested and given for a t whose right value, times det, is n.s.
+# The test against the maximum depth, and the bounds of Verdict::depths, for a t whose exact value times det is n.s.
 before = dfar * (1 + rp) * (det + det_error) + far * rp * (det + det_error) + far * det_error - depth_error - t_error * det;
 depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error - t * det_error) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);

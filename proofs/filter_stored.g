@@ -1,10 +1,10 @@
-# The numbers that the filter in f32 starts from are off by no more than its two other proofs take for granted.
+# The errors of the numbers that the filter in f32 starts from are within what its two other proofs assume.
 #@ src/grid/filter.rs MAX_DEPTH = 2.5
 #
-# Names are those of filter_portable.g: a, o and d are a coordinate of the corner, the origin and the direction as
-# f64 has them, at, ot and dt the true ones. The origin, (o - center + entry direction) scale, has two roundings of
-# up to 2^20, since rays from farther do not come here, and lies beyond the box by no more than the rounding of
-# entry: 2^-31 is more than either. All are divided by c, a power of two.
+# The names are those of filter_portable.g. a, o and d are a coordinate of the corner, of the origin and of the
+# direction in f64; at, ot and dt are the exact ones. The origin, (o - center + entry direction) scale, has two
+# roundings of numbers up to 2^20, since rays from farther away are not tested by the filter, and it lies outside the
+# box by no more than the rounding of entry. 2^-31 is more than either. All are divided by c, a power of two.
 
 @f32 = float<ieee_32, ne>;
 MAX_DEPTH = 2.5;
@@ -15,7 +15,7 @@ df = f32(d);
 sf = f32(af - of);
 s = at - ot;
 
-# One term of q, whose first product is rounded in the portable kernel alone.
+# One component of q. Its first product is rounded only in the portable kernel.
 product = f32(df * sf);
 other = f32(ef * tf);
 

@@ -1,24 +1,26 @@
-# The offset of secondary rays takes them beyond what rounding leaves of the surface of planes, triangles and spheres.
+# The offset of secondary rays exceeds the error of points on planes, triangles and spheres, and of the next test.
 #@ src/math/robust.rs OFFSET_ROUNDINGS = 32.0
-# Errors are counted along the normal, in units of u times `magnitude`, the largest coordinate of the point plus
-# the largest of the primitives. A point is moved by OFFSET_ROUNDINGS of those: along the normal, or along a direction by
-# so much over the slope. Roundings of coordinates are factors 1 + e each, at right angles to each other, so a vector
-# whose coordinates are off by e M is off by SQRT3 e M at most, and a sum of products with a unit vector by as much
-# for each rounding.
 #
-# `added`: the moved point's own coordinates are rounded.
+# Errors are measured along the normal, in units of u times `magnitude`, the largest coordinate of the point plus the
+# largest coordinate of the primitives. A point is moved by OFFSET_ROUNDINGS of these units: along the normal, or
+# along a direction by that amount divided by the cosine. Each rounding is a factor 1 + e of a coordinate. The
+# coordinates are orthogonal, so an error of e M in each coordinate of a vector is an error of at most SQRT3 e M of
+# the vector, and each rounding of a dot product with a unit vector contributes as much.
 #
-# A plane: the point's distance from it is computed with 4 roundings (a product and two sums, and the difference), and
-# is subtracted with one rounding of the coordinates. The test of the next ray computes the same distance from
-# the moved point, with 4 more. (The differences are small; their relative roundings do not count.)
+# `added`: the coordinates of the moved point are rounded.
 #
-# A triangle: the point is (u a + v b + w c) / (u + v + w) with weights of one sign, so that with exact
-# arithmetic it would lie in the triangle whatever they are. It takes 3 roundings above, 2 below, 1 for the
-# division. Whether a neighbour's line is crossed is decided exactly, and the triangle itself is left out.
+# Plane: the point's distance from it is computed with 4 roundings (a product and two sums, and the difference), and
+# is subtracted with one rounding of the coordinates. The test of the next ray computes the same distance from the
+# moved point, with 4 more. (The differences are small, so their relative roundings do not count.)
 #
-# A sphere: the point is c + r n. n is unit but for the square of its length (3 roundings, halved by the root), the
-# root, the inverse and the product; then come the product with r, at most the magnitude, and the sum. On which
-# side of the sphere a ray begins is computed with twice the digits.
+# Triangle: the point is (u a + v b + w c) / (u + v + w) with weights of one sign, so in exact arithmetic it lies in
+# the triangle whatever the weights are. It takes 3 roundings in the numerator, 2 in the denominator, and 1 for the
+# division. Whether the ray crosses the edge of a neighbour is decided exactly, and the triangle itself is excluded.
+#
+# Sphere: the point is c + r n. n is a unit vector except for the roundings of its squared length (3, halved by the
+# square root), the square root, the reciprocal and the product. They are followed by the product with r, which is at
+# most the magnitude, and by the sum. The side of the sphere on which a ray begins is computed in double-double
+# arithmetic.
 OFFSET_ROUNDINGS = 32.0;
 SQRT3 = 1.73206;
 added = SQRT3 * 1.0001;
