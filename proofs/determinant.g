@@ -4,7 +4,7 @@
 #@ src/math/robust.rs ENTRY_ROUNDINGS = 2.5
 #
 # With x, y and z for the columns, the determinant is z . (x x y): six products of three entries. In each of them, two
-# entries are multiplied, the product is added to or subtracted from another product, the difference is multiplied by
+# entries are multiplied, the product is added to or subtracted from another product, the result is multiplied by
 # the third entry, and that goes through at most two sums: five roundings, each a factor of 1 + r. So the error
 # is at most the largest such factor less 1, times the sum of the absolute values of the products. That sum is the
 # permanent of the absolute values, which is at most 3!/3^(3/2) < 1.1548 times the product of the columns' lengths

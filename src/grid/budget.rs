@@ -1,5 +1,5 @@
 //! Lists of the cells that shapes touch, with a budget for finding them. [`super::voxelize`] fills the lists,
-//! and [`super::allowance`] says how large the budget of an automatic grid is.
+//! and `super::allowance` says how large the budget of an automatic grid is.
 
 use super::cell_lists::GridTooLarge;
 use std::sync::atomic::{AtomicUsize, Ordering};

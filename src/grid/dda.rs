@@ -268,13 +268,13 @@ mod tests {
                 let Some((mut dda, [entry, _])) = Dda::of_ray(&lattice, &ray) else { continue };
                 while is_inside(&lattice, dda.index) {
                     let t = entry + dda.exit() as f64 / dda.fixed_per_t;
-                    let at = lattice.to_cells(ray.at(t));
+                    let position = lattice.to_cells(ray.at(t));
                     let cell = cell_coords(&lattice, dda.index);
                     for axis in 0..3 {
-                        let low = cell[axis] as f64 - bound;
+                        let min = cell[axis] as f64 - bound;
                         assert!(
-                            at[axis] >= low && at[axis] <= low + 1.0 + 2.0 * bound,
-                            "{n:?} {at} {cell:?}"
+                            position[axis] >= min && position[axis] <= min + 1.0 + 2.0 * bound,
+                            "{n:?} {position} {cell:?}"
                         );
                     }
                     dda.step();

@@ -30,7 +30,7 @@ pub struct Block {
     /// The ids of the triangles in the world; [`NONE`] in an empty lane.
     pub ids: [u32; LANES],
     /// In the last block of a cell: the start and the end of the cell's range in
-    /// [`CellContents::non_triangles`](super::cell_contents::CellContents::non_triangles).
+    /// `CellContents::non_triangles`.
     pub non_triangles: [u32; 2],
     /// In the first block of a cell: the number of the cell's blocks.
     pub count: u32,

@@ -66,7 +66,7 @@ pub fn of_sphere(
         let (min, max) = (cell - padding, cell + (1.0 + padding));
         let nearest = (center_in_cells - center_in_cells.clamp(min, max)) * size;
         let farthest = (center_in_cells - min).abs().max((max - center_in_cells).abs()) * size;
-        // The tolerance is needed for a radius of so many cells that the padding is lost in rounding.
+        // For a radius of very many cells the padding is lost in rounding, so a relative tolerance is needed.
         let touches_ball = nearest.length_squared() <= square * (1.0 + 1e-12);
         touches_ball && farthest.length_squared() >= square * (1.0 - 1e-12)
     })
