@@ -1,7 +1,11 @@
-//! Some rows of pixels while they are drawn.
+//! A tile of the visibility buffer: some rows of pixels, which one thread rasterizes with a depth test.
 //!
-//! Eight pixels side by side, in single precision around the first of them, and without a branch: where
-//! triangles are small, a wrong guess would cost more than a pixel.
+//! Eight adjacent pixels are processed at a time, in single precision relative to the first of them, and
+//! without branches, because triangles often cover so few pixels that a mispredicted branch would cost more
+//! than the pixels it skips. For each pixel the tile keeps an interval that contains the inverse depth of the
+//! nearest primitive. Where the intervals of two primitives overlap, or an edge function is within its error
+//! bound of zero, the pixel is marked as unsure, and its ray is cast. `proofs/raster_single.g` proves the
+//! error bound of single precision.
 
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
@@ -10,23 +14,26 @@ use crate::math::extremes::{max3, min3};
 use crate::world::World;
 use std::ops::Range;
 
-/// Pixels side by side.
+/// How many adjacent pixels are processed at a time.
 pub const LANES: usize = 8;
 
 type Lanes = [f32; LANES];
 
+/// Some rows of pixels while they are rasterized.
 pub struct Tile<'c> {
     viewport: &'c Viewport,
     rows: Range<usize>,
-    /// From one row to the next: a row and room for some pixels beyond it.
+    /// The distance in the lists from one row to the next, which leaves room for `LANES` pixels after a row.
     stride: usize,
-    /// The numbers between which the nearness of what is seen lies; 0 for nothing.
+    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or 0 where there is none.
     min_inv_depths: Vec<f32>,
+    /// An upper bound on it.
     max_inv_depths: Vec<f32>,
+    /// The id of the nearest primitive in each pixel.
     visible_ids: &'c mut [u32],
 }
 
-/// A function of the pixel along a row, and how far it may be off.
+/// An affine function of the pixel that is evaluated along rows in single precision, with its error bound.
 #[derive(Clone, Copy)]
 struct AffineRow {
     function: Affine,
@@ -35,10 +42,11 @@ struct AffineRow {
 }
 
 impl AffineRow {
-    /// `error_bound` is that of the function in double precision.
+    /// For the pixels from `corner` on, as many as `extent` says. `error_bound` is that of the function in
+    /// double precision.
     fn new(function: Affine, corner: [f64; 2], extent: [usize; 2], error_bound: ErrorBound) -> Self {
-        /// How far single precision may be off, in roundings of the largest value: 3 for the value, and
-        /// one for the sum of it and the error bound (`proofs/raster_single.g`).
+        /// The error bound of single precision, in roundings of the largest value: 3 roundings of the value
+        /// and one of its sum with the error bound, with something to spare (`proofs/raster_single.g`).
         const SINGLE_ROUNDINGS: f64 = 5.0;
         const SINGLE_UNIT_ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
         let [x, y] = corner;
@@ -48,7 +56,7 @@ impl AffineRow {
         Self { function, slope: function.per_x as f32, error_bound: error_bound as f32 }
     }
 
-    /// In the pixels from the one at x and y on.
+    /// The values at `LANES` pixels of a row, from the pixel at `x` and `y` on.
     fn from(&self, x: f64, y: f64) -> Lanes {
         let first = self.function.at(x, y) as f32;
         std::array::from_fn(|k| first + self.slope * k as f32)
@@ -62,7 +70,7 @@ impl<'c> Tile<'c> {
         Self { viewport, rows, stride, min_inv_depths: far.clone(), max_inv_depths: far, visible_ids }
     }
 
-    /// Draws a triangle where its sprite stands in these rows.
+    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded.
     pub fn draw(&mut self, triangle_bounds: &TriangleBounds, world: &World) {
         let (columns, rows) = (triangle_bounds.columns.range(), triangle_bounds.rows.range());
         let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
@@ -75,12 +83,13 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Whether all that is seen in these columns of row j surely is nearer than this.
+    /// Whether every pixel in these columns of row j certainly shows something nearer than `max_inv_depth`.
     fn occludes(&self, columns: Range<usize>, j: usize, max_inv_depth: f32) -> bool {
         let row = (j - self.rows.start) * self.stride;
         self.min_inv_depths[row + columns.start..row + columns.end].iter().all(|&min| min > max_inv_depth)
     }
 
+    /// Evaluates the edge functions and the inverse depth at the pixels, and updates them.
     fn rasterize(
         &mut self,
         edge_functions: &EdgeFunctions,
@@ -118,7 +127,7 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Fills the rows with a plane.
+    /// Draws a plane, which may cover any pixel.
     pub fn fill(&mut self, plane: &InvDepthPlane, id: u32) {
         let (middle, width) = (self.viewport.eye.middle, self.viewport.width);
         let corner = [-middle.x, self.rows.start as f64 - middle.y];
@@ -133,7 +142,7 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Something unknown may stand before these pixels.
+    /// Marks pixels that a primitive of unknown depth may cover, so that their rays are cast.
     fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>) {
         for j in rows {
             for i in columns.clone().step_by(LANES) {
@@ -143,11 +152,12 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Enters what is seen in the pixels from column i of row j on, where `min_edges` is not below zero, as near
-    /// as this; both may be off by so much.
+    /// The depth test of primitive `id` at the pixels from column i of row j on. `min_edges` is the least of
+    /// the edge functions at each pixel, so that the primitive covers the pixels where it is positive.
     ///
-    /// What surely is there, and surely the nearest, is what is seen; where it may be, nobody knows. A
-    /// comparison with a NaN is false, and leaves the pixel open for good.
+    /// A pixel shows the primitive where it is certainly covered and certainly the nearest so far. It stays
+    /// as it is where the primitive is certainly missed or certainly farther, and becomes unsure otherwise.
+    /// The comparisons are written so that a NaN makes the pixel unsure for good.
     #[inline(always)]
     fn update(
         &mut self,
@@ -169,16 +179,16 @@ impl<'c> Tile<'c> {
         else {
             return;
         };
-        // Each as a step of its own over all lanes, which then is a few vector instructions.
-        let low = inv_depth.map(|n| n - inv_depth_error_bound);
-        let high = inv_depth.map(|n| n + inv_depth_error_bound);
-        let is_nearest = lanes(|k| mask(min_edges[k] > error_bound) & mask(low[k] > max_inv_depths[k]));
-        let is_missed = lanes(|k| !mask(min_edges[k] >= -error_bound) | mask(high[k] < min_inv_depths[k]));
-        let is_unsure: [u32; LANES] = lanes(|k| !(is_nearest[k] | is_missed[k]));
-        let is_farther = lanes(|k| mask(high[k] <= max_inv_depths[k]));
-        *min_inv_depths = lanes(|k| select(is_nearest[k], low[k], min_inv_depths[k]));
+        // Every step runs over all lanes before the next, so that it compiles to a few vector instructions.
+        let min = inv_depth.map(|n| n - inv_depth_error_bound);
+        let max = inv_depth.map(|n| n + inv_depth_error_bound);
+        let is_nearest = lanes(|k| mask(min_edges[k] > error_bound) & mask(min[k] > max_inv_depths[k]));
+        let is_hidden = lanes(|k| !mask(min_edges[k] >= -error_bound) | mask(max[k] < min_inv_depths[k]));
+        let is_unsure: [u32; LANES] = lanes(|k| !(is_nearest[k] | is_hidden[k]));
+        let is_farther = lanes(|k| mask(max[k] <= max_inv_depths[k]));
+        *min_inv_depths = lanes(|k| select(is_nearest[k], min[k], min_inv_depths[k]));
         *max_inv_depths =
-            lanes(|k| select(is_nearest[k] | is_unsure[k] & !is_farther[k], high[k], max_inv_depths[k]));
+            lanes(|k| select(is_nearest[k] | is_unsure[k] & !is_farther[k], max[k], max_inv_depths[k]));
         *visible_ids = lanes(|k| {
             is_nearest[k] & id | is_unsure[k] & UNSURE | !(is_nearest[k] | is_unsure[k]) & visible_ids[k]
         });
@@ -190,10 +200,10 @@ fn lanes<T>(lane: impl FnMut(usize) -> T) -> [T; LANES] {
     std::array::from_fn(lane)
 }
 
-/// All bits where it is so, none where not.
+/// All bits set for true, no bit for false.
 #[inline(always)]
-fn mask(is_so: bool) -> u32 {
-    u32::from(is_so).wrapping_neg()
+fn mask(condition: bool) -> u32 {
+    u32::from(condition).wrapping_neg()
 }
 
 #[inline(always)]

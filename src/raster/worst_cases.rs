@@ -1,5 +1,5 @@
-//! How much of the error bounds is needed: a search for views and triangles whose errors come close to
-//! them. The oracle computes with twice the digits.
+//! Measures how tight the error bounds are: hill climbing searches for views and triangles whose errors come
+//! close to the bounds. The reference values are computed in double-double arithmetic.
 
 use super::Viewport;
 use super::edge_functions::{EdgeFunctions, InvDepthPlane, normals_and_volume, volume_error_bound};
@@ -14,14 +14,20 @@ use glam::{DVec2, DVec3};
 
 const SIZE: [usize; 2] = [9, 7];
 
-/// A view, and a triangle in it: eye, direction, up, corners, and the pixel with the angle's logarithm.
+/// A view and a triangle in it: the camera's centre, direction and up vector, the three corners, and a vector
+/// of the pixel's x and y and the decimal logarithm of the viewing angle.
 #[derive(Clone, Copy)]
 struct Input([DVec3; 7]);
 
-/// Errors over their bounds, by these names.
+/// The ratio of each error to its bound, in the order of [`NAMES`].
 type Ratios = [f64; 5];
-const NAMES: [&str; 5] =
-    ["edge function", "V", "nearness but for V", "t of the ray's test", "nearness of a plane"];
+const NAMES: [&str; 5] = [
+    "edge function",
+    "V",
+    "inverse depth without V's error",
+    "t of the ray's test",
+    "inverse depth of a plane",
+];
 
 /// Splitmix64 (Steele, Lea, Flood, OOPSLA 2014).
 struct Rng(u64);
@@ -53,13 +59,13 @@ impl Input {
         let [center, direction, up] = [rng.vector(), rng.vector(), rng.vector()];
         let frame = DVec3::new(rng.signed() * 4.0, rng.signed() * 3.0, -6.0 + 8.0 * rng.signed().abs());
         let aside = direction.cross(rng.vector());
-        // Compact triangles around the middle, and slivers that pass it.
+        // Half of the triangles are compact and near the middle of the picture, half are thin and cross it.
         let size = if rng.below(2) == 0 { 1.0 } else { f64::powf(10.0, -9.0 * rng.signed().abs()) };
         let corners = [0; 3].map(|_| center + direction + rng.signed() * aside + size * rng.vector());
         Self([center, direction, up, corners[0], corners[1], corners[2], frame])
     }
 
-    /// With one number, or all of a vector, changed a little or a lot.
+    /// A copy in which one coordinate, or all three of one vector, are changed by a random amount.
     fn changed(mut self, rng: &mut Rng) -> Self {
         let vector = &mut self.0[rng.below(7) as usize];
         let size = f64::powf(10.0, -17.0 * rng.signed().abs());
@@ -88,7 +94,8 @@ impl Input {
     }
 }
 
-/// What the exact functions are at the ray, in lengths of the direction that the projection means.
+/// Compares the functions with their exact values along the ray, in units of the length of the direction that
+/// the rasterizer assumes.
 fn measured(
     viewport: &Viewport,
     edge_functions: &EdgeFunctions,
@@ -104,31 +111,31 @@ fn measured(
     let volume = dot(a, normals[0]);
     let along = normals.map(|normal| dot(normal, d));
     let sign = Dd::from(volume.value().signum() * length * viewport.scale * viewport.scale);
-    let inv_depth_error_bound =
+    let edge_error =
         |k: usize| (along[k] * sign - edge_functions.edges[k].at(pixel.x, pixel.y).into()).value().abs();
-    let edge = (0..3).map(inv_depth_error_bound).fold(0.0, f64::max) / edge_functions.edge_error_bound;
+    let edge = (0..3).map(edge_error).fold(0.0, f64::max) / edge_functions.edge_error_bound;
 
-    let visible_ids = corners.map(|corner| viewport.eye_space(corner));
-    let (_, rounded) = normals_and_volume(visible_ids);
+    let scaled = corners.map(|corner| viewport.eye_space(corner));
+    let (_, rounded) = normals_and_volume(scaled);
     let unit = viewport.scale * viewport.scale * viewport.scale;
-    let longest = visible_ids.map(DVec3::length).into_iter().fold(0.0, f64::max);
-    let off_volume = (volume * unit.into() - rounded.into()).value().abs() / volume_error_bound(longest);
+    let longest = scaled.map(DVec3::length).into_iter().fold(0.0, f64::max);
+    let volume_ratio = (volume * unit.into() - rounded.into()).value().abs() / volume_error_bound(longest);
 
     let t = volume.value() / (along[0] + along[1] + along[2]).value();
     let InvDepthPlane { inv_depth, error_bound } = &edge_functions.inv_depth_plane;
     let exact = length / (t * viewport.scale);
     let [constant, _, square] = error_bound.0;
-    // Times the V that was computed, whose own error is counted for itself.
+    // Multiplied by the computed V, whose own error is measured separately.
     let sum =
         (along[0] + along[1] + along[2]) * sign - (inv_depth.at(pixel.x, pixel.y) * rounded.abs()).into();
-    let near = sum.value().abs() / (constant * rounded.abs());
+    let inv_depth_ratio = sum.value().abs() / (constant * rounded.abs());
 
     let found = Shear::new(ray).intersect(corners.each_ref());
-    let off_t = found.map_or(0.0, |found| (found / t - 1.0).abs() / (square * exact / length));
-    [edge, off_volume, near, off_t, of_plane(viewport, ray, pixel, length, corners)]
+    let t_ratio = found.map_or(0.0, |found| (found / t - 1.0).abs() / (square * exact / length));
+    [edge, volume_ratio, inv_depth_ratio, t_ratio, of_plane(viewport, ray, pixel, length, corners)]
 }
 
-/// The plane's oracle is the t of the ray's own test.
+/// The ratio for a plane's inverse depth, whose reference is the t of the ray's own test.
 fn of_plane(viewport: &Viewport, ray: &Ray, pixel: DVec2, length: f64, corners: [DVec3; 3]) -> f64 {
     let normal = normal(corners);
     let plane = Plane { normal, offset: normal.dot(corners[0]) };
@@ -137,7 +144,7 @@ fn of_plane(viewport: &Viewport, ray: &Ray, pixel: DVec2, length: f64, corners: 
     (inv_depth.at(pixel.x, pixel.y) - length / (t * viewport.scale)).abs() / error_bound.at(0.0)
 }
 
-/// The largest ratio of a kind that hill climbing finds, from several starts.
+/// The largest ratio at index `kind` that hill climbing from several random inputs finds.
 fn searched(kind: usize, starts: u64, steps: u64) -> f64 {
     let climbed = |start| {
         let rng = &mut Rng(start);
@@ -156,7 +163,7 @@ fn searched(kind: usize, starts: u64, steps: u64) -> f64 {
     (0..starts).map(climbed).fold(0.0, f64::max)
 }
 
-/// Beside single precision, which has a bound of its own.
+/// The errors of single precision are not part of this: they have a bound of their own.
 #[test]
 fn error_bounds_hold_and_are_needed() {
     let found: Vec<f64> = (0..NAMES.len()).map(|kind| searched(kind, 16, 30_000)).collect();
@@ -164,7 +171,7 @@ fn error_bounds_hold_and_are_needed() {
         println!("{name}: {found:.3} of the error bound");
     }
     assert!(found.iter().all(|&found| found < 1.0), "{found:?}");
-    // A tenth of any would not do, but for that of t, which is for the worst of every step at once.
+    // No bound could be ten times smaller, except that of t, which assumes the worst of every step at once.
     let needed = [0, 1, 2, 4].map(|kind| found[kind]);
     assert!(needed.iter().all(|&found| found > 0.1), "{found:?}");
 }
