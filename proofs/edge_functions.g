@@ -27,7 +27,7 @@
 #   u M^2 given_mm + u M Z given_mz + u^2 Z^2 given_zz
 # or more. It holds where each coefficient that is given is above the one that is needed. For M^2 it is so by 3 u
 # and more, which is far more than the 2^-1072 M by which underflow moves what is computed of the vertices where
-# M >= 1; elsewhere LEAST_EDGE_BOUND is.
+# M >= 1; elsewhere MIN_EDGE_ERROR_BOUND is.
 
 EDGE_ROUNDINGS = 7.0;
 SHEAR_ROUNDINGS = 5.0;

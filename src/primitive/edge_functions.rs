@@ -1,93 +1,103 @@
-//! The edge functions of a triangle that is seen along a ray, and how far rounding may have moved them.
+//! The edge functions of a triangle seen along a ray, and the bound on their rounding errors.
 //!
-//! The vertices are sheared: the ray is the z axis, and x and y are a vertex' distance from it. They, and what
-//! is computed of them, are double precision.
+//! This is the double-precision step of the ray-triangle test: it decides a ray whose edge functions are all
+//! larger than the error bound and leaves the others to exact arithmetic. The vertices are sheared, so that
+//! the ray is the z axis, and x and y are a vertex's distances from it (Woop, Benthin and Wald, JCGT 2(1),
+//! 2013). `proofs/edge_functions.g` proves the error bound.
 
 use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
-/// Where the ray lies, seen along itself.
+/// On which side of a triangle's edges a ray passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides {
-    /// It surely passes within the triangle.
+    /// The ray's line certainly passes through the triangle.
     Inside,
-    /// It surely passes beside the triangle.
+    /// The ray's line certainly misses the triangle.
     Outside,
-    /// Rounding leaves a doubt.
+    /// The rounding errors are too large to tell.
     Unsure,
 }
 
-/// On which sides of a triangle's edges the ray lies that has these edge functions for these sheared vertices.
+/// Classifies a ray by its edge functions for a triangle with these sheared vertices.
 #[inline(always)]
 pub fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
-    let (lowest, highest) = (min3(edge_functions), max3(edge_functions));
+    let (min, max) = (min3(edge_functions), max3(edge_functions));
     let error_bound = edge_error_bound(sheared);
-    if lowest < -error_bound && highest > error_bound {
+    if min < -error_bound && max > error_bound {
         Sides::Outside
-    } else if lowest > error_bound || highest < -error_bound {
+    } else if min > error_bound || max < -error_bound {
         Sides::Inside
     } else {
         Sides::Unsure
     }
 }
 
-/// Of the edges opposite to the vertices: twice the areas that they span with the ray in the sheared plane.
+/// The edge functions of the edges opposite to each vertex: twice the signed areas of the triangles that each
+/// edge spans with the ray in the sheared plane.
 #[inline(always)]
 pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
     [cross(b, c), cross(c, a), cross(a, b)]
 }
 
-/// How far rounding may have moved an edge function from that of the vertices and the ray as they are.
+/// The bound on the error of the edge functions of sheared vertices, compared with the exact values for the
+/// vertices and the ray as given.
 ///
-/// Let u be the unit roundoff. A vertex' place across the ray is x = X - s Z, of its distances X and Z from the
-/// ray's origin and the ray's slope s, which is at most 1. X, Z, s, the product and the difference are rounded
-/// by u each, the slope, as a number up to 1, by u / 2. Because X is x + s Z, x is off by 2 u |x| + 3.5 u |Z|. So
-/// with M the most that |x| is, plus the most that |y| is, and Z the most that |z| is, an edge function is off by
-/// 7 u M Z and 2 u M^2 to first order, and by another u M^2 of its own roundings. The second order is less than
-/// 24.5 u^2 Z^2 where M is small. `proofs/edge_functions.g` adds it all up, with the roundings of the bound itself.
+/// Let u be the unit roundoff. A sheared coordinate is x = X - s Z, where X and Z are the vertex's
+/// coordinates relative to the ray's origin, and s is the ray's slope, which is at most 1. X, Z, s, the
+/// product and the difference each have a relative error of u, except that the slope's error is at most u / 2
+/// because it is at most 1. Since X = x + s Z, the error of x is 2 u |x| + 3.5 u |Z|. Let M be the largest
+/// |x| plus the largest
+/// |y|, and Z the largest |z| of the three vertices. Then to first order the error of an edge function is
+/// 7 u M Z + 2 u M^2 from the vertices and u M^2 from its own roundings. The second-order part is less than
+/// 24.5 u^2 Z^2 where M is small. `proofs/edge_functions.g` adds up all of these and the roundings of the
+/// bound.
 ///
-/// Products that underflow move it by less than 2^-1072 (1 + M) more. `LEAST_EDGE_BOUND` is far above that, so
-/// that where the edge functions are above the bound nothing underflows that matters; and the bound overflows
-/// long before they do, or what is computed of them.
+/// Products that underflow add less than 2^-1072 (1 + M) to the error. `MIN_EDGE_ERROR_BOUND` is far larger,
+/// so where an edge function exceeds the bound, underflow does not matter. The bound overflows to infinity
+/// long before the edge functions, or anything computed from them, could overflow.
 #[inline(always)]
 pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
     let largest = |p: f64, q: f64, r: f64| max3([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let extent = across + largest(a.z, b.z, c.z);
     let square = HUGE * extent * (across + SHEAR_ROUNDINGS * UNIT_ROUNDOFF * extent);
-    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * square + LEAST_EDGE_BOUND
+    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * square + MIN_EDGE_ERROR_BOUND
 }
 
-/// Roundings of M (M + Z) by which an edge function may be off.
+/// The error bound of an edge function in units of u M (M + Z).
 const EDGE_ROUNDINGS: f64 = 7.0;
 
-/// Roundings of M + Z that count as part of M, for errors of the second order. The proof needs them; a search found
-/// no input that does.
+/// How many times u (M + Z) is added to M to cover the second-order errors. The proof needs it, but a search
+/// found no input that does.
 const SHEAR_ROUNDINGS: f64 = 5.0;
 
-/// 2^500.
+/// A factor that makes the bound overflow before the edge functions do.
 const HUGE: f64 = power_of_two(500);
 
-/// 2^-300.
-const LEAST_EDGE_BOUND: f64 = power_of_two(-300);
+/// The least error bound, which covers underflow.
+const MIN_EDGE_ERROR_BOUND: f64 = power_of_two(-300);
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// Whether the weights of a triangle that is hit, with this sum, give its depth along the ray to within 320
-/// roundings of M + Z, which are those of the error bound. Samples stay below 10.
+/// Whether a triangle that the ray hits is not too steep for interpolating its depth along the ray: the error
+/// of the depth is then at most 320 u (M + Z), with M and Z as for the error bound. In random tests it was
+/// below 10. `area` is the sum of the edge functions.
 ///
-/// Let e be the extents. As a function of x and y, the depth rises by no more than e_z e_y / area along x and
-/// e_z e_x / area along y. So the errors of the vertices, 2 u M + 3.5 u Z, move it by at most G times as much, with
-/// G = (e_x + e_y) e_z / area. The edge functions' own roundings, 4 u X Y each, move it by at most 6 G u M together:
-/// the ray passes within, so that X <= e_x <= 2 X. G is at most 32, or 38 with what the area is off. That makes
-/// 304 u M + 133 u Z, and the rest of the formula adds 15 u (M + Z). No machine has checked this derivation.
+/// Let e be the triangle's extents. As a function of x and y, the depth changes by at most e_z e_y / area per
+/// unit of x and e_z e_x / area per unit of y. So the errors of the vertices, 2 u M + 3.5 u Z, change it by
+/// at most G times as much, with G = (e_x + e_y) e_z / area. The edge functions' own rounding errors, 4 u X Y
+/// each, change it by at most 6 G u M together, since X <= e_x <= 2 X for a ray that passes within the
+/// triangle. G is at most 32, or 38 with the error of the area. This makes 304 u M + 133 u Z, and the rest of
+/// the formula adds 15 u (M + Z). This derivation has not been checked by machine.
 #[inline(always)]
 pub fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
-    // By axis: the vectors' own selections share registers, and become four times as many steps.
+    // Taken axis by axis, because glam's own min and max of vectors compile to four times as many
+    // instructions.
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
 }
@@ -100,7 +110,7 @@ mod tests {
         [DVec3::new(-1.0, -1.0, 3.0), DVec3::new(2.0, -1.0, 4.0), DVec3::new(0.0, 2.0, 5.0)];
 
     #[test]
-    fn a_clear_case_needs_no_more_digits() {
+    fn a_clear_case_needs_no_exact_arithmetic() {
         let [a, b, c] = CORNERS;
         for [a, b, c] in [[a, b, c], [a, c, b]] {
             assert_eq!(sides(edge_functions([a, b, c]), [a, b, c]), Sides::Inside);
@@ -112,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_doubt_about_any_edge_is_a_doubt() {
+    fn one_unsure_edge_makes_the_result_unsure() {
         let half_error_bound = 0.5 * edge_error_bound(CORNERS);
         for k in 0..3 {
             for (sign, unclear) in [

@@ -1,13 +1,13 @@
-//! Ellipsoids: what a sphere becomes under a transform that is no similarity. They alone keep a
-//! matrix at trace time.
+//! Ellipsoids: the images of spheres under transforms that are not similarities. They are the only primitive
+//! that keeps a matrix while rays are traced.
 
 use super::sphere::first_on_ray;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::math::{aabb::Aabb, ray::Ray};
 use glam::{DMat3, DVec3};
 
-/// The image of the unit sphere under `p -> center + linear * p`. The columns of `linear`, the half
-/// axes, are at right angles.
+/// The image of the unit sphere under `p -> center + linear * p`. The columns of `linear` are the semi-axes,
+/// which are orthogonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     center: DVec3,
@@ -15,14 +15,14 @@ pub struct Ellipsoid {
     inverse: DMat3,
 }
 
-/// Where a line crosses the unit sphere, in order, in that sphere's space.
+/// Where a line crosses the ellipsoid, in order: the t, and the points in the space of the unit sphere.
 struct Crossings {
     t: [f64; 2],
     points: [DVec3; 2],
 }
 
 impl Ellipsoid {
-    /// `linear` is not singular.
+    /// The image of the unit sphere. `linear` must not be singular.
     pub fn new(center: DVec3, linear: DMat3) -> Self {
         let linear = half_axes(linear);
         let row = |axis: DVec3| axis / axis.length() / axis.length();
@@ -30,29 +30,29 @@ impl Ellipsoid {
         Self { center, linear, inverse: rows.transpose() }
     }
 
-    /// The tight box: along each axis the ellipsoid reaches as far as its matrix' row is long.
+    /// The tight bounding box: along each axis its half extent is the length of the matrix's row.
     pub fn bounds(&self) -> Aabb {
         let rows = self.linear.transpose();
         let half_extents = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         Aabb { min: self.center - half_extents, max: self.center + half_extents }
     }
 
-    /// The lengths of the half axes.
+    /// The lengths of the semi-axes.
     pub fn half_lengths(&self) -> [f64; 3] {
         let DMat3 { x_axis, y_axis, z_axis } = self.linear;
         [x_axis, y_axis, z_axis].map(DVec3::length)
     }
 
-    /// The nearest crossing on the ray. The direction is not renormalised in the unit sphere's
-    /// space, so t is the world's.
+    /// The nearest t on the ray. The direction is not renormalised in the space of the unit sphere, so t is
+    /// that of world space.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         first_on_ray(self.crossings(ray)?.t, ray)
     }
 
-    /// The outward unit normal and the point of the surface where `ray` meets it at `t`, as found by
+    /// The outward unit normal and the point of the surface where `ray` hits it at `t`, as found by
     /// [`Ellipsoid::intersect`].
     pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
-        // One of the crossings to the last bit; of two at the same t it was the first.
+        // `t` equals that of one of the crossings exactly; where both have the same t, the first was found.
         let on_sphere = match self.crossings(ray) {
             Some(Crossings { t: [near, far], points }) => points[usize::from(t != near && t == far)],
             None => unit(self.inverse * (ray.at(t) - self.center)),
@@ -63,14 +63,14 @@ impl Ellipsoid {
 
     /// Both crossings of the ray's line.
     ///
-    /// All is taken from the line's moment `o x d`, whose terms cancel within a coordinate and not
-    /// between coordinates. So however flat the ellipsoid, and however long in the unit sphere's
-    /// space the ray is along one axis, the other two keep their digits.
+    /// They are computed from the line's moment `o x d`, in which each component has a cancellation of its
+    /// own and none is computed from a sum over all axes. So however flat the ellipsoid is, and however long
+    /// the ray is along one axis in the space of the unit sphere, the other two axes keep their accuracy.
     fn crossings(&self, ray: &Ray) -> Option<Crossings> {
         let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
         let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
         let discriminant = a - moment.length_squared();
-        // Not where one is a NaN, nor for a direction of no length or beyond the range of numbers.
+        // False also for a NaN, and for a direction whose squared length is zero or overflows.
         let crosses = discriminant >= 0.0 && a > 0.0 && a < f64::INFINITY;
         if !crosses {
             return None;
@@ -85,33 +85,33 @@ impl Ellipsoid {
     }
 }
 
-/// The half axes of the unit sphere's image: the matrix, turned on the side of the unit sphere until
-/// its columns are at right angles (Hestenes, "Inversion of Matrices by Biorthogonalization and
-/// Related Results", J. SIAM 6(1), 1958). This keeps the digits of each axis, however short, where
-/// the inverse of the matrix as given would lose them.
+/// The semi-axes of the image of the unit sphere: the matrix times rotations of the unit sphere that make its
+/// columns orthogonal (one-sided Jacobi: Hestenes, "Inversion of Matrices by Biorthogonalization and Related
+/// Results", J. SIAM 6(1), 1958). This keeps each axis accurate, however short it is, whereas an inverse of
+/// the matrix as given would lose the short ones.
 fn half_axes(linear: DMat3) -> DMat3 {
-    // Three or four rounds do; the bound is for numbers at the end of the range.
-    const MOST_ROUNDS: usize = 30;
+    // Three or four sweeps are enough, except for numbers close to overflow or underflow.
+    const MAX_SWEEPS: usize = 30;
     let mut axes = [linear.x_axis, linear.y_axis, linear.z_axis];
-    for _ in 0..MOST_ROUNDS {
-        let turned = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
-            let turned = at_right_angles(axes[i], axes[j]);
-            turned.inspect(|&(p, q)| (axes[i], axes[j]) = (p, q)).is_some()
+    for _ in 0..MAX_SWEEPS {
+        let rotated = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+            let rotated = orthogonalized(axes[i], axes[j]);
+            rotated.inspect(|&(p, q)| (axes[i], axes[j]) = (p, q)).is_some()
         });
-        if turned == [false; 3] {
+        if rotated == [false; 3] {
             break;
         }
     }
     DMat3::from_cols(axes[0], axes[1], axes[2])
 }
 
-/// Two columns turned against each other to right angles; None if they are already.
-fn at_right_angles(p: DVec3, q: DVec3) -> Option<(DVec3, DVec3)> {
-    let common = p.dot(q);
-    if common.abs() <= 4.0 * UNIT_ROUNDOFF * (p.length() * q.length()) {
+/// Two columns after the Jacobi rotation that makes them orthogonal; none if they already are.
+fn orthogonalized(p: DVec3, q: DVec3) -> Option<(DVec3, DVec3)> {
+    let product = p.dot(q);
+    if product.abs() <= 4.0 * UNIT_ROUNDOFF * (p.length() * q.length()) {
         return None;
     }
-    let slope = (q.length_squared() - p.length_squared()) / (2.0 * common);
+    let slope = (q.length_squared() - p.length_squared()) / (2.0 * product);
     let tangent = f64::copysign(1.0, slope) / (slope.abs() + (1.0 + slope * slope).sqrt());
     let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
     Some((cosine * (p - tangent * q), cosine * (q + tangent * p)))

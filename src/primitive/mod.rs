@@ -1,4 +1,4 @@
-//! What a ray can hit: one file each with bounds and intersection, all in f64 and world space.
+//! The primitives that a ray can hit, each with its bounds, intersection and surface, in f64 and world space.
 
 pub mod edge_functions;
 pub mod ellipsoid;

@@ -1,4 +1,4 @@
-//! Infinite planes.
+//! Infinite planes. They have no bounds, so every ray is tested against each of them.
 
 use crate::math::ray::Ray;
 use glam::DVec3;
@@ -6,28 +6,29 @@ use glam::DVec3;
 /// The points p with `normal . p = offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Unit length.
+    /// A unit vector.
     pub normal: DVec3,
     /// The distance from the origin along the normal.
     pub offset: f64,
 }
 
 impl Plane {
-    /// Where the ray crosses the plane; none where it runs alongside, or infinitely fast.
+    /// The t where the ray crosses the plane. None where the ray is parallel to it, or where the direction is
+    /// too long for its product with the normal to be finite.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let speed = self.normal.dot(ray.direction);
-        let t = self.ahead_of(ray.origin) / speed;
-        (ray.covers(t) && speed.is_finite()).then_some(t)
+        let rate = self.normal.dot(ray.direction);
+        let t = self.ahead_of(ray.origin) / rate;
+        (ray.covers(t) && rate.is_finite()).then_some(t)
     }
 
-    /// How far the plane lies ahead of a point, along the normal.
+    /// The signed distance from a point to the plane, positive where the normal points from it to the plane.
     #[inline]
     pub fn ahead_of(&self, point: DVec3) -> f64 {
         self.offset - self.normal.dot(point)
     }
 
-    /// The point of the plane nearest to `point`. It removes the error that `origin + t * direction`
-    /// carries, so that a solid texture whose boundary lies in the plane does not flicker.
+    /// The point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
+    /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
     pub fn project(&self, point: DVec3) -> DVec3 {
         point - (self.normal.dot(point) - self.offset) * self.normal
     }

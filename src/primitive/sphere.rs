@@ -1,10 +1,11 @@
-//! Spheres, by the quadratic form that survives distance.
+//! Spheres, intersected by a form of the quadratic that stays accurate for distant rays (Haines, Guenther and
+//! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
 use crate::math::double_double::{Dd, difference, dot};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::DVec3;
 
-/// The points at `radius` from `center`.
+/// The points at the distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// The centre.
@@ -14,24 +15,22 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// The tight box.
+    /// The tight bounding box.
     pub fn bounds(&self) -> Aabb {
         Aabb { min: self.center - self.radius, max: self.center + self.radius }
     }
 
-    /// The nearest crossing on the ray: the nearer root, or the farther where the nearer lies off it.
+    /// The nearest t on the ray: the smaller root, or the larger one where the smaller is not on the ray.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         first_on_ray(self.roots(ray.origin, ray.direction)?, ray)
     }
 
-    /// Both crossings of a line, in order.
+    /// The two t at which a line crosses the sphere, in order.
     ///
-    /// The discriminant is taken from the line's distance to the centre and the second root from
-    /// the product of the roots, so that neither loses its digits to a cancellation (Haines,
-    /// Guenther, Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-    /// Gems, ch. 7). Two differences still cancel: the discriminant where the line almost touches
-    /// the sphere, and the origin's power where it lies almost on it. There they are computed with
-    /// twice the digits.
+    /// The discriminant is computed from the line's distance to the centre, and the second root from the
+    /// product of the roots, so that neither suffers from cancellation. Two differences can still cancel: the
+    /// discriminant where the line is almost tangent to the sphere, and the origin's power with respect to
+    /// the sphere where the origin is almost on it. There they are computed in double-double arithmetic.
     pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let from_center = origin - self.center;
         let a = direction.length_squared();
@@ -50,13 +49,14 @@ impl Sphere {
         Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
     }
 
-    /// Below this, times the radius, the discriminant may have lost more than half of its digits.
+    /// Where the discriminant is below this times the radius, it may have lost more than half of its digits.
     fn discriminant_error_bound(&self, from_center: DVec3) -> f64 {
         const CLOSE: f64 = 1.0 / (1 << 20) as f64;
         CLOSE * self.radius + 64.0 * UNIT_ROUNDOFF * from_center.abs().max_element()
     }
 
-    /// The square of the radius less that of the line's distance to the centre.
+    /// The squared radius minus the squared distance of the line from the centre, in double-double
+    /// arithmetic.
     #[cold]
     fn precise_discriminant(&self, origin: DVec3, direction: DVec3) -> f64 {
         let f = difference(origin, self.center);
@@ -66,7 +66,7 @@ impl Sphere {
         (b * b - a * (dot(f, f) - r * r)).value() / a.value()
     }
 
-    /// The square of the origin's distance to the centre less that of the radius.
+    /// The power of the origin: its squared distance from the centre minus the squared radius.
     fn power(&self, origin: DVec3, from_center: DVec3) -> f64 {
         const CLOSE: f64 = 1.0 / (1 << 10) as f64;
         let square = self.radius * self.radius;
@@ -81,10 +81,10 @@ impl Sphere {
         (dot(f, f) - r * r).value()
     }
 
-    /// The outward unit normal, and the surface point nearest to `point`, where `ray` meets it.
+    /// The outward unit normal and the point of the sphere nearest to `point`, where `ray` hits it.
     ///
-    /// Where the radius is below the rounding of the centre, the point may be the centre itself. Then
-    /// the sphere is a point, and shows its front.
+    /// Where the radius is smaller than the rounding error of the centre, `point` may be the centre itself.
+    /// Then the normal points against the ray.
     pub fn surface(&self, ray: &Ray, point: DVec3) -> (DVec3, DVec3) {
         let outward = point - self.center;
         let normal = unit(if outward == DVec3::ZERO { -ray.direction } else { outward });
@@ -92,7 +92,7 @@ impl Sphere {
     }
 }
 
-/// The nearer of two ordered crossings that lies on the ray.
+/// The smaller of two ordered roots that lies on the ray.
 pub fn first_on_ray(roots: [f64; 2], ray: &Ray) -> Option<f64> {
     roots.into_iter().find(|&t| ray.covers(t))
 }
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_touches_has_one_crossing_twice_and_one_that_misses_none() {
+    fn a_tangent_has_a_double_root_and_a_line_that_misses_has_none() {
         let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
         let from = |y| sphere.roots(DVec3::new(0.0, y, -5.0), DVec3::Z);
         assert_eq!(from(1.0), Some([5.0, 5.0]));
@@ -141,8 +141,8 @@ mod tests {
         x.to_f64().unwrap()
     }
 
-    /// The quadratic's numbers, exactly: the direction's square, what its product with the way to the centre is,
-    /// the origin's power, and the discriminant.
+    /// The coefficients of the quadratic in exact arithmetic: the direction's squared length, its dot product
+    /// with the vector to the centre, the origin's power, and the discriminant.
     fn quadratic(sphere: &Sphere, origin: DVec3, direction: DVec3) -> [BigRational; 4] {
         let f = [0, 1, 2].map(|i| exact(origin[i]) - exact(sphere.center[i]));
         let d = direction.to_array().map(exact);
@@ -155,7 +155,8 @@ mod tests {
         [a, b, power, discriminant]
     }
 
-    /// Lines from `away` radii off that pass the centre at nearly the radius: `inside` of it less, relatively.
+    /// A sphere and a line, from an origin `away` radii from it, whose distance from the centre is `1 -
+    /// inside` times the radius.
     fn grazing(i: u32, radius: f64, away: f64, inside: f64) -> (Sphere, DVec3, DVec3) {
         let spread = |step: f64| (i as f64 * step).fract() - 0.5;
         let along = DVec3::new(spread(2f64.sqrt()), spread(3f64.sqrt()), 0.75);
@@ -203,7 +204,7 @@ mod tests {
             let q = float(&b) + float(&discriminant).sqrt();
             let [found, other] = sphere.roots(origin, along).unwrap();
             let (near, far) = (float(&power) / q, q / float(&a));
-            // The power cancels by ten bits before it is computed with twice the digits.
+            // The power may lose ten bits to cancellation before it is computed in double-double arithmetic.
             let bits = 2f64.powi(12);
             assert!((found - near).abs() <= bits * UNIT_ROUNDOFF * near.abs(), "{i}: {found} {near}");
             assert!((other - far).abs() <= 16.0 * UNIT_ROUNDOFF * far, "{i}: {other} {far}");

@@ -1,10 +1,10 @@
-//! Triangles by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: whether
-//! a ray hits a triangle is decided as without any rounding, so that every ray through a closed
-//! mesh's shared edge or vertex hits exactly one triangle there.
+//! Triangles, by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: whether a ray
+//! hits a triangle is decided as if there were no rounding, so that a ray through an edge or a vertex that
+//! triangles of a closed mesh share hits exactly one of them.
 //!
-//! This holds for all finite coordinates and directions. A hit has a t that is right to within rounding, and
-//! a normal of unit length; only where t itself is too large for a float the triangle counts as missed. Its
-//! point is known as long as no coordinate is above 2^500.
+//! This holds for all finite coordinates and directions. The t of a hit is accurate to within rounding, and
+//! the normal has unit length. A triangle whose t would overflow counts as missed. The point of a hit is
+//! accurate as long as no coordinate exceeds 2^500.
 
 use crate::math::predicate::{
     area_vector, cross_component, edge_functions as exact_edge_functions, projected_area, volume,
@@ -15,64 +15,67 @@ use crate::math::scaled::on_one_scale;
 use crate::primitive::edge_functions::{Sides, edge_functions, is_well_seen, sides};
 use glam::DVec3;
 
-/// What the test needs of a ray, computed once per ray: the shear that turns its direction into
-/// the z axis, and the axes permuted so that z is the one along which the ray is longest.
+/// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
+/// a permutation of the axes that makes z the one along which the direction is longest.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear<'r> {
     ray: &'r Ray,
     axes: [usize; 3],
-    /// The ray's origin, by these axes.
+    /// The ray's origin, with its axes permuted.
     origin: DVec3,
-    /// x and y shear per unit of z; the scale that turns a depth along z into t.
+    /// x and y are the shear per unit of z, and z is the factor that converts a depth along z to t.
     scale: DVec3,
 }
 
-/// The point of a triangle with these weights, which need not sum to one: within rounding of its vertices,
-/// and never beyond an edge by more, however far away the ray began that crosses it there.
+/// The point of a triangle with these barycentric weights, which need not add up to one. Its error is that of
+/// rounding the vertices, so the point is at most that far beyond an edge, however distant the ray's origin
+/// is.
 pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     (u * a + v * b + w * c) / (u + v + w)
 }
 
 impl<'r> Shear<'r> {
-    /// Along a ray. One that leads nowhere, or whose direction is not finite, misses every triangle.
+    /// The shear for a ray. A ray whose direction is zero or not finite misses every triangle.
     #[inline(always)]
     pub fn new(ray: &'r Ray) -> Self {
         let d = ray.direction.to_array();
         let [x, y, z] = d.map(f64::abs);
-        // Without branches, which rays in all directions would take at random.
+        // Without branches, because they would be unpredictable for rays in all directions.
         let z = usize::from(!((x > y) & (x > z))) + usize::from((z >= x) & (z >= y));
         static ACROSS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
         let [x, y] = ACROSS[z];
-        // Of an infinite length no t is right; NaN makes it no number, and so every triangle a miss.
+        // No t is meaningful for a direction of infinite length. The NaN makes every triangle a miss.
         let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
         let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
         let o = ray.origin.to_array();
         Self { ray, axes: [x, y, z], origin: DVec3::new(o[x], o[y], o[z]), scale }
     }
 
-    /// A vertex seen along the ray: x and y across it, z the depth along the longest axis.
+    /// A vertex in the sheared space: x and y are its distances from the ray, z its depth along the longest
+    /// axis.
     #[inline(always)]
     fn apply(&self, vertex: &DVec3) -> DVec3 {
-        // As an array where it stands: picking from a vector by number branches, and a copy would
-        // have to be written before it is read.
+        // The vertex is indexed in place as an array: indexing a glam vector branches, and a copy would have
+        // to be stored to memory before it is indexed.
         let v: &[f64; 3] = vertex.as_ref();
         let [x, y, z] = self.axes;
         let v = DVec3::new(v[x], v[y], v[z]) - self.origin;
         DVec3::new(v.x - self.scale.x * v.z, v.y - self.scale.y * v.z, v.z)
     }
 
-    /// Where the ray's line crosses the triangle, whatever its winding; any t, also a negative one.
+    /// The t where the ray's line crosses the triangle, whatever its winding. It may be negative.
     ///
-    /// It does where the three edge functions have one sign. Where rounding leaves a doubt about a
-    /// sign, it is decided exactly, and where an edge function is truly zero, as if the ray were
-    /// moved by an infinitesimal amount. So neighbours never disagree about an edge, and a triangle
-    /// without area, or one that lies along the ray, is missed without opening a gap.
+    /// The line crosses the triangle where the three edge functions have the same sign. A sign that is within
+    /// the error bound is decided in exact arithmetic, and where an edge function is exactly zero, as if the
+    /// ray were moved by an infinitesimal amount. So two triangles never disagree about the edge they share,
+    /// and a triangle without area, or one that contains the ray's direction, is missed without opening a
+    /// gap.
     #[inline(always)]
     pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
         self.hit(corners).map(|(t, _)| t)
     }
 
-    /// The same with the weights of the vertices at the crossing, up to a common factor.
+    /// The same with the barycentric weights of the crossing, up to a common factor.
     #[inline(always)]
     pub fn hit(&self, corners: [&DVec3; 3]) -> Option<(f64, [f64; 3])> {
         let (a, b, c) = self.sheared(corners);
@@ -84,7 +87,7 @@ impl<'r> Shear<'r> {
         }
         let [u, v, w] = weights;
         let sum = u + v + w;
-        // In this form vertices in another order move t by hardly more than its rounding.
+        // In this form another order of the vertices changes t by little more than its rounding error.
         let t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
         if is_well_seen([a, b, c], sum) && t.is_finite() {
             return Some((t, weights));
@@ -92,7 +95,8 @@ impl<'r> Shear<'r> {
         self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))
     }
 
-    /// The weights alone, for callers that do not need t.
+    /// The weights alone, for callers that do not need t. They are none exactly where [`hit`](Self::hit) finds
+    /// no crossing, except for a t that overflows.
     #[inline]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
@@ -106,17 +110,19 @@ impl<'r> Shear<'r> {
 
     #[inline(always)]
     fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (DVec3, DVec3, DVec3) {
-        // Written out: a mapped array goes through memory, and waits for it.
+        // Written out, because a mapped array would be stored to memory and loaded again.
         (self.apply(p), self.apply(q), self.apply(r))
     }
 
+    /// The t of a triangle for which rounding errors do not tell whether it is hit.
     #[cold]
     fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<(f64, [f64; 3])> {
         let weights = self.decide(vertices)?;
         Some((self.exact_t(vertices, depths)?, weights))
     }
 
-    /// The t where the ray meets the triangle's plane, rounded a few times.
+    /// The t where the ray crosses the triangle's plane, from exact determinants that are rounded before the
+    /// division.
     #[cold]
     fn exact_t(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<f64> {
         let Ray { origin, direction, .. } = *self.ray;
@@ -124,15 +130,15 @@ impl<'r> Shear<'r> {
             return None;
         }
         let t = volume(origin, vertices).over(projected_area(direction, vertices));
-        // As the vertices' own t are rounded: so t is the same for triangles in one plane across an axis.
+        // Clamped to the rounded t of the vertices, so that triangles in one plane across an axis agree on t.
         let [p, q, r] = depths.map(|z| self.scale.z * z);
-        let (min3, max3) = (p.min(q).min(r), p.max(q).max(r));
-        let t = if min3.is_finite() && max3.is_finite() { t.max(min3).min(max3) } else { t };
+        let (min, max) = (p.min(q).min(r), p.max(q).max(r));
+        let t = if min.is_finite() && max.is_finite() { t.max(min).min(max) } else { t };
         t.is_finite().then_some(t)
     }
 
     /// The edge functions with exact signs, all divided by the same power of two, if the ray, moved by an
-    /// infinitesimal amount, lies on one side of all three edges.
+    /// infinitesimal amount, passes on the same side of all three edges.
     #[cold]
     fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
         let Ray { origin, direction, .. } = *self.ray;
@@ -148,9 +154,9 @@ impl<'r> Shear<'r> {
         inside.then(|| on_one_scale(weights))
     }
 
-    /// On which side of an edge the ray is that truly meets the edge's line: as if it had moved, in
-    /// the sheared plane, towards negative x, and infinitely less towards negative y. Zero for an
-    /// edge along the ray.
+    /// The side of an edge on which the ray passes that meets the edge's line exactly: as if the ray were
+    /// moved in the sheared plane by an infinitesimal amount towards negative x, and by an infinitely smaller
+    /// one towards negative y. Zero for an edge that is parallel to the ray.
     fn side_of_edge_met(&self, edge: [DVec3; 2]) -> i32 {
         let (d, [x, y, z]) = (self.ray.direction, self.axes);
         let sheared = |axis: usize| cross_component(d, edge, [z, axis]).sign();
@@ -158,13 +164,14 @@ impl<'r> Shear<'r> {
     }
 }
 
-/// The outward unit normal: vertices run counter-clockwise seen from outside. Right to 2^-20 for every triangle
-/// with an area, and NaN for one without.
+/// The outward unit normal; the vertices run counter-clockwise seen from outside. Its error is at most 2^-20
+/// for every triangle with an area. It is NaN for a triangle without one.
 #[inline(always)]
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    /// The square of the tangent of the angle at which the rounding of two edges moves the normal by so much.
+    /// The squared tangent of the angle between two edges at which their rounding changes the normal by
+    /// 2^-20.
     const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
-    /// The square of a length above which nothing has underflowed that matters.
+    /// The squared length of the cross product above which underflow does not matter.
     const SHORT: f64 = 1e-280;
     let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
@@ -262,8 +269,8 @@ mod tests {
 
     #[test]
     fn a_triangle_on_one_line_is_missed_and_leaves_no_gap() {
-        // The long side of one triangle is shared by two halves, and a triangle without area stands
-        // between. Its third corner lies on the side exactly.
+        // Two small triangles share the long side of another, and a triangle without area fills the seam. Its
+        // third corner lies exactly on that side.
         let (p, q) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.7, -0.4, 0.9));
         let [p, q] = [p, q].map(|v| v.as_vec3().as_dvec3());
         let m = 0.5 * (p + q);
@@ -285,20 +292,20 @@ mod tests {
         assert_eq!(weights.map(|w| point(t, w)), Some(DVec3::new(0.25, 0.5, 0.0)));
     }
 
-    /// Rays and two points, bit by bit: direction, origin, p and q. The ray is on the other side of the line
-    /// from p to q than its edge function says, which is as large as hill climbing could make it in the time:
-    /// against the bound 0.77, 0.84, 0.73 and 0.86.
+    /// Rays and two points as bit patterns: direction, origin, p and q. The computed edge function of p and q
+    /// has the wrong sign, and hill climbing made it as large as it could: 0.77, 0.84, 0.73 and 0.86 of the
+    /// error bound.
     #[rustfmt::skip]
     const WORST: [[u64; 12]; 4] = [
-        // Close to the ray, compared with the way to it,
+        // The points are close to the ray compared with their distance along it,
         [0x3ff462c58f4473e3, 0xbff462c3841b646e, 0x3ff462c58f44750b, 0xbf9b3fd515406c23, 0xbf7f07473e70177b, 0x3fa5aadbc27c8810,
          0x3ff214a44971a339, 0xbff2a0a9036de5f1, 0x3ff32efa75fa281b, 0x3fefc2872847eff0, 0xbff06d4893ecf834, 0x3ff0fb99cc6d40e1],
         [0x3ff45ed4a899c19f, 0xbff45ed4335adb09, 0x3ff45ed4a899c2c6, 0x3f41c9cd9afe4c11, 0xbfa84c83c5eb512e, 0x3f8761b2bd743c40,
          0x3ff0b268385069c3, 0xbff17285bcb7a993, 0x3ff0def37c1dca1e, 0x3ff0135ce8b24de6, 0xbff0d39470bbc60d, 0x3ff03fe5fc7400ba],
-        // as far from it,
+        // about as far from it as along it,
         [0x3ff371ef42ed53df, 0xbff3ee97e4517352, 0x3ff3ee97e4519fe5, 0xbfee4ca3c40e83d8, 0x3fde46a795de4ee7, 0xbfcc3017a5b4ed30,
          0x3fc2e4a518224cb4, 0xbfe213ee9afceda3, 0x3fecd576874e7d3b, 0x3fc2bd5bf9fc151b, 0xbfe767fedf6a0f8d, 0x3fecd512b61cfb1f],
-        // and as close as rounding leaves them.
+        // and no farther from it than the rounding errors.
         [0x3ff07312bf37470e, 0x3ff06b597f3fef5c, 0x3ff07313ffa0c5bb, 0x3fe3c84e95f06e43, 0x3feedf2b40d8ffd9, 0xbfd1ca6b47eec18a,
          0x3ffb2201614a5234, 0x400052aba04015ce, 0x3fe99681285b7b8a, 0x3ffb195c6b31c49c, 0x40004e5b2cc6698f, 0x3fe985373ad99da2],
     ];
@@ -312,14 +319,14 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_of_an_edge_function_is_reached_but_for_a_third_and_never_passed() {
+    fn the_worst_error_of_an_edge_function_is_between_two_thirds_and_all_of_the_bound() {
         for (ray, [p, q]) in worst() {
             let sheared = [p, q, p].map(|v| Shear::new(&ray).apply(&v));
             let [_, _, found] = edge_functions(sheared);
             let exact = projected_area(ray.direction, [ray.origin, p, q]).sign();
             assert!(exact as f64 * found < 0.0, "the case tests nothing: {exact} {found}");
-            let share = found.abs() / edge_error_bound(sheared);
-            assert!((2.0 / 3.0..1.0).contains(&share), "{share}");
+            let ratio = found.abs() / edge_error_bound(sheared);
+            assert!((2.0 / 3.0..1.0).contains(&ratio), "{ratio}");
         }
     }
 
@@ -328,7 +335,7 @@ mod tests {
         for (ray, [p, q]) in worst() {
             let shear = Shear::new(&ray);
             let [x, y, z] = shear.axes;
-            // A point beside the edge, so many times as far from the ray as p is.
+            // A point beside the edge, `times` as far from the ray as p is.
             let beside = |times: f64| {
                 let seen = shear.apply(&p);
                 let mut point = p;

@@ -1,4 +1,5 @@
-//! Placing the objects of a scene in a world.
+//! Builds a world from a scene: each object is transformed to world space and appended to the primitives of
+//! its kind.
 
 use super::{Placement, World, course_sphere_box};
 use crate::math::aabb::Aabb;
@@ -12,19 +13,21 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::mem;
 
-/// A world in the making: materials per list until the numbers are known.
+/// A world under construction. Materials are kept per kind of primitive, because the ids of the primitives
+/// are known only when all objects have been placed.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
     files: &'a [MeshFile],
-    /// How many objects are still to be placed that name each mesh.
+    /// For each mesh, how many of the objects that are not placed yet use it.
     uses: Vec<usize>,
     world: World,
-    /// Runs as in `material_runs`, but each list counted from 0: triangles, spheres, ellipsoids, planes.
+    /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, spheres,
+    /// ellipsoids and planes.
     materials: [Vec<(u32, u32)>; 4],
 }
 
 impl<'a> Builder<'a> {
-    /// Of a world without objects. `meshes` are those that the scene names, in its order.
+    /// Starts from a world without objects. `meshes` are those that the scene names, in its order.
     pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Self {
         let mut uses = vec![0; meshes.len()];
         for object in &scene.objects {
@@ -35,6 +38,7 @@ impl<'a> Builder<'a> {
         Self { meshes, files: &scene.meshes, uses, world, materials: Default::default() }
     }
 
+    /// Places an object. An error tells the position of the object or of the transform around it.
     pub fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
         if !placement.matrix.is_finite() {
             return Err(placement.error(Problem::TransformOverflow));
@@ -55,16 +59,17 @@ impl<'a> Builder<'a> {
             Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
-        if self.fits() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
+        if self.ids_fit() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
     }
 
-    /// An error of a mesh that no transform stands around, at the place where the scene names it.
+    /// An error in a mesh, with the position where the scene names the mesh if no transform is around it.
     fn at_mesh(&self, error: SceneError, mesh: usize, placement: &Placement) -> SceneError {
         let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
         file.map_or(error.clone(), |file| SceneError { at: file.at, ..error })
     }
 
-    fn fits(&self) -> bool {
+    /// Whether 32-bit indices suffice for the vertices and the primitives.
+    fn ids_fit(&self) -> bool {
         let w = &self.world;
         w.vertices.len() < u32::MAX as usize && w.finite_count() + w.planes.len() < u32::MAX as usize
     }
@@ -80,9 +85,10 @@ impl<'a> Builder<'a> {
         let (first, count) = (world.vertices.len(), world.triangles.len());
         world.vertices.extend(vertices);
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
-        self.note_triangles(first, count, placement, material)
+        self.finish_triangles(first, count, placement, material)
     }
 
+    /// Places a mesh. The last use of the first mesh takes its lists over instead of copying them.
     fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
         let map = |p: DVec3| placement.place(p);
         let mesh = mem::take(&mut self.meshes[id]);
@@ -94,7 +100,7 @@ impl<'a> Builder<'a> {
                 if placement.transform.is_some() {
                     self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
                 }
-                self.note_triangles(0, 0, placement, material)
+                self.finish_triangles(0, 0, placement, material)
             }
             mesh => {
                 let vertices = mesh.vertices.iter().map(|&v| map(v));
@@ -107,25 +113,26 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Does what is left to do for the world's triangles from `first` and vertices from `first_vertex` on.
-    fn note_triangles(
+    /// Completes the triangles from index `first` and the vertices from index `first_vertex` on: records
+    /// their material, corrects their winding and checks their coordinates.
+    fn finish_triangles(
         &mut self,
         first_vertex: usize,
         first: usize,
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        note_run(&mut self.materials[0], first, material);
-        // A mirroring matrix turns the winding; two swapped vertices turn it back.
+        push_run(&mut self.materials[0], first, material);
+        // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let new = &self.world.vertices[first_vertex..];
         let bounds =
-            if new.iter().all(|v| v.is_finite()) { Aabb::around(new.iter().copied()) } else { BROKEN };
-        // An empty group of triangles has an empty, infinite box, which is no fault.
-        let is_near = bounds.is_empty() || (are_in_range(bounds.min) && are_in_range(bounds.max));
-        self.grow(bounds, is_near, placement)
+            if new.iter().all(|v| v.is_finite()) { Aabb::around(new.iter().copied()) } else { OVERFLOWED };
+        // A mesh without triangles has an empty box with infinite corners, which is not an error.
+        let is_in_range = bounds.is_empty() || (are_in_range(bounds.min) && are_in_range(bounds.max));
+        self.grow(bounds, is_in_range, placement)
     }
 
     fn sphere(
@@ -137,25 +144,25 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let matrix = placement.matrix;
         let linear = matrix.matrix3;
-        let (middle, max_abs_coord) = (placement.place(center), linear * radius);
+        let center_in_world = placement.place(center);
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
         let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
-            note_run(&mut self.materials[1], self.world.spheres.len(), material);
-            self.world.spheres.push(Sphere { center: middle, radius: scale * radius });
+            push_run(&mut self.materials[1], self.world.spheres.len(), material);
+            self.world.spheres.push(Sphere { center: center_in_world, radius: scale * radius });
             [scale * radius; 3]
         } else {
-            note_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
-            let ellipsoid = Ellipsoid::new(middle, max_abs_coord);
+            push_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
+            let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
             self.world.ellipsoids.push(ellipsoid);
             ellipsoid.half_lengths()
         };
         if half_lengths.iter().any(|&length| length < SMALLEST_RADIUS) {
             return Err(placement.error(Problem::RadiusTooSmall));
         }
-        let is_near = are_in_range(middle) && are_in_range(half_lengths.into());
-        self.grow(course_sphere_box(center, radius, placement), is_near, placement)
+        let is_in_range = are_in_range(center_in_world) && are_in_range(half_lengths.into());
+        self.grow(course_sphere_box(center, radius, placement), is_in_range, placement)
     }
 
     fn plane(
@@ -166,7 +173,7 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         let normal = robust::unit(normal);
-        note_run(&mut self.materials[3], self.world.planes.len(), material);
+        push_run(&mut self.materials[3], self.world.planes.len(), material);
         let plane = match placement.transform {
             None => Plane { normal, offset },
             Some(_) => transformed_plane(normal, offset, placement)?,
@@ -175,16 +182,18 @@ impl<'a> Builder<'a> {
         if !plane.normal.is_finite() {
             return Err(placement.error(Problem::NoNormal));
         }
-        let is_near = plane.offset.abs() <= LARGEST;
-        if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
+        let is_in_range = plane.offset.abs() <= LARGEST;
+        if is_in_range { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 
-    /// Takes the box of a new object, which is refused unless its coordinates are in range.
-    fn grow(&mut self, bounds: Aabb, is_near: bool, placement: &Placement) -> Result<(), SceneError> {
+    /// Extends the world's bounds by those of a new object, which is an error unless its coordinates are in
+    /// range.
+    fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), SceneError> {
         self.world.bounds = self.world.bounds.union(bounds);
-        if is_near { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
+        if is_in_range { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
     }
 
+    /// The finished world, in which the primitives have their ids.
     pub fn finish(self) -> Result<World, SceneError> {
         let mut world = self.world;
         let counts = [world.triangles.len(), world.spheres.len(), world.ellipsoids.len(), world.planes.len()];
@@ -206,12 +215,12 @@ fn transformed_plane(normal: DVec3, offset: f64, placement: &Placement) -> Resul
     if robust::is_singular(linear) {
         return Err(placement.error(Problem::SingularTransform));
     }
-    let there = robust::unit(robust::transformed_normal(linear, normal));
-    Ok(Plane { normal: there, offset: there.dot(placement.place(offset * normal)) })
+    let transformed = robust::unit(robust::transformed_normal(linear, normal));
+    Ok(Plane { normal: transformed, offset: transformed.dot(placement.place(offset * normal)) })
 }
 
-/// The box of something whose coordinates overflowed.
-const BROKEN: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+/// The box of an object whose coordinates overflowed.
+const OVERFLOWED: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
 /// The faces of a box over [`Aabb::corners`], counter-clockwise seen from outside.
 const BOX_FACES: [[u32; 3]; 12] = [
@@ -229,7 +238,8 @@ const BOX_FACES: [[u32; 3]; 12] = [
     [4, 7, 6],
 ];
 
-fn note_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
+/// Starts a new run of primitives with this material at index `first`, unless the last run has the same one.
+fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
     if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
         runs.push((first as u32, material as u32));
     }
