@@ -1,55 +1,57 @@
-//! Camera rays.
+//! The camera: generates the primary ray of each sample.
 
 use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
 use crate::scene;
 use glam::{DVec2, DVec3};
 
-/// A camera with its axes at right angles.
+/// A camera with orthogonal axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     center: DVec3,
     direction: DVec3,
-    /// To the right and up across the whole screen.
+    /// The vector to the right across the whole screen.
     horizontal: DVec3,
+    /// The vector up across the whole screen.
     vertical: DVec3,
-    perspective: bool,
-    /// Picture size in pixels.
+    is_perspective: bool,
+    /// The picture's width and height in pixels.
     size: DVec2,
 }
 
-/// The one point that all camera rays start at, and what they run along.
+/// The origin of all camera rays of a perspective camera, and their directions as an affine function of the
+/// pixel.
 ///
-/// Through the centre of the pixel in column i of row j it is `direction + (i - middle.x) right +
-/// (j - middle.y) up`, before it becomes a unit vector.
+/// The direction through the centre of the pixel in column i of row j is `direction + (i - middle.x) right +
+/// (j - middle.y) up`, before it is normalised.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye {
-    /// Where the rays start.
+    /// The origin of the rays.
     pub center: DVec3,
-    /// To the picture's middle.
+    /// The direction to the middle of the picture.
     pub direction: DVec3,
-    /// From one pixel's centre to the next.
+    /// The step from one pixel's centre to that of the next pixel in the row.
     pub right: DVec3,
-    /// From one row's centres to the next's.
+    /// The step from one row of pixel centres to the next.
     pub up: DVec3,
-    /// The picture's middle, counted from the centre of its lower left pixel.
+    /// The middle of the picture in pixels, relative to the centre of the lower left pixel.
     pub middle: DVec2,
 }
 
 impl Camera {
-    /// The eye, where there is one: an orthographic camera has none.
+    /// The eye of a perspective camera; none for an orthographic one.
     pub fn eye(&self) -> Option<Eye> {
         let Self { center, direction, .. } = *self;
         let longer = self.size.max_element();
         let (right, up) = (self.horizontal / longer, self.vertical / longer);
         let middle = 0.5 * self.size - 0.5;
-        self.perspective.then_some(Eye { center, direction, right, up, middle })
+        self.is_perspective.then_some(Eye { center, direction, right, up, middle })
     }
 
-    /// `size` is the picture's width and height in pixels. The longer side spans the screen and the
-    /// shorter is cropped around the middle.
+    /// The camera for a picture with this width and height in pixels. The longer side spans the square
+    /// screen, which the shorter side crops around its middle.
     pub fn new(camera: &scene::Camera, size: [usize; 2]) -> Self {
-        let (center, direction, up, screen, perspective) = match *camera {
+        let (center, direction, up, screen, is_perspective) = match *camera {
             scene::Camera::Orthographic { center, direction, up, size } => {
                 (center, direction, up, size, false)
             }
@@ -64,22 +66,22 @@ impl Camera {
             direction,
             horizontal: screen * right,
             vertical: screen * right.cross(direction),
-            perspective,
+            is_perspective,
             size: DVec2::new(size[0] as f64, size[1] as f64),
         }
     }
 
-    /// The ray through the point `offset` from the centre of a pixel, which is counted in whole
-    /// numbers from the picture's lower left. Its direction is a unit vector.
+    /// The ray through the point at `offset` from the centre of a pixel, whose integer coordinates start with
+    /// 0 at the lower left of the picture. Its direction is a unit vector.
     pub fn ray(&self, pixel: DVec2, offset: DVec2) -> Ray {
-        // A centre's distance from the middle is exact, so that samples which mirror each other in
-        // the picture do so to the last bit.
+        // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
+        // exact mirror images.
         let screen = (pixel + 0.5 - 0.5 * self.size + offset) / self.size.max_element();
         let across = screen.x * self.horizontal + screen.y * self.vertical;
-        if self.perspective {
+        if self.is_perspective {
             Ray::new(self.center, (self.direction + across).normalize())
         } else {
-            // The course's orthographic camera also sees what is behind its plane.
+            // As in the course an orthographic camera also sees objects behind its plane.
             Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center + across, self.direction) }
         }
     }
@@ -123,7 +125,7 @@ mod tests {
         assert!((left.direction.length() - 1.0).abs() < 1e-15);
     }
 
-    /// Both kinds from one point in the same direction.
+    /// A camera of each kind at the same point with the same direction.
     fn oblique() -> [scene::Camera; 2] {
         let (center, direction, up) =
             (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 3.0, -4.0), DVec3::new(0.0, 1.0, 0.0));
@@ -132,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_through_known_places() {
+    fn rays_through_known_points() {
         // The axes are +x to the right, and (0, 4, 3) / 5 up.
         let [orthographic, perspective] = oblique().map(|camera| Camera::new(&camera, [6, 3]));
         let (pixel, offset) = (DVec2::new(5.0, 0.0), DVec2::new(0.25, -0.25));
@@ -158,10 +160,10 @@ mod tests {
             let camera = Camera::new(&perspective, size);
             let eye = camera.eye().unwrap();
             for pixel in [DVec2::ZERO, DVec2::new(2.0, 1.0), DVec2::new(1.0, 2.0)] {
-                let place = pixel - eye.middle;
-                let along = (eye.direction + place.x * eye.right + place.y * eye.up).normalize();
+                let offset = pixel - eye.middle;
+                let expected = (eye.direction + offset.x * eye.right + offset.y * eye.up).normalize();
                 let ray = camera.ray(pixel, DVec2::ZERO);
-                assert!((along - ray.direction).length() < 1e-15, "{pixel}");
+                assert!((expected - ray.direction).length() < 1e-15, "{pixel}");
                 assert_eq!(ray.origin, eye.center);
             }
         }

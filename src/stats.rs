@@ -1,6 +1,7 @@
-//! Counters, and the statistics block of the course.
+//! Counters, and the statistics that `-stats` prints.
 //!
-//! Whether anything is counted is a type parameter: with [`Quiet`] nothing of it is compiled in.
+//! Whether events are counted is a type parameter, so that the code for [`Quiet`] contains no counters at
+//! all.
 
 use crate::math::aabb::Aabb;
 use std::fmt;
@@ -8,8 +9,9 @@ use std::time::Duration;
 
 /// Receives the events that the course's program counts.
 pub trait Probe: Default + Send {
-    /// Whether anybody reads the counters. If so the tracer does what the course's program does: a
-    /// shadow ray for every light, and the nearest hit sought even where any would do.
+    /// Whether the counts are reported. If so, the tracer does the same work as the course's program, so that
+    /// the counts are comparable: it casts a shadow ray for every light, and finds the nearest hit even where
+    /// any hit would be enough.
     const COUNTS: bool;
     /// A camera ray, or a reflected or refracted one.
     fn non_shadow_ray(&mut self);
@@ -19,9 +21,9 @@ pub trait Probe: Default + Send {
     fn intersections(&mut self, count: usize);
     /// A step from one grid cell to the next, or out of the grid.
     fn cell(&mut self);
-    /// Adds what another thread counted.
+    /// The sum with the counts of another thread.
     fn merge(self, other: Self) -> Self;
-    /// What was counted; zeros where nothing is.
+    /// The counts, which are zero for a probe that does not count.
     fn counts(&self) -> Counts;
 }
 
@@ -43,16 +45,16 @@ impl Probe for Quiet {
     }
 }
 
-/// Counts what the course's program counts.
+/// The events that the course's program counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Camera rays, and reflected and refracted ones.
+    /// Camera rays, reflected rays and refracted rays.
     pub non_shadow_rays: u64,
     /// Rays towards lights.
     pub shadow_rays: u64,
     /// Tests of a ray against a primitive.
     pub intersections: u64,
-    /// Steps from cell to cell.
+    /// Steps from one grid cell to the next, or out of the grid.
     pub cells_traversed: u64,
 }
 
@@ -83,7 +85,7 @@ impl Probe for Counts {
     }
 }
 
-/// How long each stage took.
+/// The time that each stage took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timings {
     /// Reading the scene and its meshes.
@@ -96,21 +98,21 @@ pub struct Timings {
     pub writing: Duration,
 }
 
-/// The course's statistics block, and a second one with the time of each stage. `Display` prints
-/// both; the first is the course's byte for byte but for the milliseconds in the time.
+/// The course's statistics block, followed by a block with the time of each stage. `Display` prints both. The
+/// first has the course's format byte for byte, except that its time has milliseconds.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Width and height in pixels.
+    /// The picture's width and height in pixels.
     pub size: [usize; 2],
-    /// None where the scene has no finite primitive.
+    /// The bounding box of the finite primitives; none where the scene has none.
     pub bounds: Option<Aabb>,
-    /// Cells along each axis, where there is a grid.
+    /// The number of cells along each axis; none without a grid.
     pub grid: Option<[usize; 3]>,
-    /// What was counted.
+    /// The events that were counted.
     pub counts: Counts,
-    /// How long it took.
+    /// The time that each stage took.
     pub timings: Timings,
-    /// How many threads rendered.
+    /// The number of threads that rendered.
     pub threads: usize,
 }
 
@@ -148,7 +150,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// `H:MM:SS.mmm`, hours unpadded.
+/// The time as `H:MM:SS.mmm`, with unpadded hours.
 fn clock(time: Duration) -> String {
     let ms = time.as_millis();
     let (s, m, h) = (ms / 1000, ms / 60_000, ms / 3_600_000);
@@ -164,7 +166,7 @@ fn cells([x, y, z]: [usize; 3]) -> String {
     format!("{} ({x}x{y}x{z})", x * y * z)
 }
 
-/// One decimal; 0.0 for nothing out of nothing, where the course's program would print `nan`.
+/// The quotient with one decimal. 0 / 0 gives 0.0, where the course's program would print `nan`.
 fn ratio(part: f64, whole: f64) -> String {
     format!("{:.1}", if part == 0.0 { 0.0 } else { part / whole })
 }

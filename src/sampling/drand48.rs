@@ -1,5 +1,5 @@
-//! The 48-bit linear congruential generator of the C library's `drand48`, from which the course's
-//! pictures took their random numbers: X <- (0x5DEECE66D X + 0xB) mod 2^48.
+//! The 48-bit linear congruential generator of the C library's `drand48`, X <- (0x5DEECE66D X + 0xB) mod
+//! 2^48. The course's pictures were made with its random numbers.
 
 use rand::TryRng;
 use std::convert::Infallible;
@@ -15,10 +15,10 @@ pub struct Drand48 {
 }
 
 impl Drand48 {
-    /// As a C program starts that never seeds it, like the course's: X = 0.
+    /// The state X = 0, with which a C program starts that never seeds the generator, as the course's.
     pub const UNSEEDED: Self = Self { state: 0 };
 
-    /// As after C's `srand48(seed)`.
+    /// The state after C's `srand48(seed)`.
     pub fn seeded(seed: u32) -> Self {
         Self { state: (seed as u64) << 16 | 0x330E }
     }
@@ -28,7 +28,7 @@ impl Drand48 {
     pub fn jumped(self, mut steps: u64) -> Self {
         let (mut factor, mut addend) = (MULTIPLIER, INCREMENT);
         let mut state = self.state;
-        // The step x -> factor x + addend, doubled at every bit.
+        // x -> factor x + addend is the map of 2^k steps at bit k.
         while steps > 0 {
             if steps & 1 == 1 {
                 state = affine(factor, addend, state);
@@ -58,7 +58,7 @@ impl TryRng for Drand48 {
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        // Six good bytes a word.
+        // A word has six random bytes, since its lower 16 bits are zero.
         for chunk in bytes.chunks_mut(6) {
             let word = self.try_next_u64()?.to_be_bytes();
             chunk.copy_from_slice(&word[..chunk.len()]);

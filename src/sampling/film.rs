@@ -1,8 +1,9 @@
-//! The film: samples of a row of pixels spread over the rows around it, rows added up in order.
+//! The film: adds filtered samples up to the colours of pixels.
 //!
-//! No sample is kept. A row of pixels leaves one row of sums for each row of the picture that its
-//! samples reach, and the film adds these in the order of the rows they come from. So memory does
-//! not depend on the number of samples, and no sum on who computed it when.
+//! No sample is stored. The thread that traces a row of pixels accumulates a [`Spread`], which has one row of
+//! weighted sums for each row of the picture that the samples contribute to, and the [`Film`] adds the
+//! spreads in the order of their rows. So the memory does not depend on the number of samples, and the sums
+//! do not depend on the number of threads or their timing.
 
 use super::filter::Filter;
 use crate::scene::Color;
@@ -10,7 +11,7 @@ use glam::DVec2;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 
-/// Weighted samples on their way to a pixel.
+/// The weighted sum of the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sum {
     color: Color,
@@ -20,7 +21,7 @@ pub struct Sum {
 impl Sum {
     /// Adds a sample.
     pub fn add(&mut self, weight: f64, color: Color) {
-        // Without weight even a colour that is not a number leaves no trace.
+        // A sample of weight zero is skipped, since its product with a NaN or an infinity would be a NaN.
         if weight != 0.0 {
             self.join(Sum { color: weight * color, weight });
         }
@@ -31,49 +32,49 @@ impl Sum {
         self.weight += other.weight;
     }
 
-    /// Black where no sample counts.
+    /// The weighted mean of the samples, or black where no sample has weight.
     pub fn color(&self) -> Color {
         match self.weight {
             0.0 => Color::ZERO,
-            // The usual single sample needs no division.
+            // The usual case of a single sample needs no division.
             1.0 => self.color,
             weight => self.color / weight,
         }
     }
 }
 
-/// What the samples of one row of pixels add to the rows around it.
+/// The contributions of the samples in one row of pixels to that row and the rows around it.
 #[derive(Clone, Debug)]
 pub struct Spread {
     filter: Filter,
     width: usize,
     /// The row of pixels that the samples lie in.
     row: usize,
-    /// The rows of the picture they reach.
-    reached: RangeInclusive<usize>,
+    /// The rows of the picture that the samples contribute to.
+    target_rows: RangeInclusive<usize>,
     support: usize,
-    /// The reached rows one after the other.
+    /// The sums of these rows, one row after the other.
     sums: Vec<Sum>,
 }
 
 impl Spread {
-    /// Of row `row` in a picture of this size.
+    /// An empty spread for row `row` of a picture with this width and height.
     pub fn new(filter: Filter, row: usize, [width, height]: [usize; 2]) -> Self {
-        // Beyond the picture there is nothing to reach.
+        // A support beyond the picture's size makes no difference.
         let support = filter.support().min(width.max(height));
-        let reached = row.saturating_sub(support)..=(row + support).min(height - 1);
-        let rows = reached.end() - reached.start() + 1;
-        Self { filter, width, row, support, sums: vec![Sum::default(); rows * width], reached }
+        let target_rows = row.saturating_sub(support)..=(row + support).min(height - 1);
+        let rows = target_rows.end() - target_rows.start() + 1;
+        Self { filter, width, row, support, sums: vec![Sum::default(); rows * width], target_rows }
     }
 
-    /// Bytes of sums that one row of pixels leaves.
+    /// The memory in bytes that the sums of one spread take at most.
     pub fn bytes(filter: Filter, [width, height]: [usize; 2]) -> usize {
         (2 * filter.support() + 1).min(height) * width * size_of::<Sum>()
     }
 
-    /// Adds a sample in the pixel `x` of the row, `offset` from the pixel's centre.
+    /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre.
     pub fn add(&mut self, x: usize, offset: DVec2, color: Color) {
-        for row in self.reached.clone() {
+        for row in self.target_rows.clone() {
             for column in x.saturating_sub(self.support)..=(x + self.support).min(self.width - 1) {
                 self.add_to(column, row, x, offset, color);
             }
@@ -81,47 +82,48 @@ impl Spread {
     }
 
     fn add_to(&mut self, column: usize, row: usize, x: usize, offset: DVec2, color: Color) {
-        let away = DVec2::new(x as f64 - column as f64, self.row as f64 - row as f64);
-        let weight = self.filter.weight(away + offset);
-        self.sums[(row - self.reached.start()) * self.width + column].add(weight, color);
+        let from_target = DVec2::new(x as f64 - column as f64, self.row as f64 - row as f64);
+        let weight = self.filter.weight(from_target + offset);
+        self.sums[(row - self.target_rows.start()) * self.width + column].add(weight, color);
     }
 }
 
-/// Adds up what the rows spread, and gives out each row of the picture once nothing more can come.
+/// Adds the spreads up, and emits each row of the picture as soon as no later spread contributes to it.
 #[derive(Debug)]
 pub struct Film {
     filter: Filter,
     size: [usize; 2],
-    /// The rows in progress; the first is row `finished`.
+    /// The rows that are not complete yet, from row `finished` on.
     open: VecDeque<Vec<Sum>>,
+    /// The number of rows that have been emitted.
     finished: usize,
 }
 
 impl Film {
-    /// `size` is the picture's width and height in pixels.
+    /// An empty film. `size` is the picture's width and height in pixels.
     pub fn new(filter: Filter, size: [usize; 2]) -> Self {
         Self::starting_at(filter, size, 0)
     }
 
-    /// A film that takes the rows of pixels from `row` on. The rows of the picture that samples below `row` reach
-    /// come out without these.
+    /// A film that takes the rows of pixels from `row` on. The rows of the picture within the filter's reach of
+    /// `row` lack the samples of the rows below it.
     pub fn starting_at(filter: Filter, size: [usize; 2], row: usize) -> Self {
         let finished = row.saturating_sub(filter.support());
         Self { filter, size, open: VecDeque::new(), finished }
     }
 
-    /// Takes the spread of the next row of pixels, and hands the rows of the picture that are complete with it to
-    /// `finish`. Both run upwards from the film's first row.
+    /// Adds the spread of the next row of pixels, and passes the index and the colours of each row of the
+    /// picture that it completes to `finish`. Both run upwards from the film's first row.
     pub fn add(&mut self, spread: Spread, mut finish: impl FnMut(usize, &mut dyn Iterator<Item = Color>)) {
         let [width, height] = self.size;
-        for (row, sums) in spread.reached.zip(spread.sums.chunks(width)) {
+        for (row, sums) in spread.target_rows.zip(spread.sums.chunks(width)) {
             match self.open.get_mut(row - self.finished) {
                 Some(open) => open.iter_mut().zip(sums).for_each(|(a, b)| a.join(*b)),
                 None => self.open.push_back(sums.to_vec()),
             }
         }
-        let last = spread.row + 1 == height;
-        let complete = if last { height } else { (spread.row + 1).saturating_sub(self.filter.support()) };
+        let is_last = spread.row + 1 == height;
+        let complete = if is_last { height } else { (spread.row + 1).saturating_sub(self.filter.support()) };
         while self.finished < complete {
             let Some(sums) = self.open.pop_front() else { return };
             finish(self.finished, &mut sums.iter().map(Sum::color));
@@ -134,7 +136,7 @@ impl Film {
 mod tests {
     use super::*;
 
-    /// A picture whose pixel (x, y) takes one centred sample of the given colour.
+    /// The picture that results when pixel (x, y) takes one sample of this colour at its centre.
     fn filtered(
         filter: Filter,
         [width, height]: [usize; 2],
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_no_pixel_counts_leave_black() {
+    fn a_pixel_without_weighted_samples_is_black() {
         let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
         let mut spread = Spread::new(Filter::Box { radius: 0.1 }, 0, [1, 1]);
         spread.add(0, DVec2::splat(-0.5), Color::ONE);
@@ -191,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_is_given_out_with_the_last_that_reaches_it() {
+    fn a_row_is_emitted_with_the_last_spread_that_contributes_to_it() {
         let (filter, size) = (Filter::Box { radius: 1.7 }, [2, 6]);
         let mut film = Film::new(filter, size);
         let given: Vec<Vec<usize>> = (0..6)
@@ -201,7 +203,7 @@ mod tests {
                 rows
             })
             .collect();
-        // Its samples reach two rows each way.
+        // Samples contribute to two rows on either side.
         assert_eq!(given, [vec![], vec![], vec![0], vec![1], vec![2], vec![3, 4, 5]]);
     }
 
@@ -211,28 +213,28 @@ mod tests {
         let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
         let mut spread = Spread::new(filter, y, size);
         spread.add(x, offset, Color::splat(2.0));
-        assert_eq!(spread.reached, 1..=4);
-        for (row, sums) in spread.reached.zip(spread.sums.chunks(5)) {
+        assert_eq!(spread.target_rows, 1..=4);
+        for (row, sums) in spread.target_rows.zip(spread.sums.chunks(5)) {
             for (column, sum) in sums.iter().enumerate() {
-                let place = DVec2::new(1.0 - column as f64, 3.0 - row as f64) + offset;
-                // Two columns and rows are within reach.
-                let weight = if column <= 3 { filter.weight(place) } else { 0.0 };
+                let position = DVec2::new(1.0 - column as f64, 3.0 - row as f64) + offset;
+                // The support is two pixels along each axis.
+                let weight = if column <= 3 { filter.weight(position) } else { 0.0 };
                 assert_eq!(*sum, Sum { color: Color::splat(2.0 * weight), weight }, "{column} {row}");
             }
         }
     }
 
     #[test]
-    fn a_sum_takes_no_more_memory_than_was_said() {
+    fn the_largest_spread_takes_the_bytes_that_are_announced() {
         for (radius, size) in [(2.7, [3, 9]), (9.0, [3, 4])] {
             let filter = Filter::Box { radius };
-            let most = (0..size[1]).map(|row| size_of_val(&*Spread::new(filter, row, size).sums)).max();
-            assert_eq!(most, Some(Spread::bytes(filter, size)));
+            let largest = (0..size[1]).map(|row| size_of_val(&*Spread::new(filter, row, size).sums)).max();
+            assert_eq!(largest, Some(Spread::bytes(filter, size)));
         }
     }
 
     #[test]
-    fn a_sample_without_weight_leaves_no_trace() {
+    fn a_sample_of_weight_zero_is_ignored() {
         let mut sum = Sum::default();
         sum.add(0.0, Color::NAN);
         assert_eq!(sum.color(), Color::ZERO);

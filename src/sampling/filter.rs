@@ -1,8 +1,8 @@
-//! Reconstruction filters: the weight of a sample by its place relative to a pixel's centre.
+//! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
 use glam::DVec2;
 
-/// Lengths are in pixels.
+/// A reconstruction filter. Its lengths are in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// 1 within the radius along both axes.
@@ -15,13 +15,13 @@ pub enum Filter {
         /// Half the width.
         radius: f64,
     },
-    /// exp(-d^2 / 2 sigma^2), not cut off within the pixels of its support.
+    /// exp(-d^2 / (2 sigma^2)) at the distance d. Within the pixels of its support it is not truncated.
     Gaussian {
         /// The standard deviation.
         sigma: f64,
     },
-    /// Mitchell and Netravali's cubic with B = C = 1/3 ("Reconstruction Filters in Computer
-    /// Graphics", SIGGRAPH 1988) along both axes; it ends at the radius.
+    /// The product of Mitchell and Netravali's cubics with B = C = 1/3 along both axes, scaled to reach 0 at
+    /// the radius ("Reconstruction Filters in Computer Graphics", SIGGRAPH 1988).
     Mitchell {
         /// Half the width.
         radius: f64,
@@ -29,23 +29,23 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// What averages just the pixel's own samples.
+    /// The filter that averages just the pixel's own samples.
     pub const PIXEL: Self = Self::Box { radius: 0.5 };
 
-    /// The weight of a sample at `place`, relative to the pixel's centre.
-    pub fn weight(&self, place: DVec2) -> f64 {
+    /// The weight of a sample at `position`, relative to the pixel's centre.
+    pub fn weight(&self, position: DVec2) -> f64 {
         match *self {
-            Self::Box { radius } => (place.abs().max_element() <= radius) as u8 as f64,
-            Self::Tent { radius } => (1.0 - place.length() / radius).max(0.0),
-            Self::Gaussian { sigma } => libm::exp(-place.length_squared() / (2.0 * sigma * sigma)),
+            Self::Box { radius } => (position.abs().max_element() <= radius) as u8 as f64,
+            Self::Tent { radius } => (1.0 - position.length() / radius).max(0.0),
+            Self::Gaussian { sigma } => libm::exp(-position.length_squared() / (2.0 * sigma * sigma)),
             Self::Mitchell { radius } => {
-                let scaled = place.abs() * (2.0 / radius);
+                let scaled = position.abs() * (2.0 / radius);
                 mitchell(scaled.x) * mitchell(scaled.y)
             }
         }
     }
 
-    /// How many pixels away, along each axis, a pixel's samples still count.
+    /// The number of pixels along each axis over which a sample counts beyond its own pixel.
     pub fn support(&self) -> usize {
         let radius = match *self {
             Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
@@ -55,7 +55,7 @@ impl Filter {
     }
 }
 
-/// The cubic over 0 to 2; 0 beyond.
+/// Mitchell and Netravali's cubic at x >= 0, which is zero from 2 on.
 fn mitchell(x: f64) -> f64 {
     if x < 1.0 {
         (7.0 * x * x * x - 12.0 * x * x + 16.0 / 3.0) / 6.0
@@ -102,8 +102,8 @@ mod tests {
     }
 
     #[test]
-    fn the_cubic_at_known_places() {
-        // (7 x^3 - 12 x^2 + 16/3) / 6 below 1, (-7/3 x^3 + 12 x^2 - 20 x + 32/3) / 6 from there to 2.
+    fn the_cubic_at_known_points() {
+        // It is (7 x^3 - 12 x^2 + 16/3) / 6 below 1 and (-7/3 x^3 + 12 x^2 - 20 x + 32/3) / 6 from 1 to 2.
         for (x, value) in [(0.0, 16.0 / 18.0), (0.5, 77.0 / 144.0), (1.0, 1.0 / 18.0), (1.5, -5.0 / 144.0)] {
             assert!((mitchell(x) - value).abs() < 1e-15, "{x}");
         }

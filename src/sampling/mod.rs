@@ -1,4 +1,5 @@
-//! Several samples a pixel: where they fall, how they are weighted, how they add up.
+//! Supersampling: the sample positions in a pixel, the reconstruction filters, and the film that adds samples
+//! up.
 
 pub mod drand48;
 pub mod filter;

@@ -1,21 +1,21 @@
-//! Where the samples of a pixel fall.
+//! Samplers: the positions of the samples within a pixel.
 
 use super::drand48::Drand48;
 use glam::DVec2;
 use rand::RngExt;
 
-/// Where the samples of a pixel lie.
+/// How the samples are distributed over a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
-    /// Anywhere in the pixel.
+    /// Independent, uniformly distributed points.
     Random,
-    /// The centres of a grid of strata.
+    /// The centres of the strata of a grid.
     Uniform,
     /// A random point in each stratum of a grid.
     Jittered,
 }
 
-/// The samples of every pixel of a picture.
+/// Generates the sample positions of every pixel of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
     pattern: Pattern,
@@ -25,42 +25,42 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// One sample in the middle of the pixel.
+    /// One sample at the centre of the pixel.
     pub const CENTER: Self = Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
 
-    /// `count` samples a pixel, at least one. Where it is no square, the strata form the grid of
-    /// columns and rows nearest to a square whose product it is, with more columns than rows: 8 is
-    /// 4 x 2, and a prime number one row.
+    /// `count` samples per pixel, but at least one. The strata form the grid of exactly `count` cells that is
+    /// nearest to a square, with at least as many columns as rows: 4 x 2 for 8 samples, and one row for a
+    /// prime number of them.
     pub fn new(pattern: Pattern, count: u32, rng: Drand48) -> Self {
         let count = count.max(1);
         let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
         Self { pattern, count, columns: count / rows, rng }
     }
 
-    /// Samples a pixel.
+    /// The number of samples per pixel.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Whether a pixel's only sample is its centre.
+    /// Whether the only sample of a pixel is at its centre.
     pub fn is_center(&self) -> bool {
         self.pattern == Pattern::Uniform && self.count == 1
     }
 
-    /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `number` is the
-    /// pixel's place in the course's order: columns from the left, each from the bottom. Every
-    /// sample takes two random numbers, and a pixel starts where its forerunners ended.
-    pub fn offsets(self, number: u64) -> impl Iterator<Item = DVec2> {
+    /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
+    /// course's order, column by column from the left, each from the bottom. Every sample takes two random
+    /// numbers, so the generator jumps to where the preceding pixels leave it.
+    pub fn offsets(self, index: u64) -> impl Iterator<Item = DVec2> {
         let mut rng = match self.pattern {
             Pattern::Uniform => self.rng,
-            _ => self.rng.jumped(2 * number * self.count as u64),
+            _ => self.rng.jumped(2 * index * self.count as u64),
         };
         let rows = self.count / self.columns;
         let strata = DVec2::new(self.columns as f64, rows as f64);
         (0..self.count).map(move |s| {
             let corner = DVec2::new((s % self.columns) as f64, (s / self.columns) as f64);
             match self.pattern {
-                // In this form opposite strata have exactly opposite offsets.
+                // In this form the offsets of opposite strata are exact negatives of each other.
                 Pattern::Uniform => (2.0 * corner + 1.0 - strata) / (2.0 * strata),
                 Pattern::Jittered => {
                     let (x, y) = (rng.random(), rng.random());
@@ -80,8 +80,8 @@ impl Sampler {
 mod tests {
     use super::*;
 
-    fn offsets(pattern: Pattern, count: u32, number: u64) -> Vec<DVec2> {
-        Sampler::new(pattern, count, Drand48::UNSEEDED).offsets(number).collect()
+    fn offsets(pattern: Pattern, count: u32, index: u64) -> Vec<DVec2> {
+        Sampler::new(pattern, count, Drand48::UNSEEDED).offsets(index).collect()
     }
 
     #[test]
@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn each_jittered_sample_stays_in_its_stratum() {
-        for number in 0..50 {
-            for (s, offset) in offsets(Pattern::Jittered, 12, number).into_iter().enumerate() {
+        for index in 0..50 {
+            for (s, offset) in offsets(Pattern::Jittered, 12, index).into_iter().enumerate() {
                 let cell = ((offset + 0.5) * DVec2::new(4.0, 3.0)).floor();
                 assert_eq!(cell, DVec2::new((s % 4) as f64, (s / 4) as f64));
             }
@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn pixels_share_one_sequence() {
         let mut rng = Drand48::UNSEEDED;
-        for number in 0..20 {
-            for offset in offsets(Pattern::Random, 3, number) {
+        for index in 0..20 {
+            for offset in offsets(Pattern::Random, 3, index) {
                 let (y, x): (f64, f64) = (rng.random(), rng.random());
                 assert_eq!(offset, DVec2::new(x, y) - 0.5);
             }

@@ -1,21 +1,21 @@
-//! What a light source sends to a point.
+//! The light that arrives at a point from a light source.
 
 use crate::scene::limits::LARGEST;
 use crate::scene::{Color, Light};
 use glam::DVec3;
 
-/// Light that arrives at a point.
+/// The light that arrives at a point from one source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
     /// Unit vector towards the light.
     pub direction: DVec3,
-    /// How far away the light is; infinite for a directional one.
+    /// The distance to the light; infinite for a directional one.
     pub distance: f64,
-    /// What arrives of the light.
+    /// The light's colour times its attenuation at this distance.
     pub color: Color,
 }
 
-/// The light at `point`. The direction of a directional light is a unit vector.
+/// The light that arrives at `point`. The direction of a directional light must be a unit vector.
 #[inline]
 pub fn incident(light: &Light, point: DVec3) -> Incident {
     let (direction, distance, factor) = match *light {
@@ -23,15 +23,16 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
         Light::Point { position, attenuation: [a0, a1, a2], .. } => {
             let to_light = position - point;
             let distance = to_light.length();
-            // A light on the surface itself has no direction; it lights nothing.
+            // A light at the point itself has no direction, and lights nothing.
             let direction = to_light.try_normalize().unwrap_or(DVec3::ZERO);
             let falloff = a0 + a1 * distance + a2 * distance * distance;
-            // The course clamps a negative factor, and nothing is lit infinitely.
+            // As in the course a negative attenuation gives no light. The upper limit keeps the factor
+            // finite.
             let factor = if falloff > 0.0 { (1.0 / falloff).min(LARGEST) } else { 0.0 };
             (direction, distance, factor)
         }
     };
-    // One place for all kinds of light, so that the result stays in registers.
+    // The result is built in one place for all kinds of light, so that it stays in registers.
     let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
     Incident { direction, distance, color: color * factor }
 }

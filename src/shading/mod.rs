@@ -1,4 +1,4 @@
-//! The colour of a surface point: light, material, solid texture.
+//! Local shading: the incident light, the material and the solid textures at a point of a surface.
 
 pub mod light;
 pub mod perlin;

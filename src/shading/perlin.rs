@@ -22,20 +22,20 @@ fn permute(i: usize) -> usize {
     PERMUTATION[i & 255] as usize
 }
 
-/// A whole number modulo a power of two, however large it is.
+/// The integer `cell` modulo `period`, which is a power of two. `cell` may be larger than an `i64`.
 pub fn wrapped(cell: f64, period: i64) -> i64 {
-    // Below this the conversion loses nothing, and it is many times as fast as a remainder.
+    // Below this the conversion is exact, and it is many times as fast as a floating-point remainder.
     const EXACT: f64 = (1i64 << 53) as f64;
     if cell.abs() < EXACT { cell as i64 & (period - 1) } else { cell.rem_euclid(period as f64) as i64 }
 }
 
-/// Noise of one octave: about -1 to 1, zero at integer points, period 256 along each axis.
+/// One octave of noise: between about -1 and 1, zero at integer points, with period 256 along each axis.
 pub fn noise(p: DVec3) -> f64 {
     let cell = p.floor();
     let [x, y, z] = cell.to_array().map(|c| wrapped(c, 256) as usize);
     let f = p - cell;
     let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    // The hash of the lattice corner at the offset dx, dy, dz.
+    // The contribution of the lattice corner at the offset (dx, dy, dz).
     let corner = |dx: usize, dy: usize, dz: usize| {
         let hash = permute(permute(permute(x + dx) + y + dy) + z + dz);
         gradient(hash, f - DVec3::new(dx as f64, dy as f64, dz as f64))
@@ -45,7 +45,7 @@ pub fn noise(p: DVec3) -> f64 {
     lerp(fade.z, slice(0), slice(1))
 }
 
-/// The sum over `octaves` of noise at twice the frequency and half the amplitude each.
+/// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
 pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
     let (mut sum, mut frequency) = (0.0, 1.0);
     for _ in 0..octaves {
@@ -59,8 +59,8 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
-/// The offset's product with one of twelve directions, those to a cube's edges, picked by the
-/// hash's low four bits.
+/// The dot product of `offset` with a gradient: one of the twelve directions to the edges of a cube, selected
+/// by the low four bits of the hash.
 fn gradient(hash: usize, offset: DVec3) -> f64 {
     let h = hash & 15;
     let u = if h < 8 { offset.x } else { offset.y };
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(turbulence(DVec3::splat(0.3), 1), noise(DVec3::splat(0.3)));
     }
 
-    /// As Perlin lists them: to the edges of a cube, four of them twice.
+    /// The gradients in Perlin's order: the directions to the edges of a cube, four of them twice.
     const GRADIENTS: [[f64; 3]; 16] = [
         [1.0, 1.0, 0.0],
         [-1.0, 1.0, 0.0],
@@ -157,7 +157,7 @@ mod tests {
             }
             assert!((noise(p) - sum).abs() < 1e-13, "{p}: {} {sum}", noise(p));
         }
-        // As Perlin's own program gives it.
+        // The value that Perlin's reference implementation gives.
         assert!((noise(DVec3::new(314.0 / 100.0, 42.0, 7.0)) - 0.136919958784).abs() < 1e-12);
     }
 
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_wrap_alike_however_large() {
+    fn integers_of_any_size_wrap() {
         for (cell, wrap) in [(0.0, 0), (255.0, 255), (256.0, 0), (-1.0, 255), (-257.0, 255)] {
             assert_eq!(wrapped(cell, 256), wrap);
         }

@@ -1,4 +1,4 @@
-//! Blinn-Phong reflection, and the material that a point of a surface has once textures are mixed.
+//! Blinn-Phong reflection, and the material at a point of a surface after its textures are evaluated.
 
 use super::light::Incident;
 use crate::scene::{Color, material::Phong};
@@ -8,9 +8,10 @@ use std::borrow::Cow;
 /// A material evaluated at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointMaterial<'m> {
-    /// As the scene has it, where no texture mixes it with another.
+    /// The material: borrowed from the scene unless a texture mixes several.
     pub phong: Cow<'m, Phong>,
-    /// The highlights of the other materials mixed in by a texture; exponents do not mix.
+    /// The highlights of the other materials in a mixture. They stay separate, because exponents cannot be
+    /// mixed.
     further: Vec<Highlight>,
 }
 
@@ -27,7 +28,7 @@ impl<'m> From<&'m Phong> for PointMaterial<'m> {
 }
 
 impl PointMaterial<'_> {
-    /// A part of a mixture; the weights of all its parts sum to one.
+    /// A part of a mixture. The weights of all its parts must add up to one.
     pub fn part(phong: &Phong, weight: f64) -> Self {
         let part = Phong {
             diffuse: phong.diffuse * weight,
@@ -53,19 +54,19 @@ impl PointMaterial<'_> {
         self
     }
 
-    /// The light sent to the viewer: Lambert's and Blinn's terms. `to_viewer` and `normal` are unit
-    /// vectors, and the light stands above the surface; the highlight is not multiplied by its
-    /// cosine, as in the course.
+    /// The light reflected to the viewer: Lambert's diffuse and Blinn's specular term. `normal` and
+    /// `to_viewer` are unit vectors, and `cosine`, between the normal and the direction to the light, is
+    /// positive. As in the course the specular term is not multiplied by the cosine.
     #[inline]
     pub fn reflect(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> Color {
-        let mut sent = self.phong.diffuse * cosine;
-        if self.shines() {
-            sent += self.specular(light.direction, normal, to_viewer);
+        let mut reflected = self.phong.diffuse * cosine;
+        if self.is_specular() {
+            reflected += self.specular(light.direction, normal, to_viewer);
         }
-        light.color * sent
+        light.color * reflected
     }
 
-    /// Blinn's term, per unit of light.
+    /// Blinn's specular term, per unit of light.
     fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
         let half = (to_light + to_viewer).normalize_or_zero();
         let alignment = normal.dot(half).max(0.0);
@@ -74,14 +75,14 @@ impl PointMaterial<'_> {
         self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))
     }
 
-    /// Whether there is a highlight at all.
-    fn shines(&self) -> bool {
+    /// Whether the material has a highlight at all.
+    fn is_specular(&self) -> bool {
         self.phong.specular != Color::ZERO || !self.further.is_empty()
     }
 
-    /// Whether light from any direction could show.
+    /// Whether the material reflects no light from any direction.
     pub fn is_black(&self) -> bool {
-        self.phong.diffuse == Color::ZERO && !self.shines()
+        self.phong.diffuse == Color::ZERO && !self.is_specular()
     }
 }
 
@@ -91,13 +92,13 @@ impl Highlight {
     }
 }
 
-/// `base` to the `exponent`: by squaring for the usual whole exponents, which is faster than the
-/// general power and the same on every machine.
+/// `base` to the power of `exponent`. Integer exponents, which are usual, are computed by repeated squaring,
+/// which is faster than the general power.
 fn power(base: f64, exponent: f64) -> f64 {
-    const LARGEST: u32 = 65536;
+    const MAX_INTEGER_EXPONENT: u32 = 65536;
     let mut left = exponent as u32;
-    if left as f64 != exponent || left > LARGEST {
-        // By rounding a base may be above 1, whose powers have no bound.
+    if left as f64 != exponent || left > MAX_INTEGER_EXPONENT {
+        // Rounding may leave a base slightly above 1, whose powers could overflow.
         return libm::pow(base.min(1.0), exponent);
     }
     let (mut square, mut product) = (base, 1.0);
@@ -154,14 +155,14 @@ mod tests {
     }
 
     #[test]
-    fn colours_mix_by_weight_and_highlights_stay_apart() {
+    fn colours_mix_by_weight_and_highlights_stay_separate() {
         let (one, other) = mixed();
         let mix = PointMaterial::part(&one, 0.25).plus(PointMaterial::part(&other, 0.75));
         assert_eq!(mix.phong.diffuse, 0.25 * one.diffuse + 0.75 * other.diffuse);
         assert_eq!(mix.phong.reflective, 0.25 * one.reflective + 0.75 * other.reflective);
         assert_eq!(mix.phong.transparent, 0.25 * one.transparent + 0.75 * other.transparent);
         assert_eq!(mix.phong.index_of_refraction, 0.25 * 1.5 + 0.75 * 1.25);
-        // Half way between the light and the viewer, whose cosine with the normal is the root of 1/2.
+        // The cosine between the normal and the vector half way between light and viewer is sqrt(1/2).
         let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::new(1.0, 0.5, 2.0) };
         let color = mix.reflect(&light, 0.5, DVec3::Y, DVec3::Y);
         let highlights = 0.25 * one.specular * 0.5 + 0.75 * other.specular * 0.25;

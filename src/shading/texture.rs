@@ -1,4 +1,4 @@
-//! Solid textures: how much of which Phong material a point of space is made of.
+//! Solid textures: the mixture of Phong materials at a point of space.
 
 use super::perlin::{turbulence, wrapped};
 use super::phong::PointMaterial;
@@ -8,9 +8,9 @@ use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
 
-/// The material `id` at the world point `point`, every texture on the way evaluated once.
+/// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///
-/// Most points of a checkerboard are all of one material, which is then handed out as it is.
+/// A point of a checkerboard has just one material, which is borrowed from the scene.
 pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> PointMaterial<'_> {
     loop {
         let texture = match &materials[id] {
@@ -26,11 +26,12 @@ pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> 
     }
 }
 
-/// A texture with this much of its first material, made of the materials before it.
+/// The mixture for `texture`, whose first child has the weight `first`. `materials` are those before it in
+/// the scene, which include its children.
 ///
-/// Textures may share children, so weights are collected from the last material down: a texture
-/// passes its weight on to its two children, which stand before it. Time is linear in the number of
-/// materials where a recursion could take exponentially long.
+/// Textures may share children. So the weights are propagated from the last material to the first: a texture
+/// distributes its weight to its two children, which come before it. This takes time linear in the number of
+/// materials, where a recursion could take exponential time.
 fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DVec3) -> PointMaterial<'m> {
     let mut weights = vec![0.0; materials.len()];
     weights[texture.children[0]] += first;
@@ -59,18 +60,18 @@ fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DV
     sum.unwrap_or_else(|| PointMaterial::part(&Default::default(), 1.0))
 }
 
-/// The weight of a texture's first material at a world point, 0 to 1.
+/// The weight of a texture's first material at a point of world space, from 0 to 1.
 pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
         Pattern::Checkerboard => checkerboard(map, point),
-        Pattern::Noise { octaves } => (turbulence(place(map, point), octaves) + 0.5).clamp(0.0, 1.0),
+        Pattern::Noise { octaves } => (turbulence(to_texture(map, point), octaves) + 0.5).clamp(0.0, 1.0),
         Pattern::Marble { octaves, frequency, amplitude } => {
-            let q = place(map, point);
+            let q = to_texture(map, point);
             (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves))) / 2.0
         }
         Pattern::Wood { octaves, frequency, amplitude } => {
-            let q = place(map, point);
+            let q = to_texture(map, point);
             let radius = (q.x * q.x + q.z * q.z).sqrt() + 0.05 * q.y;
             let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves);
             let ring = (0.5 + libm::sin(frequency * radius + amplitude * grain)).clamp(0.0, 1.0);
@@ -79,24 +80,24 @@ pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
     }
 }
 
-/// A world point in a texture's space, held within the numbers that its pattern can compute with.
-fn place(map: &DAffine3, point: DVec3) -> DVec3 {
+/// A point of world space in the texture's space, clamped to the range in which the patterns do not overflow.
+fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
     let bound = DVec3::splat(LARGEST);
     map.transform_point3(point).clamp(-bound, bound)
 }
 
-/// 1 in the cells whose indices have an even sum. Cells are half open: a boundary belongs to the
-/// cell above it.
+/// 1 in the cells whose indices have an even sum, and 0 in the others. Cells are half open: a boundary
+/// belongs to the cell above it.
 ///
-/// Where a surface lies in a boundary, rounding alone would decide on which side each of its points
-/// falls, whatever the precision. So a coordinate within its own rounding of a boundary is on it.
+/// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
+/// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
 fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     let q = map.transform_point3(point);
     let rows = map.matrix3.transpose();
     let cell = |q: f64, row: DVec3, translation: f64| {
         let below = q.floor();
-        let on_next = below + 1.0 - q <= coordinate_rounding(row, translation, point);
-        wrapped(if on_next { below + 1.0 } else { below }, 2)
+        let is_on_next = below + 1.0 - q <= coordinate_error_bound(row, translation, point);
+        wrapped(if is_on_next { below + 1.0 } else { below }, 2)
     };
     let parity = cell(q.x, rows.x_axis, map.translation.x)
         + cell(q.y, rows.y_axis, map.translation.y)
@@ -104,12 +105,12 @@ fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     (parity % 2 == 0) as u8 as f64
 }
 
-/// How far `row . point + translation` may be off, for a point of a surface that is a boundary.
-fn coordinate_rounding(row: DVec3, translation: f64, point: DVec3) -> f64 {
-    // A turned surface and a turned texture are parallel only within the rounding of their
-    // matrices; along an axis both are exact.
-    let turned = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
-    let roundings = if turned { 16.0 } else { 4.0 };
+/// The error bound of `row . point + translation` for a point of a surface that lies in a boundary.
+fn coordinate_error_bound(row: DVec3, translation: f64, point: DVec3) -> f64 {
+    // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.
+    // Along an axis both are exact.
+    let is_rotated = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
+    let roundings = if is_rotated { 16.0 } else { 4.0 };
     roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs())
 }
 
@@ -175,7 +176,8 @@ mod tests {
         assert!((material_at(&materials, 2000, DVec3::splat(0.3)).phong.diffuse.x - 1.0).abs() < 1e-12);
     }
 
-    /// The weight of the first material with this texture point, through a map that is not the identity.
+    /// The weight of the first material at a point given in texture space, for a map that is not the
+    /// identity.
     fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
         let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
         let t = Texture { world_to_texture, ..texture(pattern, [0, 1]) };
@@ -208,7 +210,7 @@ mod tests {
         let wood = |octaves, amplitude, p| weight(Pattern::Wood { octaves, frequency: 5.0, amplitude }, p);
         let ring = |phase: f64| (0.5 + phase.sin()).clamp(0.0, 1.0).powi(2);
         let p = DVec3::new(0.375, 2.5, 0.5);
-        // Rings grow with the height by a twentieth of it.
+        // The radius of a ring grows by a twentieth of the height.
         assert!((wood(0, 7.0, p) - ring(5.0 * (0.625 + 0.05 * 2.5))).abs() < 1e-15);
         let p = DVec3::new(0.375, 1.25, 0.5);
         let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2);
@@ -217,15 +219,15 @@ mod tests {
         assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
     }
 
-    /// The colour of a checkerboard so many units of 2^-53 below a boundary.
+    /// The weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
     fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
         let t = Texture { world_to_texture, ..texture(Pattern::Checkerboard, [0, 1]) };
         first_weight(&t, boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF))
     }
 
     #[test]
-    fn a_boundary_is_as_wide_as_a_coordinate_s_rounding() {
-        // Along an axis it is 4 roundings of the coordinate and of the translation.
+    fn a_boundary_is_as_wide_as_a_coordinate_s_error_bound() {
+        // Along an axis the bound is 4 roundings of the sum of the coordinate and the translation.
         let boundary = DVec3::new(0.5, 3.0, 0.5);
         for (roundings, first) in [(8.0, 0.0), (16.0, 1.0)] {
             assert_eq!(below_a_boundary(DAffine3::IDENTITY, boundary, roundings), first);
@@ -234,7 +236,7 @@ mod tests {
         for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
             assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
         }
-        // Where several coordinates enter it is 16 roundings of their sum.
+        // Where several coordinates contribute, the bound is 16 roundings of their sum.
         let mut sheared = DAffine3::IDENTITY;
         sheared.matrix3.x_axis.y = 1.0;
         for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {
