@@ -1,4 +1,4 @@
-//! What can be wrong with a scene, and how it is told.
+//! The errors that a scene can have, and their messages.
 
 use super::Position;
 use super::excerpt;
@@ -7,60 +7,60 @@ use crate::escape::{self, escape};
 use std::fmt;
 use std::path::Path;
 
-/// One thing wrong with a scene, and where its text says so.
+/// An error in a scene, with its position in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
-    /// Where the text says so.
+    /// The position of the error.
     pub at: Position,
-    /// What is wrong.
+    /// The kind of the error.
     pub problem: Problem,
-    /// Advice that goes beyond what is wrong, as one line.
+    /// Advice in one line, in addition to the description of the error.
     pub hint: Option<String>,
 }
 
-/// What is wrong. Names and words are kept as the scene's author wrote them.
+/// The kind of an error. Names and words are quoted as the scene's author wrote them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
-    /// Something else must stand here. `found` is empty at the end of the text.
+    /// A word that the grammar does not allow at this position.
     Expected {
-        /// What must stand here.
+        /// A description of the words that are allowed.
         what: String,
-        /// What stands there, empty at the end of the text.
+        /// The word in the text; empty at the end of the text.
         found: String,
     },
-    /// A value that breaks its rule, as in "must be positive".
+    /// A value that violates a rule.
     BadValue {
-        /// The word before the value.
+        /// The name of the field.
         field: String,
-        /// What the value must be.
+        /// The rule, for example "must be positive".
         rule: &'static str,
-        /// What stands there, empty at the end of the text.
+        /// The word in the text; empty at the end of the text.
         found: String,
     },
-    /// A number beyond [`limits::LARGEST`](super::limits::LARGEST).
+    /// A number whose magnitude exceeds [`limits::LARGEST`](super::limits::LARGEST).
     NumberTooLarge {
-        /// What stands there, empty at the end of the text.
+        /// The number as written.
         found: String,
     },
-    /// A vector whose direction matters has none.
+    /// A zero vector where a direction is needed.
     ZeroVector {
-        /// The word before the value.
+        /// The name of the field.
         field: String,
     },
-    /// The camera's up vector runs along its direction.
+    /// A camera whose up vector is parallel to its direction.
     UpAlongDirection,
     /// A list is shorter than its announced length.
     TooFew {
-        /// The word before the value.
+        /// The name of the field with the length.
         field: &'static str,
         /// The length that the text announces.
         announced: u64,
-        /// How long the list is.
+        /// The actual length of the list.
         found: u64,
     },
     /// A list is longer than its announced length.
     TooMany {
-        /// The word before the value.
+        /// The name of the field with the length.
         field: &'static str,
         /// The length that the text announces.
         announced: u64,
@@ -69,7 +69,7 @@ pub enum Problem {
     NoSuchMaterial {
         /// The index that the text gives.
         index: u64,
-        /// How many materials there are.
+        /// The number of declared materials.
         declared: usize,
     },
     /// A texture names itself or a later material.
@@ -79,57 +79,57 @@ pub enum Problem {
         /// The texture's own index.
         own: usize,
     },
-    /// An object before the first choice of a material.
+    /// An object before any material has been chosen.
     NoMaterial {
-        /// The word of the object.
+        /// The keyword of the object.
         object: String,
     },
-    /// A choice of material that no object follows.
+    /// A choice of material with no object after it.
     MaterialAfterLastObject {
         /// The word as written.
         word: String,
     },
-    /// `Materials` behind a `Group`, whose indices it would change.
+    /// `Materials` after a `Group`, whose indices it would change.
     MaterialsAfterGroup,
-    /// A block that every scene needs is absent.
+    /// A scene without one of the mandatory blocks.
     Missing {
-        /// The word that begins the block.
+        /// The keyword of the block.
         block: &'static str,
     },
-    /// Legal in some edition of the course, but not here.
+    /// A keyword of some edition of the course that is not supported here.
     Unsupported {
         /// The word as written.
         word: String,
     },
     /// The last row of a `Matrix` is not 0 0 0 1.
     NotAffine,
-    /// A transform or texture map with a number beyond the largest finite one.
+    /// A transform or texture map in which a number overflows.
     TransformOverflow,
-    /// An object with a coordinate beyond [`limits::LARGEST`](super::limits::LARGEST) in the world.
+    /// An object with a coordinate in world space that exceeds [`limits::LARGEST`](super::limits::LARGEST).
     CoordinatesTooLarge,
-    /// A sphere or ellipsoid that is thinner than [`limits::SMALLEST_RADIUS`](super::limits::SMALLEST_RADIUS)
-    /// in the world.
+    /// A sphere or ellipsoid with a semi-axis in world space below
+    /// [`limits::SMALLEST_RADIUS`](super::limits::SMALLEST_RADIUS).
     RadiusTooSmall,
     /// A plane without a normal.
     NoNormal,
-    /// A number beyond the bounds in [`limits`](super::limits), in a scene that comes from no text.
+    /// A number outside the [`limits`](super::limits), in a scene that was not read from text.
     NumbersOutOfRange,
-    /// A transform that squeezes an object flat where the object needs its inverse.
+    /// A singular transform around an object that needs its inverse.
     SingularTransform,
-    /// More primitives than 32 bits can number.
+    /// More primitives than 32-bit ids can tell apart.
     TooManyPrimitives,
-    /// A mesh file that could not be read; each place tried, with the reason.
+    /// A mesh file that could not be read.
     MeshUnreadable {
         /// The name as written.
         name: String,
-        /// Each place, and why the file could not be read there.
+        /// The paths that were tried, and for each the reason why the file could not be read.
         tried: Vec<(String, String)>,
     },
-    /// A mesh file with something wrong inside.
+    /// A mesh file with an error in its contents.
     BadMesh {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The error in it.
         error: MeshError,
     },
 }
@@ -147,9 +147,8 @@ impl SceneError {
         self
     }
 
-    /// The whole message: file, line and column, what is wrong, the line of `text` with a caret
-    /// under the place, and the hint if there is one. Several lines, none of them ended by the
-    /// message itself.
+    /// The whole message in several lines, without a final line end: file, line and column, the description,
+    /// the line of `text` with a caret under the position, and the hint if there is one.
     pub fn render(&self, path: &Path, text: &str) -> String {
         let Position { line, column } = self.at;
         let shown = excerpt::with_caret(text, self.at);
@@ -202,23 +201,23 @@ impl fmt::Display for Problem {
             Self::Unsupported { word } => write!(f, "the object `{word}` is not supported"),
             Self::NotAffine => write!(f, "the last row of a `Matrix` must be 0 0 0 1"),
             Self::TransformOverflow => write!(f, "the transformation's numbers grow too large"),
-            Self::CoordinatesTooLarge => write!(f, "the object reaches beyond coordinates of 1e100"),
-            Self::RadiusTooSmall => write!(f, "the object is thinner than a radius of 1e-100"),
+            Self::CoordinatesTooLarge => write!(f, "the object has coordinates beyond 1e100"),
+            Self::RadiusTooSmall => write!(f, "the object has a radius below 1e-100"),
             Self::NoNormal => write!(f, "the plane has no normal"),
-            Self::NumbersOutOfRange => write!(f, "a number of the scene is beyond its bounds"),
+            Self::NumbersOutOfRange => write!(f, "a number in the scene is out of range"),
             Self::SingularTransform => {
-                write!(f, "the transformation is singular: it squeezes the object flat")
+                write!(f, "the transformation is singular: it flattens the object")
             }
-            Self::TooManyPrimitives => write!(f, "the scene has more primitives than can be numbered"),
+            Self::TooManyPrimitives => write!(f, "the scene has too many primitives for 32-bit ids"),
             Self::MeshUnreadable { name, tried } => write_unreadable(f, name, tried),
             Self::BadMesh { file, error } => write!(f, "in the mesh {}: {error}", quoted(file)),
         }
     }
 }
 
-/// A message about a file: its path, the `place` in it (`:line:column`, or nothing), and what is wrong.
-pub fn located(path: &Path, place: &str, message: &str) -> String {
-    format!("{}{place}: error: {message}", escape(&path.to_string_lossy()))
+/// A message about a file: its path, the `position` in it (`:line:column` or nothing), and the description.
+pub fn located(path: &Path, position: &str, message: &str) -> String {
+    format!("{}{position}: error: {message}", escape(&path.to_string_lossy()))
 }
 
 fn declared_materials(count: usize) -> String {
@@ -231,14 +230,14 @@ fn declared_materials(count: usize) -> String {
 
 fn write_unreadable(f: &mut fmt::Formatter<'_>, name: &str, tried: &[(String, String)]) -> fmt::Result {
     write!(f, "cannot read the mesh {}: tried ", quoted(name))?;
-    for (index, (place, reason)) in tried.iter().enumerate() {
+    for (index, (path, reason)) in tried.iter().enumerate() {
         let separator = if index == 0 { "" } else { ", then " };
-        write!(f, "{separator}{} ({})", quoted(place), escape(reason))?;
+        write!(f, "{separator}{} ({})", quoted(path), escape(reason))?;
     }
     Ok(())
 }
 
-/// A word as messages show it; none stands for the end of the file.
+/// A word as messages show it. An empty word stands for the end of the file.
 fn quoted(word: &str) -> String {
     if word.is_empty() { "the end of the file".to_owned() } else { escape::quoted(word) }
 }
@@ -261,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rendered_error_points_at_the_place() {
+    fn the_rendered_error_points_at_the_position() {
         let rendered =
             expected(2, 10, "}").with_hint("try 1").render(Path::new("a.txt"), "Sphere {\n  radius }\n}");
         let wanted = "a.txt:2:10: error: expected a number for `radius`, found `}`\n    \
@@ -270,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn long_and_unprintable_words_are_tamed() {
+    fn long_words_are_truncated_and_unprintable_ones_escaped() {
         let message = expected(1, 1, &"x".repeat(100_000)).to_string();
         assert!(message.len() < 300);
         assert!(expected(1, 1, "a\u{1b}[31m").to_string().ends_with("found `a\\u{1b}[31m`"));
@@ -282,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn both_places_of_a_missing_mesh_are_named() {
+    fn both_paths_of_a_missing_mesh_are_named() {
         let tried =
             vec![("a.obj".to_owned(), "absent".to_owned()), ("b/a.obj".to_owned(), "absent".to_owned())];
         let message = Problem::MeshUnreadable { name: "a.obj".into(), tried }.to_string();
@@ -298,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_word_that_is_too_long_is_cut() {
+    fn only_a_word_that_is_too_long_is_truncated() {
         assert_eq!(quoted(&"x".repeat(200)), format!("`{}`", "x".repeat(200)));
         assert_eq!(quoted(&"x".repeat(201)), format!("`{}...`", "x".repeat(200)));
     }

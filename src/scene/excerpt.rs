@@ -1,16 +1,15 @@
-//! A line of the scene text with a caret under one of its characters.
+//! Excerpts for error messages: a line of the scene text with a caret under one of its characters.
 
 use super::Position;
 use crate::escape::prints;
 
-/// The most characters of a line that are shown.
-const SHOWN: usize = 100;
+/// The largest number of characters of a line that are shown.
+const MAX_SHOWN: usize = 100;
 
-/// The line of `text` at `at`, numbered, and below it a caret. Two lines, the last not ended.
+/// The line of `text` at `at`, with its number, and a second line with a caret. There is no final line end.
 ///
-/// Every character takes one place, so that the caret stands right: a tab becomes a blank, and a
-/// character that does not print becomes the replacement character. Of a long line only the part
-/// around the caret is shown.
+/// Every character takes one column, so that the caret is aligned: a tab becomes a blank, and an unprintable
+/// character becomes the replacement character. Of a long line only the part around the caret is shown.
 pub fn with_caret(text: &str, at: Position) -> String {
     let (line, caret) = clipped(line_of(text, at.line), at.column as usize);
     let number = at.line.to_string();
@@ -27,29 +26,30 @@ fn line_of(text: &str, number: u32) -> &str {
     rest.split(['\n', '\r']).next().unwrap_or_default()
 }
 
-/// What follows the first line end of `text`; the two characters `\r\n` are one line end.
+/// The text after the first line end of `text`. The two characters `\r\n` are one line end.
 fn after_line_end(text: &str) -> &str {
     let Some(end) = text.find(['\n', '\r']) else { return "" };
     let from_end = &text[end..];
     from_end.strip_prefix("\r\n").unwrap_or(&from_end[1..])
 }
 
-/// The part of `line` around `column`, fit to be shown, and how many places stand left of the caret.
+/// The printable part of `line` around `column`, and the number of columns to the left of the caret.
 fn clipped(line: &str, column: usize) -> (String, usize) {
     let length = line.chars().count();
     let caret = column.saturating_sub(1).min(length);
-    let start = if length <= SHOWN { 0 } else { caret.saturating_sub(SHOWN / 2).min(length - SHOWN) };
+    let start =
+        if length <= MAX_SHOWN { 0 } else { caret.saturating_sub(MAX_SHOWN / 2).min(length - MAX_SHOWN) };
     let before = if start > 0 { "..." } else { "" };
-    let after = if start + SHOWN < length { "..." } else { "" };
-    let shown: String = line.chars().skip(start).take(SHOWN).map(one_place).collect();
+    let after = if start + MAX_SHOWN < length { "..." } else { "" };
+    let shown: String = line.chars().skip(start).take(MAX_SHOWN).map(one_column).collect();
     (
         format!("{before}{}{after}", if after.is_empty() { shown.trim_end() } else { &shown }),
         before.len() + caret - start,
     )
 }
 
-/// The character that stands for `character` in a shown line and takes exactly one place.
-fn one_place(character: char) -> char {
+/// The character that replaces `character` in an excerpt and takes exactly one column.
+fn one_column(character: char) -> char {
     match character {
         '\t' => ' ',
         _ if prints(character) => character,
@@ -61,7 +61,7 @@ fn one_place(character: char) -> char {
 mod tests {
     use super::*;
 
-    /// The shown line and the character above the caret.
+    /// The excerpt's first line, and the character above the caret.
     fn show(text: &str, line: u32, column: u32) -> (String, Option<char>) {
         let rendered = with_caret(text, Position { line, column });
         let (top, bottom) = rendered.split_once('\n').unwrap();
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn places_outside_the_text_do_no_harm() {
+    fn positions_outside_the_text_do_not_panic() {
         for (line, column) in [(0, 0), (1, 99), (99, 1), (1_000, u32::MAX)] {
             show("short\n", line, column);
         }
@@ -103,10 +103,10 @@ mod tests {
 
     #[test]
     fn the_end_of_a_long_line_is_shown_in_full() {
-        let line = (0..3 * SHOWN).map(|i| (b'a' + (i % 26) as u8) as char).collect::<String>();
-        let (shown, above) = show(&line, 1, 3 * SHOWN as u32);
-        assert_eq!(shown, format!("    1 | ...{}", &line[2 * SHOWN..]));
+        let line = (0..3 * MAX_SHOWN).map(|i| (b'a' + (i % 26) as u8) as char).collect::<String>();
+        let (shown, above) = show(&line, 1, 3 * MAX_SHOWN as u32);
+        assert_eq!(shown, format!("    1 | ...{}", &line[2 * MAX_SHOWN..]));
         assert_eq!(above, line.chars().last());
-        assert_eq!(show(&line[..SHOWN], 1, 1).0, format!("    1 | {}", &line[..SHOWN]));
+        assert_eq!(show(&line[..MAX_SHOWN], 1, 1).0, format!("    1 | {}", &line[..MAX_SHOWN]));
     }
 }

@@ -1,7 +1,7 @@
-//! Comparing the scene's words with the words that the grammar knows.
+//! Compares the words of a scene with the keywords of the grammar.
 
-/// Whether `word` is the grammar's `keyword`, either exactly or, for the name of a field, in the
-/// 2003 grammar page's spelling with underscores (`num_objects` for `numObjects`).
+/// Whether `word` is `keyword`. The name of a field may also be spelt with underscores, as on the grammar
+/// page of 2003 (`num_objects` for `numObjects`).
 pub fn is_keyword(word: &str, keyword: &str) -> bool {
     word == keyword
         || (keyword.starts_with(|first: char| first.is_ascii_lowercase()) && is_snake_case(word, keyword))
@@ -15,21 +15,25 @@ fn is_snake_case(word: &str, keyword: &str) -> bool {
     word.chars().eq(expected)
 }
 
-/// The keyword that the author of `word` most likely meant, if one is near enough.
+/// The keyword that the author of `word` most likely meant: the one with the smallest edit distance, if at
+/// most a third of the characters differ.
 pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
-    // Nothing in the grammar is longer than this, and the bound keeps hostile input cheap.
-    const LONGEST: usize = 40;
-    if !word.starts_with(char::is_alphabetic) || word.len() > LONGEST {
+    // No keyword is longer than this, and the limit bounds the time that hostile input can take.
+    const MAX_LENGTH: usize = 40;
+    if !word.starts_with(char::is_alphabetic) || word.len() > MAX_LENGTH {
         return None;
     }
     let plain = simplified(word);
-    let near = ((plain.chars().count() + 1) / 3).max(1);
-    let distances =
-        keywords.iter().map(|&keyword| (strsim::levenshtein(&plain, &simplified(keyword)), keyword));
-    distances.filter(|&(distance, _)| distance <= near).min_by_key(|&(distance, _)| distance).map(|(_, k)| k)
+    let max_distance = ((plain.chars().count() + 1) / 3).max(1);
+    keywords
+        .iter()
+        .map(|&keyword| (strsim::levenshtein(&plain, &simplified(keyword)), keyword))
+        .filter(|&(distance, _)| distance <= max_distance)
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, keyword)| keyword)
 }
 
-/// Without what is most easily confused: case and underscores.
+/// The word without what is most easily confused: case and underscores.
 fn simplified(word: &str) -> String {
     word.chars().filter(|&character| character != '_').flat_map(char::to_lowercase).collect()
 }
@@ -62,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_too_long_or_without_a_letter_is_near_to_nothing() {
+    fn a_word_too_long_or_without_a_letter_has_no_nearest_keyword() {
         let long = "a".repeat(40);
         assert_eq!(nearest(&long, &[&long]), Some(long.as_str()));
         let longer = "a".repeat(41);

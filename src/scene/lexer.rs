@@ -1,10 +1,9 @@
-//! Scene text to words, each with its place.
+//! Splits scene text into words with their positions.
 //!
-//! A word is a run of characters that are not white space, except that a brace is always a word of
-//! its own, so that `Sphere{` reads as two words. `#` and `//` start a comment that runs to the end
-//! of the line, but only where a word could start: inside a word both are ordinary characters, so
-//! that the file names `parts//cube.obj` and `cube#2.obj` survive. Lines end with a line feed, a
-//! carriage return, or both.
+//! A word is a run of characters that are not white space, except that a brace is always a word of its own,
+//! so that `Sphere{` is two words. `#` and `//` start a comment that ends with the line, but only where a
+//! word could start: inside a word they are ordinary characters, so that file names such as `parts//cube.obj`
+//! and `cube#2.obj` work. Lines end with a line feed, a carriage return, or both.
 
 use super::Position;
 
@@ -13,34 +12,34 @@ use super::Position;
 pub struct Word<'a> {
     /// The word as written.
     pub text: &'a str,
-    /// Where it stands.
+    /// The position of its first character.
     pub at: Position,
 }
 
 impl Word<'_> {
-    /// Whether this stands for the end of the text.
+    /// Whether this represents the end of the text.
     pub fn is_end(&self) -> bool {
         self.text.is_empty()
     }
 }
 
-/// Hands out the words of a text one by one, in time linear in the text.
+/// Returns the words of a text one by one, in time linear in the length of the text.
 pub struct Lexer<'a> {
     rest: &'a str,
     at: Position,
-    /// Just behind the last word handed out: where the end of the text is reported, so that the
-    /// line shown there is one with words on it.
+    /// The position just after the last word returned. The end of the text is reported there, so that the
+    /// line shown in an error message contains words.
     after_last_word: Position,
 }
 
 impl<'a> Lexer<'a> {
-    /// From the start of a text on.
+    /// Starts at the beginning of a text.
     pub fn new(text: &'a str) -> Self {
         let start = Position { line: 1, column: 1 };
         Self { rest: text, at: start, after_last_word: start }
     }
 
-    /// The next word, or again and again an empty one at the end of the text.
+    /// The next word. At the end of the text, every call returns an empty word.
     pub fn next_word(&mut self) -> Word<'a> {
         self.skip_blanks_and_comments();
         let at = self.at;
@@ -62,7 +61,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Moves over `bytes` bytes of the text and returns them.
+    /// Advances by `bytes` bytes of the text and returns them.
     fn advance(&mut self, bytes: usize) -> &'a str {
         let (passed, rest) = self.rest.split_at(bytes);
         let mut characters = passed.chars().peekable();
@@ -87,7 +86,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// The bytes of the word that starts `text`, which does not start with white space.
+/// The length in bytes of the first word of `text`, which does not start with white space.
 fn word_length(text: &str) -> usize {
     if text.starts_with(['{', '}']) {
         return 1;
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_stands_behind_the_last_word() {
+    fn the_end_is_reported_after_the_last_word() {
         let mut lexer = Lexer::new("ab \n # c\n");
         lexer.next_word();
         let end = Word { text: "", at: Position { line: 1, column: 3 } };

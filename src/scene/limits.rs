@@ -1,24 +1,24 @@
-//! How large and how small a scene's numbers may be, so that nothing made of them is not a number.
+//! The ranges of a scene's numbers within which no result overflows or becomes a NaN.
 //!
-//! Geometry takes products of three coordinates and of the inverse of a radius, shading those of a light's
-//! colour, a material's and what secondary rays and shadows leave of them. Within these bounds all stay
-//! below the largest f64.
+//! Geometry multiplies up to three coordinates, and the inverse of a radius. Shading multiplies the colours
+//! of lights and materials along the path of secondary rays and shadows. Within these limits all products
+//! stay below the largest f64.
 
 use super::error::{Problem, SceneError};
 use super::material::{Material, Phong, Texture};
 use super::{Camera, Color, Light, Position, Scene};
 use glam::DVec3;
 
-/// The largest absolute value of a number in a scene, and of a coordinate in the world.
+/// The largest magnitude of a number in a scene, and of a coordinate in world space.
 pub const LARGEST: f64 = 1e100;
 
-/// The least radius of a sphere, and half axis of an ellipsoid, in the world.
+/// The smallest radius of a sphere, or semi-axis of an ellipsoid, in world space.
 pub const SMALLEST_RADIUS: f64 = 1e-100;
 
-/// The largest absolute value of a colour's channels.
+/// The largest magnitude of a colour channel.
 pub const BRIGHTEST: f64 = 1e30;
 
-/// Whether all coordinates are numbers within bounds.
+/// Whether the magnitudes of all coordinates are at most [`LARGEST`]. A NaN is out of range.
 pub fn are_in_range(coordinates: DVec3) -> bool {
     coordinates.abs().cmple(DVec3::splat(LARGEST)).all()
 }
@@ -31,22 +31,23 @@ fn is_in_range(number: f64) -> bool {
     number.abs() <= LARGEST
 }
 
-/// An error where a number of the camera, the lights, the background or a material is beyond its bound.
-/// A scene from text has none: the reader refuses them. Objects are checked where they are placed.
+/// Checks the numbers of the camera, the lights, the background and the materials. This matters for scenes
+/// made by a program, since the reader refuses text with such numbers. Objects are checked when they are
+/// placed in the world.
 pub fn check(scene: &Scene) -> Result<(), SceneError> {
-    let is_sound = is_camera(&scene.camera)
+    let is_valid = is_camera(&scene.camera)
         && is_color(scene.background.color)
         && is_color(scene.background.ambient)
         && scene.lights.iter().all(is_light)
         && scene.materials.iter().all(is_material);
     let error = SceneError::new(Position { line: 1, column: 1 }, Problem::NumbersOutOfRange);
-    if is_sound { Ok(()) } else { Err(error) }
+    if is_valid { Ok(()) } else { Err(error) }
 }
 
 fn is_camera(camera: &Camera) -> bool {
     let (Camera::Orthographic { center, direction, up, size: screen }
     | Camera::Perspective { center, direction, up, angle: screen }) = *camera;
-    // Of direction and up the length does not count.
+    // The lengths of `direction` and `up` do not matter, because they are normalised.
     are_in_range(center) && direction.is_finite() && up.is_finite() && is_in_range(screen)
 }
 

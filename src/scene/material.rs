@@ -1,31 +1,31 @@
-//! Materials as written: Phong materials and the textures that blend two earlier materials.
+//! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
 use super::{Color, MaterialId};
 use glam::DAffine3;
 
-/// What a surface is made of.
+/// The material of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
-    /// The same everywhere.
+    /// A material that is the same everywhere.
     Phong(Phong),
-    /// A mix of two others.
+    /// A mixture of two other materials.
     Texture(Texture),
 }
 
-/// A Blinn-Phong material with its secondary rays' colours.
+/// A Blinn-Phong material, with the factors for reflected and refracted rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
-    /// Scattered in all directions.
+    /// The diffuse colour.
     pub diffuse: Color,
     /// The colour of highlights.
     pub specular: Color,
-    /// How narrow the highlights are.
+    /// The specular exponent: the larger it is, the narrower are the highlights.
     pub exponent: f64,
-    /// The share of the mirrored light.
+    /// The factor for the light along the reflected ray.
     pub reflective: Color,
-    /// The share of the refracted light.
+    /// The factor for the light along the refracted ray.
     pub transparent: Color,
-    /// Of the inside against the outside.
+    /// The index of refraction of the inside relative to the outside.
     pub index_of_refraction: f64,
 }
 
@@ -42,43 +42,43 @@ impl Default for Phong {
     }
 }
 
-/// A solid texture: at every point a mix of two earlier materials.
+/// A solid texture: at every point a mixture of two earlier materials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// How the materials mix.
+    /// The pattern that determines the weights of the materials.
     pub pattern: Pattern,
-    /// Maps a world point to a texture point.
+    /// The map from world space to the texture's space.
     pub world_to_texture: DAffine3,
-    /// The two materials mixed; each index is below the texture's own.
+    /// The two materials; each index is below the texture's own.
     pub children: [MaterialId; 2],
 }
 
-/// How a texture mixes its two materials.
+/// The pattern by which a texture mixes its two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
-    /// Unit cubes of the one and of the other in turn.
+    /// Unit cubes that alternate between the two materials.
     Checkerboard,
     /// Perlin noise, summed over octaves.
     Noise {
-        /// How many octaves of noise are summed.
+        /// The number of octaves of noise.
         octaves: u32,
     },
-    /// Stripes along x, bent by noise.
+    /// Stripes along x, distorted by noise.
     Marble {
-        /// How many octaves of noise are summed.
+        /// The number of octaves of noise.
         octaves: u32,
-        /// By how many radians the pattern's phase advances over one unit.
+        /// The change of the pattern's phase over one unit of length, in radians.
         frequency: f64,
-        /// By how many radians a noise of 1 shifts the phase.
+        /// The shift of the phase by a noise of 1, in radians.
         amplitude: f64,
     },
-    /// Rings around y, bent by noise.
+    /// Rings around the y axis, distorted by noise.
     Wood {
-        /// How many octaves of noise are summed.
+        /// The number of octaves of noise.
         octaves: u32,
-        /// By how many radians the pattern's phase advances over one unit.
+        /// The change of the pattern's phase over one unit of length, in radians.
         frequency: f64,
-        /// By how many radians a noise of 1 shifts the phase.
+        /// The shift of the phase by a noise of 1, in radians.
         amplitude: f64,
     },
 }

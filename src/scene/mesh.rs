@@ -1,9 +1,10 @@
 //! Triangle meshes from Wavefront OBJ text.
 //!
-//! The text is read by `tobj`, but only its vertex positions and faces reach it. That keeps the
-//! mesh one list of vertices and triangles (`tobj` starts a new list at every object, group and
-//! material), keeps material files unopened, and spares a file that is sound in what matters here
-//! from errors in what does not: normals, texture coordinates, colours, comments in any encoding.
+//! The text is parsed by `tobj`, after a filter that passes only vertex positions and faces. So the mesh is a
+//! single list of vertices and triangles (`tobj` starts a new list at every object, group and material), no
+//! material file is opened, and errors in what is not used here are ignored: normals, texture coordinates,
+//! colours, and comments in any encoding. Files of positions and triangles only take a faster path, in
+//! `plain_obj`.
 
 use super::obj_lines::{RelevantLines, is_newline, keyword, without_comment, words};
 use super::plain_obj;
@@ -11,24 +12,23 @@ use glam::DVec3;
 use std::cell::Cell;
 use std::fmt;
 
-/// A mesh of triangles, each three indices into `vertices`, in the order of the file's faces.
+/// A triangle mesh, with its triangles in the order of the file's faces.
 ///
-/// A vertex that no face uses is left out.
-/// Every coordinate is finite and every index in range.
+/// Vertices that no face uses are left out. Every coordinate is finite and every index is in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// The corners of the triangles.
+    /// The positions of the vertices.
     pub vertices: Vec<DVec3>,
-    /// Indices of three corners each, counter-clockwise seen from outside.
+    /// The indices of each triangle's vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What is wrong with a mesh file. Lines count from 1.
+/// An error in a mesh file. Lines are counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshError {
-    /// No face at all, so nothing to show.
+    /// A file without faces.
     NoFaces,
-    /// A vertex that is not three numbers and what may follow them.
+    /// A vertex that does not consist of three numbers and optionally a weight or a colour.
     BadVertex {
         /// The line.
         line: usize,
@@ -52,7 +52,7 @@ pub enum MeshError {
     NoSuchVertex {
         /// The line.
         line: usize,
-        /// How many vertices the file has.
+        /// The number of vertices in the file.
         vertices: usize,
     },
     /// A vertex or face that is not UTF-8 text.
@@ -60,11 +60,11 @@ pub enum MeshError {
         /// The line.
         line: usize,
     },
-    /// Anything else, in the words of the OBJ reader.
+    /// Any other error of the OBJ parser.
     Other {
         /// The line.
         line: usize,
-        /// The reader's words.
+        /// The parser's message.
         message: String,
     },
 }
@@ -82,7 +82,7 @@ impl fmt::Display for MeshError {
             Self::BadFace { line } => write!(f, "line {line}: a face needs vertex indices such as `1 2 3`"),
             Self::FewCorners { line } => write!(f, "line {line}: a face needs at least three vertices"),
             Self::NoSuchVertex { line, vertices } => {
-                write!(f, "line {line}: a face names a vertex that is not there, the mesh has {vertices}")
+                write!(f, "line {line}: a face names a vertex that does not exist; the mesh has {vertices}")
             }
             Self::NotText { line } => write!(f, "line {line}: not UTF-8 text"),
             Self::Other { line, message } => write!(f, "line {line}: {message}"),
@@ -92,8 +92,8 @@ impl fmt::Display for MeshError {
 
 /// Reads a mesh from the bytes of an OBJ file.
 ///
-/// Polygons become fans of triangles around their first vertex. Points, lines, curves and
-/// everything but positions and faces are ignored. Errors: the first of [`MeshError`] found.
+/// Polygons become fans of triangles around their first vertex. Points, lines, curves and everything else
+/// except positions and faces are ignored. Errors: the first error found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match plain_obj::parse(text) {
@@ -102,7 +102,7 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
     }
 }
 
-/// [`parse_obj`] for any text, without the short cut for plain ones.
+/// As [`parse_obj`], but without the faster path for plain files.
 pub(super) fn parse_obj_fully(text: &[u8]) -> Result<Mesh, MeshError> {
     let mesh = read_positions_and_faces(text)?;
     if mesh.triangles.is_empty() {
@@ -123,7 +123,7 @@ fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
     };
     let line = Cell::new(0);
     let mut relevant = RelevantLines::new(text, &line);
-    // Material libraries never get here, so the loader is not called; this one opens nothing.
+    // The filter removes the references to material libraries, so this loader is never called.
     let read = tobj::load_obj_buf(&mut relevant, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     if let Some(line) = relevant.few_corners {
         return Err(MeshError::FewCorners { line });
@@ -132,8 +132,8 @@ fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
     Ok(joined(&models))
 }
 
-/// The models as one mesh. There is only one, since what would start a second is held back, but
-/// nothing here relies on it.
+/// The models joined into one mesh. There is only one model, since the filter removes the lines that would
+/// start another, but this function does not rely on it.
 fn joined(models: &[tobj::Model]) -> Mesh {
     let mut mesh = Mesh::default();
     for model in models {
@@ -147,7 +147,7 @@ fn joined(models: &[tobj::Model]) -> Mesh {
     mesh
 }
 
-/// The error of the OBJ reader, which stopped behind `line`, in this module's terms.
+/// Converts an error of the OBJ parser, which stopped after `line`.
 fn explain(error: tobj::LoadError, text: &[u8], line: usize) -> MeshError {
     use tobj::LoadError as E;
     match error {
@@ -155,7 +155,7 @@ fn explain(error: tobj::LoadError, text: &[u8], line: usize) -> MeshError {
         E::FaceParseError => MeshError::BadFace { line },
         E::InvalidPolygon => MeshError::FewCorners { line },
         E::ReadError => MeshError::NotText { line },
-        // This one is found only at the end of the file, so its place has to be searched for.
+        // The parser finds this error only at the end of the file, so the line has to be searched for.
         E::FaceVertexOutOfBounds => no_such_vertex(text),
         other => MeshError::Other { line, message: other.to_string() },
     }
@@ -171,7 +171,7 @@ fn no_such_vertex(text: &[u8]) -> MeshError {
     MeshError::NoSuchVertex { line, vertices }
 }
 
-/// Whether a face's `corner` names one of `all` vertices, of which `so_far` precede the face.
+/// Whether a face's `corner` names one of the `all` vertices, of which `so_far` precede the face.
 fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
     let index = corner.split(|&byte| byte == b'/').next().unwrap_or_default();
     match str::from_utf8(index).ok().and_then(|index| index.parse::<i64>().ok()) {
@@ -181,7 +181,7 @@ fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
     }
 }
 
-/// Whether a line is a vertex with a number that is not finite, before or after its weight divides it.
+/// Whether a line is a vertex with a number that is not finite, before or after the division by its weight.
 fn is_vertex_beyond_numbers(line: &[u8]) -> bool {
     let numbers: Vec<f64> =
         words(line).skip(1).map_while(|word| str::from_utf8(word).ok()?.parse().ok()).collect();
@@ -189,7 +189,7 @@ fn is_vertex_beyond_numbers(line: &[u8]) -> bool {
     keyword(line) == b"v" && numbers.iter().take(3).any(|number| !(number / weight).is_finite())
 }
 
-/// The number of the first line that `is_wanted`, or of the last line.
+/// The number of the first line for which `is_wanted` holds, or else of the last line.
 fn line_where(text: &[u8], is_wanted: impl FnMut(&[u8]) -> bool) -> usize {
     let lines = text.split(is_newline);
     lines.clone().map(without_comment).position(is_wanted).map_or(lines.count(), |index| index + 1)
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_lines_are_named() {
+    fn errors_name_the_malformed_line() {
         for (vertex, error) in [
             ("v 1 2", MeshError::BadVertex { line: 5 }),
             ("v 1 2 x", MeshError::BadVertex { line: 5 }),
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_face_of_a_missing_vertex_is_named_and_no_sound_one_before() {
+    fn the_error_names_the_first_face_with_a_missing_vertex() {
         for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
             assert_eq!(refuse(&text), MeshError::NoSuchVertex { line, vertices: 5 }, "{corner}");

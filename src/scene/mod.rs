@@ -1,12 +1,14 @@
-//! The scene as its author wrote it: no rendering knowledge, no I/O.
+//! The scene as its author wrote it, read from text. This module knows nothing of rendering and opens no
+//! files.
 //!
-//! Objects form a tree that lives in one arena (`Scene::objects`), so that a scene nested a
-//! hundred thousand levels deep is built, walked and dropped without recursion.
+//! Objects form a tree that is stored in one arena (`Scene::objects`), so that a scene nested a hundred
+//! thousand levels deep is built, traversed and dropped without recursion.
 
 pub mod error;
 mod keyword;
 pub mod lexer;
 pub mod limits;
+mod list;
 pub mod material;
 pub mod mesh;
 mod obj_lines;
@@ -21,34 +23,34 @@ mod transform;
 use glam::{DAffine3, DVec3};
 use material::Material;
 
-/// Linear red, green, blue; 1 is the brightest that a picture shows, larger values are legal.
+/// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
 pub type Color = DVec3;
 
-/// A place in the scene text, both counted from 1; `column` counts characters.
+/// A position in the scene text. Lines and columns start with 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Position {
     /// The line.
     pub line: u32,
-    /// The character in its line.
+    /// The column, counted in characters.
     pub column: u32,
 }
 
-/// Everything that a scene file says.
+/// A scene, with everything that its file contains.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What the scene is seen by.
+    /// The camera.
     pub camera: Camera,
-    /// What is seen where nothing stands, and the ambient light.
+    /// The background colour and the ambient light.
     pub background: Background,
     /// The lights, in the order of the text.
     pub lights: Vec<Light>,
     /// The materials, in the order of the text.
     pub materials: Vec<Material>,
-    /// The arena. Every object stands behind those inside it, so that the root is the last.
+    /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
-    /// The group that holds everything.
+    /// The group that contains all objects.
     pub root: ObjectId,
-    /// The mesh files named by the scene, each once. [`Object::Mesh`] points here.
+    /// The mesh files that the scene names, each once. [`Object::Mesh`] has an index into this list.
     pub meshes: Vec<MeshFile>,
 }
 
@@ -57,75 +59,75 @@ pub type ObjectId = usize;
 /// Index into [`Scene::materials`].
 pub type MaterialId = usize;
 
-/// A mesh file as named by the scene, and where it was first named.
+/// A mesh file that the scene names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
     /// The name as written.
     pub name: String,
-    /// Where it was first named.
+    /// The position where the scene first names it.
     pub at: Position,
 }
 
-/// What the scene is seen by. Directions need not be unit vectors.
+/// A camera. Its directions need not be unit vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Camera {
-    /// `size` is the length of the longer side of the picture.
+    /// A camera whose rays are parallel.
     Orthographic {
-        /// The centre.
+        /// The point at the middle of the picture.
         center: DVec3,
-        /// Where it looks.
+        /// The viewing direction.
         direction: DVec3,
-        /// Up in the picture, but for what of it runs along the direction.
+        /// The vector whose part perpendicular to the direction points up in the picture.
         up: DVec3,
         /// The length of the longer side of the picture.
         size: f64,
     },
-    /// `angle` is the full angle over the longer side of the picture, in degrees.
+    /// A camera whose rays start in one point.
     Perspective {
-        /// The centre.
+        /// The point where the rays start.
         center: DVec3,
-        /// Where it looks.
+        /// The viewing direction.
         direction: DVec3,
-        /// Up in the picture, but for what of it runs along the direction.
+        /// The vector whose part perpendicular to the direction points up in the picture.
         up: DVec3,
-        /// The full angle over the longer side of the picture, in degrees.
+        /// The full viewing angle over the longer side of the picture, in degrees.
         angle: f64,
     },
 }
 
-/// What the `Background` block says.
+/// The contents of the `Background` block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
-    /// Seen where a ray meets nothing.
+    /// The colour of rays that hit nothing.
     pub color: Color,
-    /// Reaches every surface.
+    /// The ambient light, which arrives at every surface.
     pub ambient: Color,
 }
 
 impl Default for Background {
-    /// The course's: mid grey, no ambient light.
+    /// The course's default: mid grey and no ambient light.
     fn default() -> Self {
         Self { color: Color::splat(0.5), ambient: Color::ZERO }
     }
 }
 
-/// A source of light.
+/// A light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Shines along `direction`, which need not be a unit vector.
+    /// Parallel light without attenuation.
     Directional {
-        /// Where it shines.
+        /// The direction in which the light travels, which need not be a unit vector.
         direction: DVec3,
-        /// Its colour, the same everywhere.
+        /// The colour, which is the same everywhere.
         color: Color,
     },
-    /// Falls off as 1 / (a0 + a1 d + a2 d^2) over the distance d.
+    /// Light from a point, attenuated by the factor 1 / (a0 + a1 d + a2 d^2) at the distance d.
     Point {
-        /// Where it stands.
+        /// The position.
         position: DVec3,
-        /// Its colour, before it falls off.
+        /// The colour before attenuation.
         color: Color,
-        /// a0, a1 and a2.
+        /// The coefficients a0, a1 and a2.
         attenuation: [f64; 3],
     },
 }
@@ -133,56 +135,56 @@ pub enum Light {
 /// A node of the object tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Object {
-    /// Objects side by side.
+    /// A list of objects.
     Group(Vec<ObjectId>),
-    /// `matrix` maps the child's space to the parent's. It may be singular.
+    /// A transformed object.
     Transform {
-        /// From the child's space to the parent's.
+        /// The map from the child's space to the parent's. It may be singular.
         matrix: DAffine3,
         /// The object that is transformed.
         child: ObjectId,
-        /// Where the text says so.
+        /// The position of the `Transform` in the text.
         at: Position,
     },
-    /// The points at `radius` from the centre.
+    /// A sphere.
     Sphere {
         /// The centre.
         center: DVec3,
-        /// Positive.
+        /// The radius, which is positive.
         radius: f64,
-        /// What the surface is made of.
+        /// The material of the surface.
         material: MaterialId,
     },
-    /// The points p with n.p = offset, n being `normal` scaled to unit length.
+    /// The points p with n.p = `offset`, where n is `normal` scaled to unit length.
     Plane {
-        /// Need not be of unit length.
+        /// The normal, which need not be a unit vector.
         normal: DVec3,
         /// The plane's distance from the origin along its normal.
         offset: f64,
-        /// What the surface is made of.
+        /// The material of the surface.
         material: MaterialId,
     },
-    /// A triangle, counter-clockwise seen from outside.
+    /// A triangle.
     Triangle {
-        /// The corners.
+        /// The corners, counter-clockwise seen from outside.
         vertices: [DVec3; 3],
-        /// What the surface is made of.
+        /// The material of the surface.
         material: MaterialId,
     },
-    /// The 2003 edition's axis-aligned box.
+    /// The axis-aligned box of the 2003 edition.
     Box {
-        /// The corner of the least coordinates.
+        /// The corner with the smallest coordinates.
         min: DVec3,
-        /// The corner of the greatest coordinates.
+        /// The corner with the largest coordinates.
         max: DVec3,
-        /// What the surface is made of.
+        /// The material of the surface.
         material: MaterialId,
     },
-    /// `mesh` is an index into [`Scene::meshes`].
+    /// A triangle mesh from a file.
     Mesh {
-        /// Index into [`Scene::meshes`].
+        /// The index of the file in [`Scene::meshes`].
         mesh: usize,
-        /// What the surface is made of.
+        /// The material of the surface.
         material: MaterialId,
     },
 }

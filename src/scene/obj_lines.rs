@@ -1,19 +1,21 @@
-//! The lines of an OBJ text that matter to a mesh of positions and faces.
+//! Filters the lines of an OBJ text: only vertex positions and faces are passed to the parser.
 
 use std::cell::Cell;
 use std::io::{BufRead, Read};
 
-/// The vertex and face lines of an OBJ text, and nothing else, as a source of bytes.
+/// A byte stream that consists of the vertex and face lines of an OBJ text.
 pub struct RelevantLines<'a> {
-    /// The text behind the current line.
+    /// The text after the current line.
     rest: &'a [u8],
-    /// What is left to hand out of the current line, without its end.
+    /// The part of the current line that has not been consumed, without its line end.
     current: &'a [u8],
-    /// Whether the current line's end is still to be handed out.
+    /// Whether the line end of the current line has not been consumed.
     owes_newline: bool,
-    /// The number of the current line, shared with who looks while the reader holds this.
+    /// The number of the current line, in a cell so that the caller can read it while the parser holds the
+    /// stream.
     line: &'a Cell<usize>,
-    /// The first face of one or two vertices. The reader would drop it in silence, so it ends the text here.
+    /// The line of the first face of one or two vertices. The parser would ignore it, so the stream ends
+    /// there.
     pub few_corners: Option<usize>,
 }
 
@@ -22,7 +24,7 @@ impl<'a> RelevantLines<'a> {
         Self { rest: text, current: b"", owes_newline: false, line, few_corners: None }
     }
 
-    /// Moves on to the next line that matters, or to the end.
+    /// Advances to the next relevant line, or to the end.
     fn next_line(&mut self) {
         while !self.rest.is_empty() {
             let end = self.rest.iter().position(is_newline).unwrap_or(self.rest.len());
@@ -37,7 +39,7 @@ impl<'a> RelevantLines<'a> {
         }
     }
 
-    /// What the reader shall see of a line, if anything.
+    /// The part of a line that is passed to the parser; none for an irrelevant line.
     fn relevant_part(&mut self, line: &'a [u8]) -> Option<&'a [u8]> {
         match keyword(line) {
             b"v" => Some(without_colour(line)),
@@ -52,17 +54,18 @@ impl<'a> RelevantLines<'a> {
     }
 }
 
-/// A vertex line without the colour that some programs write behind the position. The reader
-/// wants a colour for every vertex or for none.
+/// A vertex line without the colour that some programs write after the position. The parser requires a colour
+/// for every vertex or for none.
 fn without_colour(line: &[u8]) -> &[u8] {
     const WITH_COLOUR: usize = 1 + 3 + 3;
     if words(line).count() != WITH_COLOUR {
         return line;
     }
     let position = words(line).nth(3).unwrap_or_default();
-    // A word is part of its line, so the distance of their ends is the length behind the word.
-    let behind = line.as_ptr_range().end as usize - position.as_ptr_range().end as usize;
-    &line[..line.len() - behind]
+    // A word is a slice of its line, so the distance between their ends is the length of what follows the
+    // word.
+    let after = line.as_ptr_range().end as usize - position.as_ptr_range().end as usize;
+    &line[..line.len() - after]
 }
 
 impl Read for RelevantLines<'_> {
@@ -102,7 +105,7 @@ pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// The first word of a line, which says what the line is; empty for a blank line.
+/// The first word of a line, which tells its kind; empty for a blank line.
 pub fn keyword(line: &[u8]) -> &[u8] {
     words(line).next().unwrap_or_default()
 }
@@ -117,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lines_that_matter_are_read_alike_by_bytes_and_by_lines() {
+    fn relevant_lines_are_the_same_read_by_bytes_and_by_lines() {
         let text = b"# c\nv 1 2 3 # d\nvn 1 2 3\n\nf 1 2 3\nl 1 2\nv 4 5 6 .1 .2 .3";
         let (line, mut bytes) = (Cell::new(0), vec![]);
         RelevantLines::new(text, &line).read_to_end(&mut bytes).unwrap();

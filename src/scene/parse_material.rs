@@ -2,20 +2,22 @@
 
 use super::MaterialId;
 use super::error::{Problem, SceneError};
+use super::list::counted_list;
 use super::material::{Material, Pattern, Phong, Texture};
-use super::reader::{Parsed, Reader, bad_value, counted_list};
+use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use glam::{DAffine3, DVec3};
 
-/// The words that start a Phong material; they mean the same.
+/// The keywords that start a Phong material. They have the same meaning.
 pub const PHONG_KINDS: [&str; 2] = ["Material", "PhongMaterial"];
 const KINDS: [&str; 6] = ["PhongMaterial", "Material", "Checkerboard", "Noise", "Marble", "Wood"];
 
 const PHONG_FIELDS: [&str; 6] =
     ["diffuseColor", "specularColor", "exponent", "reflectiveColor", "transparentColor", "indexOfRefraction"];
 
-/// Each octave doubles the frequency, so that beyond this many nothing but rounding is added.
-const MOST_OCTAVES: u64 = 64;
+/// The largest number of octaves. Each one halves the amplitude, so a further octave is below the rounding
+/// error.
+const MAX_OCTAVES: u64 = 64;
 
 /// Reads a whole `Materials { ... }` block.
 pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<Material>> {
@@ -25,7 +27,7 @@ pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<Material>> {
     })
 }
 
-/// Reads the material that gets the index `own`.
+/// Reads the material whose index is `own`.
 fn parse_material(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Material> {
     if reader.is_at_any(&PHONG_KINDS) {
         return Ok(Material::Phong(parse_phong(reader)?));
@@ -36,8 +38,8 @@ fn parse_material(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Material> 
     Ok(Material::Texture(parse_texture(reader, own)?))
 }
 
-/// Reads a Phong material with its name and braces. Fields come in any order, and the last of
-/// several alike counts.
+/// Reads a Phong material with its keyword and braces. The fields may come in any order, and a repeated field
+/// replaces the earlier one.
 pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
     let name = reader.open()?.text;
     let mut phong = Phong::default();
@@ -94,8 +96,8 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
     Ok(Texture { pattern, world_to_texture, children })
 }
 
-/// Reads the optional `Transform` of a texture. It maps world points to texture points as it
-/// stands, without being inverted.
+/// Reads the optional `Transform` of a texture. As written, without an inversion, it maps world space to
+/// texture space.
 fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     if !reader.is_at("Transform") {
         return Ok(DAffine3::IDENTITY);
@@ -109,7 +111,7 @@ fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     Ok(map)
 }
 
-/// Reads one `materialIndex` of the texture with the index `own`.
+/// Reads one `materialIndex` of the texture whose index is `own`.
 fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
     reader.keyword("materialIndex")?;
     let at = reader.peek().at;
@@ -122,13 +124,13 @@ fn earlier_material(index: u64, own: MaterialId) -> Option<MaterialId> {
     usize::try_from(index).ok().filter(|&index| index < own)
 }
 
-/// Reads the 2003 edition's optional `size` of a checkerboard's squares, as the scale that makes
-/// such squares unit squares.
+/// Reads the optional `size` of a checkerboard's squares from the 2003 edition, and returns the scale that
+/// maps such squares to unit squares.
 fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     if !reader.accept("size") {
         return Ok(DAffine3::IDENTITY);
     }
-    // The reciprocal of the smallest numbers overflows, so the rule is on it.
+    // The reciprocal of the smallest numbers overflows, so it is checked as well.
     let size =
         reader.number_that("size", "must be positive", |size| size > 0.0 && (1.0 / size).is_finite())?;
     Ok(DAffine3::from_scale(DVec3::splat(1.0 / size)))
@@ -138,11 +140,11 @@ fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
     reader.keyword("octaves")?;
     let word = reader.peek();
     let octaves = reader.whole("octaves")?;
-    let allowed = u32::try_from(octaves).ok().filter(|_| octaves <= MOST_OCTAVES);
+    let allowed = u32::try_from(octaves).ok().filter(|_| octaves <= MAX_OCTAVES);
     allowed.ok_or_else(|| bad_value(word, "octaves", "must be at most 64"))
 }
 
-/// Reads what `Marble` and `Wood` share: octaves, frequency and amplitude.
+/// Reads the fields that `Marble` and `Wood` share: octaves, frequency and amplitude.
 fn parse_wave(reader: &mut Reader<'_>) -> Parsed<(u32, f64, f64)> {
     Ok((parse_octaves(reader)?, reader.number_field("frequency")?, reader.number_field("amplitude")?))
 }

@@ -1,10 +1,11 @@
-//! Reads groups and the objects in them, however deep they nest, without recursion.
+//! Reads groups and the objects in them, without recursion, so that any depth of nesting works.
 
 use super::error::{Problem, SceneError};
 use super::limits::SMALLEST_RADIUS;
+use super::list::end_of_list;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
-use super::reader::{Parsed, Reader, bad_value, end_of_list};
+use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
 use glam::{DAffine3, DVec3};
@@ -12,59 +13,63 @@ use std::collections::HashMap;
 
 const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
 
-/// What a scene's objects are read into.
+/// The objects of a scene that have been read so far, with the meshes and materials that they use.
 #[derive(Default)]
 pub struct ObjectTree {
-    /// Every object stands behind those inside it.
+    /// The arena, in which every object comes after its children.
     pub objects: Vec<Object>,
     pub meshes: Vec<MeshFile>,
     mesh_indices: HashMap<String, usize>,
-    /// The declared materials, and behind them those written inside groups.
+    /// The declared materials, followed by those written inside groups.
     pub materials: Vec<Material>,
-    /// How many materials are declared. Only these have an index that the scene may use.
+    /// The number of declared materials. Only these can be chosen by their index.
     declared: usize,
-    /// The material of the objects to come. As in the course's program it outlasts the group in
-    /// which it is chosen.
+    /// The material of the following objects. As in the course's program, it stays in effect after the group
+    /// in which it was chosen.
     current_material: Option<MaterialId>,
 }
 
-/// An object that may hold others and whose closing brace is not read yet.
+/// A group or transform whose closing brace has not been read yet.
 enum Open {
     Group { announced: u64, children: Vec<ObjectId> },
     Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
 }
 
-/// What one step of reading found.
+/// The result of one step of reading.
 enum Step {
+    /// The start of a group or transform.
     Opened(Open),
+    /// A whole primitive.
     Finished(Object),
-    /// The closing brace of the innermost open object.
+    /// The end of the innermost open object.
     Closed(Object),
 }
 
 impl ObjectTree {
+    /// Replaces the declared materials.
     pub fn declare(&mut self, materials: Vec<Material>) {
         self.declared = materials.len();
         self.materials = materials;
     }
 
-    /// Reads a `Group` and everything in it in place of what was read before, and returns its id.
-    /// Errors: anything malformed inside. Time is linear in the text and the stack is of constant size.
+    /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
+    /// Errors: the first error inside it. The time is linear in the length of the text, and the stack has
+    /// constant size.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
         self.objects.clear();
         self.meshes.clear();
         self.mesh_indices.clear();
         let mut innermost = open_group(reader)?;
-        let mut around = Vec::new();
+        let mut ancestors = Vec::new();
         loop {
             match self.step(reader, &mut innermost)? {
-                Step::Opened(inner) => around.push(std::mem::replace(&mut innermost, inner)),
-                Step::Finished(object) => innermost.put(self.add(object)),
+                Step::Opened(inner) => ancestors.push(std::mem::replace(&mut innermost, inner)),
+                Step::Finished(object) => innermost.add_child(self.add(object)),
                 Step::Closed(object) => {
                     let id = self.add(object);
-                    let Some(parent) = around.pop() else { return Ok(id) };
+                    let Some(parent) = ancestors.pop() else { return Ok(id) };
                     innermost = parent;
-                    innermost.put(id);
+                    innermost.add_child(id);
                 }
             }
         }
@@ -86,7 +91,7 @@ impl ObjectTree {
         }
     }
 
-    /// Reads the next object of a group with the choices of material before it, or the group's end.
+    /// Reads the next object of a group and the choices of material before it, or the end of the group.
     fn step_in_group(
         &mut self,
         reader: &mut Reader<'_>,
@@ -103,7 +108,7 @@ impl ObjectTree {
         Ok(Step::Closed(Object::Group(std::mem::take(children))))
     }
 
-    /// Reads any number of `MaterialIndex` and, as in the 2003 edition, of whole materials.
+    /// Reads any number of choices of material: `MaterialIndex`, or a whole material as in the 2003 edition.
     fn parse_material_choices(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         loop {
             if reader.is_at("MaterialIndex") {
@@ -135,8 +140,8 @@ impl ObjectTree {
         self.parse_object(reader, what, &keywords)
     }
 
-    /// Reads a whole primitive, or the start of an object that may hold others. `what` and
-    /// `keywords` say what could stand here.
+    /// Reads a whole primitive, or the start of a group or transform. `what` and `keywords` describe the
+    /// words that are allowed here, for the error message.
     fn parse_object(&mut self, reader: &mut Reader<'_>, what: &str, keywords: &[&str]) -> Parsed<Step> {
         match reader.peek().text {
             "Group" => open_group(reader).map(Step::Opened),
@@ -168,7 +173,7 @@ impl ObjectTree {
         Ok(object)
     }
 
-    /// Reads `obj_file` and its name, and returns the mesh's index.
+    /// Reads `obj_file` and the file name, and returns the mesh's index.
     fn parse_mesh_name(&mut self, reader: &mut Reader<'_>) -> Parsed<usize> {
         reader.keyword("obj_file")?;
         let word = reader.peek();
@@ -194,8 +199,7 @@ impl ObjectTree {
 }
 
 impl Open {
-    /// Puts a finished object inside.
-    fn put(&mut self, id: ObjectId) {
+    fn add_child(&mut self, id: ObjectId) {
         match self {
             Self::Group { children, .. } => children.push(id),
             Self::Transform { child, .. } => *child = Some(id),
@@ -264,8 +268,7 @@ fn parse_triangle(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Objec
 fn parse_box(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
     let min = reader.vector_field("min")?;
     reader.keyword("max")?;
-    let mut number_from =
-        |least| reader.number_that("max", "must not be below `min`", |number| number >= least);
+    let mut number_from = |min| reader.number_that("max", "must not be below `min`", |number| number >= min);
     let max = DVec3::new(number_from(min.x)?, number_from(min.y)?, number_from(min.z)?);
     Ok(Object::Box { min, max, material })
 }

@@ -1,9 +1,10 @@
-//! Scene text to [`Scene`]: the course's grammar of 2004 and the forms of 2003 that differ from it.
+//! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
 
 use super::error::{Problem, SceneError};
+use super::list::counted_list;
 use super::parse_material::parse_materials;
 use super::parse_object::ObjectTree;
-use super::reader::{Parsed, Reader, counted_list};
+use super::reader::{Parsed, Reader};
 use super::{Background, Camera, Light, ObjectId, Scene};
 use crate::math::robust::unit;
 use glam::DVec3;
@@ -13,11 +14,11 @@ const BLOCKS: [&str; 6] =
 const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
 const BACKGROUND_FIELDS: [&str; 2] = ["color", "ambientLight"];
 
-/// Reads a scene. Meshes are only named, no file is opened.
+/// Parses a scene. Its mesh files are named in the result, but not opened.
 ///
-/// Blocks come in any order, except that `Materials` precede the `Group`, and a later block
-/// replaces an earlier one of its kind. Errors: the first thing that breaks the grammar or a rule
-/// of its values, with its place.
+/// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
+/// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its
+/// position.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
     let mut reader = Reader::new(text);
     let mut blocks = Blocks::default();
@@ -104,7 +105,7 @@ fn parse_perspective_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
     Ok(Camera::Perspective { center, direction, up, angle })
 }
 
-/// Reads what both cameras share: center, direction and up.
+/// Reads the fields that both cameras share: center, direction and up.
 fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
     let center = reader.vector_field("center")?;
     let direction = reader.direction_field("direction")?;
@@ -117,13 +118,13 @@ fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
     Ok((center, direction, up))
 }
 
-/// Whether two vectors other than zero are parallel as far as their numbers tell.
+/// Whether two nonzero vectors are parallel, up to rounding.
 fn are_parallel(a: DVec3, b: DVec3) -> bool {
-    const ROUNDING: f64 = 1e-12;
-    unit(a).cross(unit(b)).length() < ROUNDING
+    const MAX_SINE: f64 = 1e-12;
+    unit(a).cross(unit(b)).length() < MAX_SINE
 }
 
-/// Reads the background. Both fields are optional, and the last of several alike counts.
+/// Reads the background. Both fields are optional, and a repeated field replaces the earlier one.
 fn parse_background(reader: &mut Reader<'_>) -> Parsed<Background> {
     let name = reader.open()?.text;
     let mut background = Background::default();
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_stand_behind_those_inside_them() {
+    fn objects_come_after_their_children() {
         let sphere = "Sphere { center 0 0 0 radius 1 }";
         let scene = objects(&format!(
             "Group {{ numObjects 2 MaterialIndex 0\nGroup {{ numObjects 1 {sphere} }}\n  Transform {{ Scale 1 2 1 {sphere} }} }}"
@@ -268,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn materials_inside_groups_come_behind_the_declared_ones() {
+    fn materials_inside_groups_follow_the_declared_ones() {
         let scene = objects(
             "Group { num_objects 2 Material { diffuse_color 1 0 0 } Plane { normal 0 1 0 offset 0 }
              Material { diffuseColor 0 1 0 } Material { diffuseColor 0 0 1 } Plane { normal 0 1 0 offset 0 } }",

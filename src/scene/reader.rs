@@ -1,4 +1,4 @@
-//! The grammar's small parts, each read with its check: braces, keywords, numbers, lists.
+//! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
 
 use super::Color;
 use super::error::{Problem, SceneError};
@@ -9,7 +9,7 @@ use glam::DVec3;
 
 pub type Parsed<T> = Result<T, SceneError>;
 
-/// Reads a scene's words with one word of look-ahead.
+/// Reads the words of a scene with one word of lookahead.
 pub struct Reader<'a> {
     lexer: Lexer<'a>,
     ahead: Word<'a>,
@@ -22,12 +22,12 @@ impl<'a> Reader<'a> {
         Self { lexer, ahead }
     }
 
-    /// The next word, which stays the next.
+    /// The next word, without taking it.
     pub fn peek(&self) -> Word<'a> {
         self.ahead
     }
 
-    /// The next word, after which the one behind it is the next.
+    /// Takes the next word.
     pub fn take(&mut self) -> Word<'a> {
         std::mem::replace(&mut self.ahead, self.lexer.next_word())
     }
@@ -42,16 +42,17 @@ impl<'a> Reader<'a> {
         keywords.iter().any(|keyword| self.is_at(keyword))
     }
 
-    /// Takes the next word if it is `keyword`; tells whether it was.
+    /// Takes the next word if it is `keyword`, and returns whether it was.
     pub fn accept(&mut self, keyword: &str) -> bool {
-        let is_here = self.is_at(keyword);
-        if is_here {
+        let is_next = self.is_at(keyword);
+        if is_next {
             self.take();
         }
-        is_here
+        is_next
     }
 
-    /// The error that the next word is not `what`, with the nearest of `keywords` as a hint.
+    /// The error that the next word is not `what`. The hint suggests the nearest of `keywords`, or lists them
+    /// all.
     pub fn unexpected(&self, what: &str, keywords: &[&str]) -> SceneError {
         let found = self.ahead.text;
         let error =
@@ -63,7 +64,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes `keyword`, which the grammar demands here.
+    /// Takes `keyword`, which the grammar requires here.
     pub fn keyword(&mut self, keyword: &str) -> Parsed<Word<'a>> {
         if !self.is_at(keyword) {
             return Err(self.unexpected(&format!("`{keyword}`"), &[keyword]));
@@ -71,7 +72,7 @@ impl<'a> Reader<'a> {
         Ok(self.take())
     }
 
-    /// Takes a block's name, which the caller has recognised, and its opening brace.
+    /// Takes the keyword of a block, which the caller has checked, and the opening brace.
     pub fn open(&mut self) -> Parsed<Word<'a>> {
         let name = self.take();
         if !self.accept("{") {
@@ -88,7 +89,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Takes a number that is not too large, the value of `field`.
+    /// Takes a number, the value of `field`, whose magnitude must be at most [`LARGEST`].
     pub fn number(&mut self, field: &str) -> Parsed<f64> {
         let word = self.ahead;
         let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
@@ -99,7 +100,8 @@ impl<'a> Reader<'a> {
         Ok(number)
     }
 
-    /// Takes a number for which `holds` is true; `rule` says that in words, as in "must be positive".
+    /// Takes a number for which `holds` must be true. `rule` describes the condition, as in "must be
+    /// positive".
     pub fn number_that(
         &mut self,
         field: &str,
@@ -114,8 +116,8 @@ impl<'a> Reader<'a> {
         Ok(number)
     }
 
-    /// Takes a number that is not negative and has no fraction. One that is too large for the type
-    /// comes back as the largest: no list is that long.
+    /// Takes a non-negative integer. One that is too large for the type becomes the largest of the type,
+    /// which no list is long enough to match.
     pub fn whole(&mut self, field: &str) -> Parsed<u64> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
@@ -199,7 +201,8 @@ impl<'a> Reader<'a> {
         error
     }
 
-    /// The error for a word that is not a whole number: a number of the wrong kind is named as such.
+    /// The error for a word that is not a non-negative integer. It tells negative and fractional numbers
+    /// apart.
     fn not_whole(&self, field: &str) -> SceneError {
         match parse_number(self.ahead.text) {
             Some(number) if number < 0.0 => bad_value(self.ahead, field, "must not be negative"),
@@ -209,13 +212,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The error that the value `word` of `field` breaks `rule`.
+/// The error that the value `word` of `field` violates `rule`.
 pub fn bad_value(word: Word<'_>, field: &str, rule: &'static str) -> SceneError {
     SceneError::new(word.at, Problem::BadValue { field: field.into(), rule, found: word.text.into() })
 }
 
-/// A number as C's scanf reads it: `1`, `+1`, `-.3`, `0.`, `1e-3`, but no `inf` or `nan`. It comes
-/// back infinite when it is beyond the largest finite number.
+/// A number in the syntax of C's scanf: `1`, `+1`, `-.3`, `0.` or `1e-3`, but not `inf` or `nan`. A number
+/// that overflows becomes infinite.
 fn parse_number(word: &str) -> Option<f64> {
     let starts_well =
         word.starts_with(|first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.'));
@@ -225,48 +228,6 @@ fn parse_number(word: &str) -> Option<f64> {
 
 fn is_digits(word: &str) -> bool {
     !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit())
-}
-
-/// Reads the rest of a block `name { field N item^N }` from `field` on, up to its closing brace.
-///
-/// `item` reads one item, given those before it; `kinds` are the words that start one. The list
-/// grows as items are read, so that an absurd announced length costs nothing.
-pub fn counted_list<T>(
-    reader: &mut Reader<'_>,
-    name: &str,
-    field: &'static str,
-    kinds: &[&str],
-    mut item: impl FnMut(&mut Reader<'_>, &[T]) -> Parsed<T>,
-) -> Parsed<Vec<T>> {
-    reader.keyword(field)?;
-    let announced = reader.whole(field)?;
-    let mut items = Vec::new();
-    while (items.len() as u64) < announced && !reader.is_at("}") {
-        let next = item(reader, &items)?;
-        items.push(next);
-    }
-    end_of_list(reader, field, kinds, announced, items.len())?;
-    reader.close(name)?;
-    Ok(items)
-}
-
-/// Checks that a list of `found` items ends at the next word as announced.
-pub fn end_of_list(
-    reader: &Reader<'_>,
-    field: &'static str,
-    kinds: &[&str],
-    announced: u64,
-    found: usize,
-) -> Parsed<()> {
-    let found = found as u64;
-    let at = reader.peek().at;
-    if found < announced {
-        return Err(SceneError::new(at, Problem::TooFew { field, announced, found }));
-    }
-    if reader.is_at_any(kinds) {
-        return Err(SceneError::new(at, Problem::TooMany { field, announced }));
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -323,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_word_stays_the_next() {
+    fn a_word_that_causes_an_error_is_not_taken() {
         let mut reader = Reader::new("radius }");
         assert!(reader.keyword("center").is_err() && reader.number("center").is_err());
         assert_eq!(reader.keyword("radius").unwrap().text, "radius");

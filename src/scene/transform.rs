@@ -1,18 +1,19 @@
-//! Reads lists of transformations into one affine map.
+//! Reads a list of transformations and composes them to one affine map.
 
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The words that start a transformation.
+/// The keywords that start a transformation.
 pub const TRANSFORMATIONS: [&str; 8] =
     ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix"];
 
-/// Reads transformations up to the first word that starts none, and composes them as the course does.
+/// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
+/// does.
 ///
-/// Each is multiplied on the right of what was read so far, so that the last listed acts first;
-/// only `Matrix` is multiplied on the left. Errors: malformed transformations, and a product with
-/// a number that is not finite.
+/// Each transformation is multiplied from the right to the product so far, so that the last one acts first,
+/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations, and a product that
+/// overflows.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     let mut product = DAffine3::IDENTITY;
     while reader.is_at_any(&TRANSFORMATIONS) {
@@ -29,8 +30,8 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     Ok(product)
 }
 
-/// Reads any transformation but `Matrix`. The 2003 edition puts braces around all of them, the
-/// 2004 edition only around `Rotate`; both are read.
+/// Reads any transformation except `Matrix`. The 2003 edition has braces around the values of all
+/// transformations, the 2004 edition only around those of `Rotate`. Both are accepted.
 fn parse_factor(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     if reader.is_at("Rotate") {
         return parse_axis_rotation(reader);
@@ -79,8 +80,8 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
 
 /// The right-handed rotation around `axis` by `degrees`.
 ///
-/// The axis enters the formula as it is given. Like the course's program this does not scale it
-/// to unit length first, so that another length distorts.
+/// As in the course's program the axis is not normalised, so that one of another length than 1 distorts the
+/// object.
 fn rotation(axis: DVec3, degrees: f64) -> DAffine3 {
     let (sine, cosine) = sine_and_cosine(degrees);
     let DVec3 { x, y, z } = axis;
@@ -94,7 +95,7 @@ fn rotation(axis: DVec3, degrees: f64) -> DAffine3 {
 
 /// Sine and cosine of an angle in degrees, exact at the multiples of 90 and the same on every machine.
 fn sine_and_cosine(degrees: f64) -> (f64, f64) {
-    // The remainder is exact, and so is what is left of it beyond the nearest quarter turn.
+    // The remainder is exact, and so is its difference from the nearest multiple of 90 degrees.
     let turn = degrees % 360.0;
     let quarters = (turn / 90.0).round();
     let (sine, cosine) = libm::sincos((turn - 90.0 * quarters).to_radians());
@@ -104,7 +105,7 @@ fn sine_and_cosine(degrees: f64) -> (f64, f64) {
         2 => (-sine, -cosine),
         _ => (-cosine, sine),
     };
-    // Adding zero turns a negative zero into a positive one.
+    // Adding zero converts a negative zero to a positive one.
     (sine + 0.0, cosine + 0.0)
 }
 
@@ -159,20 +160,20 @@ mod tests {
 
     #[test]
     fn the_axis_is_used_as_given() {
-        // By hand for the axis (0, 0, 2) and 90 degrees: cosine 0, sine 1.
+        // Computed by hand for the axis (0, 0, 2) and 90 degrees, whose cosine is 0 and sine 1.
         let expected =
             DMat3::from_cols(DVec3::new(0.0, 2.0, 0.0), DVec3::new(-2.0, 0.0, 0.0), DVec3::Z * 4.0);
         assert_eq!(read("Rotate { 0 0 2 90 }").matrix3, expected);
     }
 
     #[test]
-    fn the_last_listed_acts_first() {
+    fn the_last_transformation_acts_first() {
         let map = read("Translate 1 2 3 Scale 2 3 4");
         assert_eq!(map.transform_point3(DVec3::ONE), DVec3::new(3.0, 5.0, 7.0));
     }
 
     #[test]
-    fn a_matrix_acts_after_what_stands_before_it() {
+    fn a_matrix_acts_after_the_transformations_before_it() {
         let map = read("Translate 1 0 0 Matrix { 2 0 0 0  0 2 0 0  0 0 2 5  0 0 0 1 } UniformScale 3");
         assert_eq!(map.transform_point3(DVec3::ONE), DVec3::new(8.0, 6.0, 11.0));
     }
@@ -204,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tiny_angle_keeps_its_digits() {
+    fn the_sine_of_a_tiny_angle_is_accurate() {
         let (sine, cosine) = sine_and_cosine(1e-20);
         assert_eq!((sine, cosine), (1e-20f64.to_radians(), 1.0));
     }
