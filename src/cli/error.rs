@@ -1,4 +1,4 @@
-//! What can be wrong with a command line.
+//! The errors of the command line, and their messages.
 
 use super::flags;
 use crate::escape::quoted;
@@ -6,8 +6,8 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::PathBuf;
 
-/// A fault in the command line. Displays as one line that names the flag.
-/// Flags are held without their dash.
+/// An error in the command line. It is displayed as one line that names the flag. Names of flags are stored
+/// without the dash.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CliError {
     /// No flag has this name.
@@ -17,17 +17,17 @@ pub enum CliError {
         /// The flag that may have been meant.
         nearest: Option<String>,
     },
-    /// A word that no flag takes.
+    /// A word that is not a value of any flag.
     UnexpectedWord {
         /// The word as given.
         word: OsString,
     },
-    /// `-flag=value`.
+    /// A flag and its value written as `-flag=value`.
     EqualsForm {
         /// The flag.
         flag: String,
     },
-    /// A flag that is allowed once.
+    /// A flag that is given more than once.
     GivenTwice {
         /// The flag.
         flag: String,
@@ -43,44 +43,44 @@ pub enum CliError {
     WrongCount {
         /// The flag.
         flag: String,
-        /// How many values the flag takes.
+        /// The number of values that the flag takes.
         expected: usize,
-        /// How many it was given.
+        /// The number of values that it was given.
         given: usize,
     },
-    /// A value that its flag does not take.
+    /// A value that is not valid for its flag.
     BadValue {
         /// The flag.
         flag: &'static str,
         /// The word as given.
         word: OsString,
-        /// What is wrong with the value.
+        /// The reason why the value is not valid.
         problem: Problem,
     },
-    /// `-depth` with `t0` not below `t1`.
+    /// `-depth` with a `t0` that is not below `t1`.
     DepthOrder {
-        /// Shown white.
+        /// The depth that is shown white.
         t0: f64,
-        /// Shown black.
+        /// The depth that is shown black.
         t1: f64,
     },
-    /// `-depth` with a finite `t0` and `t1` whose difference is not.
+    /// `-depth` with finite `t0` and `t1` whose difference overflows.
     DepthRange,
-    /// A grid whose cells 31 bits cannot number.
+    /// A grid with more cells than 31-bit indices can tell apart.
     TooManyCells {
-        /// Cells along each axis.
+        /// The number of cells along each axis.
         cells: [u32; 3],
     },
     /// `-visualize_grid` without `-grid`.
     GridNeeded,
-    /// A picture of samples or of the filter with too long a side.
+    /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
         flag: &'static str,
     },
-    /// No scene is named.
+    /// A command line without `-input`.
     InputNeeded,
-    /// Two flags name one output file.
+    /// Two flags that name the same output file.
     SameFile {
         /// The flag.
         flag: &'static str,
@@ -89,34 +89,34 @@ pub enum CliError {
         /// The file that both name.
         file: PathBuf,
     },
-    /// A fault that clap reports and this program does not know of.
+    /// An error that clap reports and that this program does not expect.
     Unreadable {
-        /// Clap's words.
+        /// Clap's description.
         reason: String,
     },
 }
 
-/// What is wrong with one value.
+/// The reason why a value is not valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Problem {
-    /// Not a whole number.
+    /// It is not an integer.
     NotWhole,
-    /// Not in the range.
+    /// It is outside the allowed range.
     Outside {
-        /// The least allowed.
+        /// The smallest allowed value.
         min: u32,
-        /// The greatest allowed.
+        /// The largest allowed value.
         max: u32,
     },
-    /// Not a finite number.
+    /// It is not a finite number.
     NotFinite,
-    /// Below zero.
+    /// It is negative.
     Negative,
-    /// Not a scene's name.
+    /// It does not have the file extension of a scene.
     NotScene,
-    /// Not a picture's name.
+    /// It does not have the file extension of a picture.
     NotPicture,
-    /// Not a filter's size.
+    /// It is outside the range of filter sizes.
     NotFilterSize,
 }
 

@@ -1,9 +1,9 @@
-//! Every flag, once: its values, what it excludes, and its line of help.
+//! The table of flags: for each its values, the flags that it excludes, and its line of help.
 //!
-//! A new flag is one constant here, one entry in [`FLAGS`], and its reading in `options.rs`; the
-//! parser and the help text follow from the table.
+//! A new flag needs one constant here, one entry in [`FLAGS`], and the code in `options.rs` that interprets
+//! it. The parser and the help text are generated from the table.
 
-/// The heading under which a flag stands in the help.
+/// The section of the help that lists a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Section {
     Pictures,
@@ -16,7 +16,7 @@ pub(super) enum Section {
 }
 
 impl Section {
-    /// In the order of the help.
+    /// All sections, in the order of the help.
     pub const ALL: [Self; 7] = [
         Self::Pictures,
         Self::Shading,
@@ -34,21 +34,21 @@ impl Section {
             Self::Sampling => "Sampling",
             Self::Grid => "Grid",
             Self::Statistics => "Statistics",
-            Self::Preview => "Preview (accepted, not built: the picture is rendered directly)",
+            Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
             Self::Other => "Other",
         }
     }
 }
 
-/// One flag. Names are without the dash.
+/// A flag. Names are without the dash.
 #[derive(Debug)]
 pub(super) struct Flag {
     pub name: &'static str,
-    /// Other spellings, not shown in the help's table.
+    /// Other spellings, which the help does not list.
     pub aliases: &'static [&'static str],
-    /// A word for each value, as the help shows them.
+    /// The names of the values, which the help shows.
     pub values: &'static [&'static str],
-    /// Names of flags that contradict this one.
+    /// The names of flags that cannot be combined with this one.
     pub conflicts: &'static [&'static str],
     pub section: Section,
     pub doc: &'static str,
@@ -74,13 +74,13 @@ impl Flag {
         self
     }
 
-    /// How many values the flag may be given: `-grid` may also have the one word `auto`.
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto`.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
-        let least = if self.name == GRID.name { 1 } else { self.values.len() };
-        least..=self.values.len()
+        let min = if self.name == GRID.name { 1 } else { self.values.len() };
+        min..=self.values.len()
     }
 
-    /// The flag as it is typed: `-size w h`.
+    /// The flag with the names of its values, as in `-size w h`.
     pub fn usage(&self) -> String {
         self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
     }
@@ -91,7 +91,7 @@ pub(super) fn find(name: &str) -> Option<&'static Flag> {
     FLAGS.iter().copied().find(|flag| flag.name == name || flag.aliases.contains(&name))
 }
 
-/// In the order of the help within each section.
+/// All flags. Those of one section are in the order of the help.
 pub(super) const FLAGS: &[&Flag] = &[
     &INPUT,
     &OUTPUT,
@@ -126,14 +126,14 @@ pub(super) const FLAGS: &[&Flag] = &[
 ];
 
 pub(super) const INPUT: Flag =
-    Flag::new(Section::Pictures, "input", &["file"], "The scene; its name ends in .txt. Required.");
+    Flag::new(Section::Pictures, "input", &["file"], "The scene, a file that ends in .txt. Required.");
 pub(super) const OUTPUT: Flag =
-    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture; .tga or .png.");
+    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture as .tga or .png.");
 pub(super) const SIZE: Flag = Flag::new(
     Section::Pictures,
     "size",
     &["w", "h"],
-    "Pixels of every picture, 1 to 65535 each way. Default: 100 100.",
+    "Width and height of every picture in pixels, 1 to 65535. Default: 100 100.",
 );
 pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,
@@ -160,7 +160,7 @@ pub(super) const NO_SHADOWS: Flag = Flag::new(
     Section::Shading,
     "no_shadows",
     &[],
-    "Casts no shadows: the default, accepted for the 2003 course's lines.",
+    "Casts no shadows. This is the default; the flag is accepted for the command lines of 2003.",
 )
 .conflicts(&["shadows", "transparent_shadows"]);
 pub(super) const TRANSPARENT_SHADOWS: Flag = Flag::new(
@@ -173,32 +173,36 @@ pub(super) const BOUNCES: Flag = Flag::new(
     Section::Shading,
     "bounces",
     &["n"],
-    "Follows reflected and refracted rays to this depth. Default: 0.",
+    "Traces reflected and refracted rays to this depth. Default: 0.",
 );
 pub(super) const WEIGHT: Flag =
-    Flag::new(Section::Shading, "weight", &["w"], "Follows no ray that contributes w or less. Default: 0.");
+    Flag::new(Section::Shading, "weight", &["w"], "Traces no ray whose weight is w or less. Default: 0.");
 
 pub(super) const RANDOM_SAMPLES: Flag = Flag::new(
     Section::Sampling,
     "random_samples",
     &["n"],
-    "Takes n samples a pixel at random, 1 to 65536. Default: one in the middle.",
+    "Takes n random samples per pixel, 1 to 65536. Default: one at the centre.",
 )
 .conflicts(&["uniform_samples", "jittered_samples"]);
 pub(super) const UNIFORM_SAMPLES: Flag = Flag::new(
     Section::Sampling,
     "uniform_samples",
     &["n"],
-    "In the middles of a grid of cells; where n is no square, the grid nearest to one: 8 is 4 by 2.",
+    "Takes n samples per pixel at the centres of a grid's cells; the grid is as nearly square as n allows: 4 by 2 for 8.",
 )
 .conflicts(&["jittered_samples"]);
-pub(super) const JITTERED_SAMPLES: Flag =
-    Flag::new(Section::Sampling, "jittered_samples", &["n"], "At random in each cell of that grid.");
+pub(super) const JITTERED_SAMPLES: Flag = Flag::new(
+    Section::Sampling,
+    "jittered_samples",
+    &["n"],
+    "Takes a random sample in each cell of that grid.",
+);
 pub(super) const SEED: Flag = Flag::new(
     Section::Sampling,
     "seed",
     &["n"],
-    "Starts the random numbers as srand48(n) does. Default: the course's sequence.",
+    "Seeds the random numbers as srand48(n) does. Default: the course's sequence.",
 );
 pub(super) const BOX_FILTER: Flag = Flag::new(
     Section::Sampling,
@@ -207,36 +211,44 @@ pub(super) const BOX_FILTER: Flag = Flag::new(
     "Averages the samples within r pixels along both axes. Default: a radius of 0.5.",
 )
 .conflicts(&["tent_filter", "gaussian_filter", "mitchell_filter"]);
-pub(super) const TENT_FILTER: Flag =
-    Flag::new(Section::Sampling, "tent_filter", &["r"], "Weighs samples down towards the radius r.")
-        .conflicts(&["gaussian_filter", "mitchell_filter"]);
-pub(super) const GAUSSIAN_FILTER: Flag =
-    Flag::new(Section::Sampling, "gaussian_filter", &["s"], "Weighs samples by a Gaussian of deviation s.")
-        .conflicts(&["mitchell_filter"]);
+pub(super) const TENT_FILTER: Flag = Flag::new(
+    Section::Sampling,
+    "tent_filter",
+    &["r"],
+    "Weights samples linearly, down to 0 at the radius r.",
+)
+.conflicts(&["gaussian_filter", "mitchell_filter"]);
+pub(super) const GAUSSIAN_FILTER: Flag = Flag::new(
+    Section::Sampling,
+    "gaussian_filter",
+    &["s"],
+    "Weights samples by a Gaussian of standard deviation s.",
+)
+.conflicts(&["mitchell_filter"]);
 pub(super) const MITCHELL_FILTER: Flag = Flag::new(
     Section::Sampling,
     "mitchell_filter",
     &["r"],
-    "Weighs samples by Mitchell and Netravali's cubic, which ends at r; 2 is usual.",
+    "Weights samples by Mitchell and Netravali's cubic, scaled to end at r; 2 is usual.",
 );
 pub(super) const RENDER_SAMPLES: Flag = Flag::new(
     Section::Sampling,
     "render_samples",
     &["file", "zoom"],
-    "Writes a picture of where the samples fall, each pixel enlarged.",
+    "Writes a picture of the sample positions, with each pixel enlarged.",
 );
 pub(super) const RENDER_FILTER: Flag = Flag::new(
     Section::Sampling,
     "render_filter",
     &["file", "zoom"],
-    "Writes a picture of the filter's weights, each pixel enlarged.",
+    "Writes a picture of the filter's weights, with each pixel enlarged.",
 );
 
 pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
     "grid",
     &["nx", "ny", "nz"],
-    "Speeds the rendering up with a uniform grid of so many cells, or with -grid auto of a fitting number. The picture stays the same.",
+    "Speeds up the rendering with a uniform grid of nx by ny by nz cells, or of a suitable number with -grid auto. The picture stays the same.",
 );
 pub(super) const VISUALIZE_GRID: Flag = Flag::new(
     Section::Grid,
@@ -246,12 +258,13 @@ pub(super) const VISUALIZE_GRID: Flag = Flag::new(
 );
 
 pub(super) const STATS: Flag =
-    Flag::new(Section::Statistics, "stats", &[], "Prints counts and times after rendering.");
+    Flag::new(Section::Statistics, "stats", &[], "Prints counters and times after rendering.");
 
 pub(super) const GUI: Flag = Flag::new(Section::Preview, "gui", &[], "The course's preview window.");
 pub(super) const TESSELLATION: Flag =
-    Flag::new(Section::Preview, "tessellation", &["a", "b"], "Its spheres' faces around and along.");
-pub(super) const GOURAUD: Flag = Flag::new(Section::Preview, "gouraud", &[], "Its spheres smooth.");
+    Flag::new(Section::Preview, "tessellation", &["a", "b"], "The number of faces of its spheres.");
+pub(super) const GOURAUD: Flag =
+    Flag::new(Section::Preview, "gouraud", &[], "Smooth shading of its spheres.");
 
 pub(super) const THREADS: Flag = Flag::new(
     Section::Other,

@@ -1,14 +1,15 @@
-//! The help text, made from the table of flags.
+//! The help text, generated from the table of flags.
 
 use super::flags::{FLAGS, Flag, Section};
 
-/// Where the explanations start, and where lines end, in characters.
+/// The column at which the descriptions start.
 const INDENT: usize = 29;
+/// The length of the longest lines in characters.
 const WIDTH: usize = 80;
 
 const HEAD: &str = "\
-Renders a scene of MIT's 6.837 ray tracing assignments and writes the pictures
-that are asked for.
+Renders a scene of MIT's 6.837 ray tracing assignments and writes the requested
+pictures.
 
 Usage: raytracer -input scene.txt [flags, in any order]
 ";
@@ -20,17 +21,17 @@ Examples:
   raytracer -input plane.txt -size 200 200 -output plane.png
             -depth 8 20 depth.tga -normals normals.tga
 
-A file that cannot be read or written, or a fault in the scene, ends with status
-1; a fault in the command line with status 2.
+The exit status is 1 for a file that cannot be read or written and for an error
+in the scene, and 2 for an error in the command line.
 ";
 
-/// What `-help` prints.
+/// The text that `-help` prints.
 pub(super) fn text() -> String {
     let sections: String = Section::ALL.into_iter().map(section).collect();
     format!("{HEAD}{sections}{TAIL}")
 }
 
-/// What `-version` prints.
+/// The text that `-version` prints.
 pub(super) fn version() -> String {
     format!("raytracer {}\n", env!("CARGO_PKG_VERSION"))
 }
@@ -82,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn usage_leaves_room_for_the_explanation() {
+    fn usage_leaves_room_for_the_description() {
         assert!(FLAGS.iter().all(|flag| flag.usage().len() + 3 <= INDENT));
     }
 }

@@ -1,8 +1,10 @@
-//! The command line: `argv` to [`Options`], in two stages (raw flags, then checked values).
+//! Parses the command line to [`Options`], in two stages: raw flags with their values as words, then checked
+//! values.
 //!
-//! The course's style: long flags with a single dash, in any order, each at most once, values as
-//! separate words. A word of one or two dashes and a letter is a flag; any other word is a value,
-//! so `-2` and `-.5` are numbers, and a file called `-a.tga` is written `./-a.tga`.
+//! The syntax is that of the course: long flags with a single dash, in any order, each at most once, with
+//! values as separate words. A word that starts with one or two dashes and a letter is a flag, and any other
+//! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
+//! `./-a.tga`.
 
 mod error;
 mod flags;
@@ -15,20 +17,21 @@ pub use options::{Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 
-/// What the command line asks for.
+/// The action that the command line requests.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Render as the options say.
+    /// Render with these options.
     Render(Box<Options>),
-    /// Print this text on standard output; it ends with a newline.
+    /// Print this text, which ends with a newline, on standard output.
     Help(String),
-    /// Like [`Command::Help`].
+    /// Print this text, which ends with a newline, on standard output.
     Version(String),
 }
 
-/// Reads a command line; the first word of `argv` is the program's name.
+/// Parses a command line. The first word of `argv` is the program's name.
 ///
-/// Looks at no file. `-help` and `-version` win over every fault that comes later in the line.
+/// No file is accessed. `-help` and `-version` take precedence over errors later in the line. Errors: the
+/// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => Options::from_raw(&raw).map(|options| Command::Render(Box::new(options))),

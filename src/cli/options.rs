@@ -1,4 +1,4 @@
-//! The second stage: values understood and checked, alone and against each other.
+//! The second stage of the command line: the values are parsed and checked, each by itself and then together.
 
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
@@ -13,10 +13,10 @@ use crate::trace::{Effects, Shadows};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf, absolute};
 
-/// What to render, checked: every number is in the range that its field states.
+/// The checked options of a run. Every number is in the range that its field states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// The scene; ends in `.txt`.
+    /// The scene file, whose name ends in `.txt`.
     pub input: PathBuf,
     /// The pictures to write, in the order of the help. No two name the same file.
     pub outputs: Vec<Output>,
@@ -24,19 +24,19 @@ pub struct Options {
     pub size: [usize; 2],
     /// What is modelled.
     pub effects: Effects,
-    /// Where the samples of a pixel lie.
+    /// The positions of the samples in a pixel.
     pub sampler: Sampler,
-    /// How samples become pixels.
+    /// The reconstruction filter.
     pub filter: Filter,
-    /// Cells along x, y and z are at least 1 each and below 2^31 together.
+    /// The resolution of the grid. It has at least one cell along each axis, and less than 2^31 cells in all.
     pub grid: Option<Resolution>,
-    /// Only with a grid.
+    /// Whether the grid's cells are drawn instead of the scene. There is a grid if so.
     pub visualize_grid: bool,
     /// Whether statistics are printed.
     pub stats: bool,
-    /// The line asks for the course's preview, which this program does not have.
+    /// Whether the command line requests the course's preview, which this program does not have.
     pub preview: bool,
-    /// 1 to 4096; `None` for all cores.
+    /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
 }
 
@@ -64,18 +64,19 @@ impl Output {
 
 const SIZE_RANGE: (u32, u32) = (1, 65535);
 const SAMPLE_RANGE: (u32, u32) = (1, 65536);
-/// Sizes of filters, in pixels.
+/// The range of filter sizes, in pixels.
 const MIN_FILTER: f64 = 1e-6;
 const MAX_FILTER: f64 = 1e6;
-/// The course's `int`.
-const MOST: u32 = i32::MAX as u32;
-/// Far above any machine's cores, far below where starting the threads fails.
+/// The largest value of the course's `int`.
+const MAX_INT: u32 = i32::MAX as u32;
+/// The upper limit is far above the cores of any machine, and far below the number of threads that cannot be
+/// started.
 const THREAD_RANGE: (u32, u32) = (1, 4096);
-/// Cell numbers stay below 2^31, so that a cell's index fits 32 bits everywhere.
+/// The number of cells stays below this, so that the index of a cell fits into 32 bits.
 const CELL_LIMIT: u64 = 1 << 31;
 
 impl Options {
-    /// Checks each flag in the help's order, then the flags against each other.
+    /// Checks each flag in the order of the help, then the combination of the flags.
     pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
         let options = Self {
             input: scene(raw)?.ok_or(CliError::InputNeeded)?,
@@ -84,7 +85,7 @@ impl Options {
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
-                bounces: wholes(raw, &flags::BOUNCES, (0, MOST))?.map_or(0, |[n]| n),
+                bounces: wholes(raw, &flags::BOUNCES, (0, MAX_INT))?.map_or(0, |[n]| n),
                 min_weight: weight(raw)?,
             },
             sampler: sampler(raw)?,
@@ -210,7 +211,7 @@ fn grid(raw: &Raw) -> Result<Option<Resolution>, CliError> {
     if raw.single(&flags::GRID).is_some_and(|word| word == "auto") {
         return Ok(Some(Resolution::Auto));
     }
-    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MOST))? else { return Ok(None) };
+    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MAX_INT))? else { return Ok(None) };
     let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
     match product {
         Some(product) if product < CELL_LIMIT => Ok(Some(Resolution::Cells(cells.map(|n| n as usize)))),
@@ -250,19 +251,19 @@ fn filter(raw: &Raw) -> Result<Filter, CliError> {
     ] {
         let Some([word]) = raw.values(flag)? else { continue };
         let size = finite(flag, word)?;
-        // Weights divide by the size and by its square, which must not vanish.
-        let usable = (MIN_FILTER..=MAX_FILTER).contains(&size);
-        return if usable { Ok(filter(size)) } else { Err(bad(flag, word, Problem::NotFilterSize)) };
+        // The weights are computed with divisions by the size and its square, which must not underflow.
+        let is_usable = (MIN_FILTER..=MAX_FILTER).contains(&size);
+        return if is_usable { Ok(filter(size)) } else { Err(bad(flag, word, Problem::NotFilterSize)) };
     }
     Ok(Filter::PIXEL)
 }
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {
-    let tessellation = wholes::<2>(raw, &flags::TESSELLATION, (1, MOST))?;
+    let tessellation = wholes::<2>(raw, &flags::TESSELLATION, (1, MAX_INT))?;
     Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
 }
 
-/// The whole numbers of a flag, each from `range.0` to `range.1`.
+/// The integer values of a flag, each from `range.0` to `range.1`.
 fn wholes<const N: usize>(raw: &Raw, flag: &Flag, range: (u32, u32)) -> Result<Option<[u32; N]>, CliError> {
     let Some(words) = raw.values::<N>(flag)? else { return Ok(None) };
     let mut numbers = [0; N];
@@ -278,7 +279,7 @@ fn whole(word: &OsStr, (min, max): (u32, u32)) -> Result<u32, Problem> {
     if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(Problem::NotWhole);
     }
-    // Only digits are left, so that a failure means too large or negative.
+    // The word consists of digits, so it fails to parse only if it is negative or too large.
     text.parse().ok().filter(|n| (min..=max).contains(n)).ok_or(Problem::Outside { min, max })
 }
 

@@ -1,8 +1,8 @@
-//! The first stage: words to flags with the right number of values, by clap.
+//! The first stage of the command line: clap groups the words to flags with the right number of values.
 //!
-//! clap knows only double-dash long flags and has its own idea of a negative number (`-.5` is none
-//! to it). So it gets a rewritten line: a flag with two dashes, and in place of every other word
-//! that word's index. What a value looks like then never matters here.
+//! clap supports long flags only with two dashes, and its notion of negative numbers differs from the
+//! course's (`-.5` is none for it). So it is given a rewritten command line, in which flags have two dashes
+//! and every other word is replaced by its index. Then clap never sees the text of a value.
 
 use super::error::CliError;
 use super::flags::{self, FLAGS, Flag};
@@ -11,13 +11,13 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::{OsStr, OsString};
 
-/// Flags and their values, counted but not yet understood.
+/// Flags with their values as words. Only the number of values has been checked.
 pub(super) struct Raw {
     matches: ArgMatches,
     words: Vec<OsString>,
 }
 
-/// Why there are no flags to go on with.
+/// The reason why parsing ends without flags.
 pub(super) enum Stop {
     Help,
     Version,
@@ -31,7 +31,7 @@ impl From<CliError> for Stop {
 }
 
 impl Raw {
-    /// `words` without the program's name.
+    /// Parses `words`, which do not include the program's name.
     pub fn parse(words: Vec<OsString>) -> Result<Self, Stop> {
         let line =
             words.iter().enumerate().map(|(i, word)| rewrite(i, word)).collect::<Result<Vec<_>, _>>()?;
@@ -41,16 +41,17 @@ impl Raw {
         }
     }
 
+    /// Whether the flag is given.
     pub fn given(&self, flag: &Flag) -> bool {
         self.matches.value_source(flag.name) == Some(ValueSource::CommandLine)
     }
 
-    /// The only value of a flag that was given one.
+    /// The value of a flag that is given exactly one.
     pub fn single(&self, flag: &Flag) -> Option<&OsStr> {
         self.values::<1>(flag).ok().flatten().map(|[word]| word)
     }
 
-    /// The values of a flag that takes `N` of them; `None` if it is not given.
+    /// The values of a flag that takes `N` of them; `None` if the flag is not given.
     pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
         let Ok(Some(indices)) = self.matches.try_get_raw(flag.name) else { return Ok(None) };
         let words: Vec<&OsStr> = indices.filter_map(|index| word_at(&self.words, index.to_str()?)).collect();
@@ -78,7 +79,7 @@ fn rewrite(index: usize, word: &OsStr) -> Result<OsString, CliError> {
     Ok(long)
 }
 
-/// clap would read `-size=3` as a flag with its value; the course has no such form.
+/// An error for the form `-size=3`, which clap accepts but the course does not have.
 fn reject_equals(word: &OsStr) -> Result<(), CliError> {
     let text = word.to_string_lossy();
     match text.trim_start_matches('-').split_once('=') {
@@ -110,7 +111,7 @@ fn word_at<'a>(words: &'a [OsString], index: &str) -> Option<&'a OsStr> {
     words.get(index.parse::<usize>().ok()?).map(OsString::as_os_str)
 }
 
-/// clap's error in this program's words. Kinds that this command cannot raise end in `Unreadable`.
+/// Converts an error of clap. Kinds that cannot occur for this command become `Unreadable`.
 fn translate(error: &clap::Error, words: &[OsString]) -> Stop {
     let flag = flag_name(error, ContextKind::InvalidArg).unwrap_or_default();
     match error.kind() {
@@ -152,7 +153,7 @@ fn wrong_count(flag: String, error: &clap::Error) -> CliError {
     CliError::WrongCount { flag, expected, given }
 }
 
-/// The flag in a piece of clap's context, which reads `--size <w> <h>`, as `size`.
+/// The name of the flag in the context of a clap error: `size` for `--size <w> <h>`.
 fn flag_name(error: &clap::Error, kind: ContextKind) -> Option<String> {
     Some(text(error, kind)?.split_whitespace().next()?.trim_start_matches('-').to_owned())
 }

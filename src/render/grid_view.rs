@@ -1,7 +1,8 @@
-//! `-visualize_grid`: the occupied cells themselves, by the course's own rule of insertion.
+//! `-visualize_grid`: a picture of the grid's occupied cells, by the course's rule for inserting primitives.
 //!
-//! The tracer's grid enters a primitive wherever its box reaches. The course's picture shows a
-//! coarser rule for spheres and a tolerance at cell faces, so it has counters of its own.
+//! The acceleration structure's own grid cannot be used for it, because the course's program inserts spheres
+//! by a coarser rule and has a tolerance at the faces of cells. So the primitives of each cell are counted
+//! here.
 
 use crate::grid::budget::{Budget, TouchedCells};
 use crate::grid::cell_lists::{GridTooLarge, filled_with};
@@ -13,32 +14,33 @@ use crate::scene::{Color, Object, Scene, mesh::Mesh};
 use crate::world::{Placement, course_sphere_box, placements};
 use glam::DVec3;
 
-/// How far a box may stay short of a cell, in cells, and still count as touching it.
+/// The distance, in cells, up to which a box next to a cell counts as touching it.
 const TOUCH: f64 = 1e-5;
 
-/// How many primitives the course's program enters in each cell.
+/// The number of primitives that the course's program inserts into each cell.
 #[derive(Clone, Debug)]
 pub struct Occupancy {
     lattice: Lattice,
-    /// By index; [`BORDER`] around the lattice.
+    /// The counts by the index of the cell, with [`BORDER`] in the cells around the lattice.
     counts: Vec<u32>,
 }
 
 const BORDER: u32 = u32::MAX;
 
-/// The face by which a ray comes upon an occupied cell.
+/// The face through which a ray enters an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Where the ray meets it.
+    /// The t where the ray crosses the face.
     pub t: f64,
-    /// Outward unit normal of the face.
+    /// The outward unit normal of the face.
     pub normal: DVec3,
-    /// By the number of primitives in the cell.
+    /// The colour for the number of primitives in the cell.
     pub color: Color,
 }
 
 impl Occupancy {
-    /// `bounds` is the world's box; it may be empty, and then every ray misses.
+    /// Counts the primitives in each cell. `bounds` is the world's box. If it is empty, every ray misses.
+    /// Errors: a grid too large for the memory.
     pub fn new(
         scene: &Scene,
         meshes: &[Mesh],
@@ -56,30 +58,30 @@ impl Occupancy {
         if !bounds.is_empty() {
             let budget = Budget::unlimited();
             let mut touched = TouchedCells::new(&budget);
-            placements(scene).try_for_each(|placement| occupancy.enter(&placement, meshes, &mut touched))?;
+            placements(scene).try_for_each(|placement| occupancy.insert(&placement, meshes, &mut touched))?;
         }
         Ok(occupancy)
     }
 
-    fn enter(
+    fn insert(
         &mut self,
         placement: &Placement,
         meshes: &[Mesh],
         touched: &mut TouchedCells,
     ) -> Result<(), GridTooLarge> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut enter_box = |corners: Aabb| voxelize::of_box(&self.lattice, &corners, TOUCH, touched);
+        let mut insert_box = |bounds: Aabb| voxelize::of_box(&self.lattice, &bounds, TOUCH, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
                 voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
             }
-            Object::Sphere { center, radius, .. } => enter_box(course_sphere_box(center, radius, placement)),
-            Object::Triangle { vertices, .. } => enter_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => enter_box(Aabb::around(Aabb { min, max }.corners().map(map))),
+            Object::Sphere { center, radius, .. } => insert_box(course_sphere_box(center, radius, placement)),
+            Object::Triangle { vertices, .. } => insert_box(Aabb::around(vertices.map(map))),
+            Object::Box { min, max, .. } => insert_box(Aabb::around(Aabb { min, max }.corners().map(map))),
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
                 let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-                triangles.iter().try_for_each(|triangle| enter_box(Aabb::around(corners(triangle))))
+                triangles.iter().try_for_each(|triangle| insert_box(Aabb::around(corners(triangle))))
             }
             Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
@@ -87,15 +89,16 @@ impl Occupancy {
         Ok(())
     }
 
-    /// The first occupied cell along the ray.
+    /// The face of the first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
         let mut face = self.face(dda.index(), entry, self.face_at(entry, ray), ray);
         while face.is_none() {
             let mut index = dda.index();
-            let stays = dda.step();
-            // Where faces meet, cells are passed one by one: x before y before z.
-            for axis in (0..3).filter(|axis| stays >> axis & 1 == 0) {
+            let unchanged_axes = dda.step();
+            // Where a ray crosses several faces at once, the cells are visited one by one: x before y before
+            // z.
+            for axis in (0..3).filter(|axis| unchanged_axes >> axis & 1 == 0) {
                 index = index.wrapping_add_signed(dda.stride(axis));
                 if self.counts[index] == BORDER {
                     return None;
@@ -107,21 +110,22 @@ impl Occupancy {
         face
     }
 
-    /// The face by which the ray enters a cell, if the cell is occupied.
-    fn face(&self, index: usize, t: f64, by: Option<usize>, ray: &Ray) -> Option<Face> {
+    /// The face through which the ray enters a cell at `t`, if the cell is occupied. `axis` is that of the
+    /// face's normal, or none where the ray starts in the cell.
+    fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Option<Face> {
         let count = self.counts[index];
-        (count > 0).then(|| Face { t, normal: face_normal(by, ray), color: count_color(count) })
+        (count > 0).then(|| Face { t, normal: face_normal(axis, ray), color: count_color(count) })
     }
 
-    /// The axis whose face the ray crosses at its entry; none where it begins inside.
+    /// The axis of the face through which the ray enters the grid; none where it starts inside.
     fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
         let at = ray.at(entry);
         let Aabb { min, max } = self.lattice.bounds;
-        let away = (at - min).abs().min((at - max).abs());
-        (entry > ray.t_min).then(|| away.min_position())
+        let distances = (at - min).abs().min((at - max).abs());
+        (entry > ray.t_min).then(|| distances.min_position())
     }
 
-    /// Where the ray enters a cell across the face that `axis` pierces.
+    /// The t where the ray enters a cell through the face with this axis as its normal.
     fn entry_across(&self, axis: usize, index: usize, ray: &Ray) -> f64 {
         let cell = self.lattice.cell_of(index)[axis] + f64::from(ray.direction[axis] < 0.0);
         let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
@@ -129,14 +133,14 @@ impl Occupancy {
     }
 }
 
-/// The normal of the face entered by. A ray that begins inside an occupied cell is shown the face it
-/// would have come through if it ran along its longest axis.
-fn face_normal(by: Option<usize>, ray: &Ray) -> DVec3 {
-    let axis = by.unwrap_or_else(|| ray.direction.abs().max_position());
+/// The normal of the face with this axis through which the ray enters. A ray that starts inside an occupied
+/// cell gets the face through which it would have entered along its longest axis.
+fn face_normal(axis: Option<usize>, ray: &Ray) -> DVec3 {
+    let axis = axis.unwrap_or_else(|| ray.direction.abs().max_position());
     DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 
-/// The course's scale from white over blue, green and yellow to red.
+/// The course's colour scale, from white through blue, green and yellow to red.
 fn count_color(count: u32) -> Color {
     const SCALE: [[f64; 3]; 17] = [
         [1.0, 1.0, 1.0],
@@ -165,7 +169,8 @@ mod tests {
     use super::*;
     use crate::scene::parser::parse;
 
-    /// Of the box from 0 to 4, 4 and 2, with cells of the unit's size; the occupied ones are given.
+    /// The occupancy of the box from (0, 0, 0) to (4, 4, 2) with unit cells, of which the given ones are
+    /// occupied.
     fn occupied(cells: &[[usize; 3]]) -> Occupancy {
         let scene =
             "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
@@ -181,9 +186,9 @@ mod tests {
         Ray::new(DVec3::from_array(origin), DVec3::from_array(direction))
     }
 
-    /// Everything by its box, but for a sphere that is not transformed.
+    /// All primitives are inserted by their boxes, except a sphere that is not transformed.
     #[test]
-    fn cells_count_the_primitives_that_reach_them() {
+    fn cells_count_the_primitives_that_touch_them() {
         let objects = "Material { }
             Sphere { center 1.2 1.1 1 radius 0.7 }
             Plane { normal 0 1 0 offset 0 }
@@ -204,19 +209,20 @@ mod tests {
             [[2.2, 2.2, 0.5], [3.5, 2.8, 0.6]],
             [[1.5, 0.5, 0.5], [3.5, 1.5, 0.5]],
             [[3.3, 3.3, -0.2], [3.7, 3.7, 0.2]],
-            // A cell's face is touched from both sides.
+            // This box touches a face between cells, and counts in the cells on both sides.
             [[0.4, 3.0 - TOUCH, 1.5], [0.6, 3.5, 1.5]],
             [[0.4, 3.5, 1.5], [0.6, 3.5, 2.0]],
         ];
         let mut total = 0;
         for index in 0..32 {
             let cell = [index % 4, index / 4 % 4, index / 16];
-            let low = DVec3::from_array(cell.map(|i| i as f64));
-            let reaches = |[min, max]: &[[f64; 3]; 2]| {
-                DVec3::from_array(*min).cmple(low + 1.0).all() && DVec3::from_array(*max).cmpge(low).all()
+            let corner = DVec3::from_array(cell.map(|i| i as f64));
+            let touches = |[min, max]: &[[f64; 3]; 2]| {
+                DVec3::from_array(*min).cmple(corner + 1.0).all()
+                    && DVec3::from_array(*max).cmpge(corner).all()
             };
-            let by_ball = (low + 0.5).distance(DVec3::new(1.2, 1.1, 1.0)) <= 0.7 + 0.75f64.sqrt();
-            let expected = boxes.iter().filter(|b| reaches(b)).count() as u32 + u32::from(by_ball);
+            let in_sphere = (corner + 0.5).distance(DVec3::new(1.2, 1.1, 1.0)) <= 0.7 + 0.75f64.sqrt();
+            let expected = boxes.iter().filter(|b| touches(b)).count() as u32 + u32::from(in_sphere);
             assert_eq!(occupancy.counts[occupancy.lattice.index(cell)], expected, "{cell:?}");
             total += expected;
         }
@@ -233,7 +239,7 @@ mod tests {
         assert_eq!(occupancy.first_face(&ray([0.5, 0.5, -1.0], [0.1, 0.2, 1.0])), None);
     }
 
-    /// Against the nearest of the occupied cells' boxes.
+    /// Compares the result with the nearest of the boxes of the occupied cells.
     #[test]
     fn the_first_face_is_the_nearest_occupied_cells() {
         let cells = [[0, 0, 0], [3, 1, 0], [1, 2, 1], [3, 3, 1], [0, 3, 0]];
@@ -267,9 +273,9 @@ mod tests {
         assert!((1000..2500).contains(&seen), "{seen}");
     }
 
-    /// The cells beside an edge are passed as well: first the one behind the face across x.
+    /// A ray through an edge visits the cells beside the edge as well, first the one across the face along x.
     #[test]
-    fn a_ray_through_an_edge_passes_x_before_y_before_z() {
+    fn a_ray_through_an_edge_steps_along_x_before_y_before_z() {
         let [across, corner] = [ray([-1.0, -1.0, 0.5], [1.0, 1.0, 0.0]), ray([-1.0; 3], [1.0; 3])];
         let t = |occupancy: Occupancy, ray: &Ray| occupancy.first_face(ray).map(|face| (face.t, face.normal));
         assert_eq!(t(occupied(&[[2, 1, 0]]), &across), Some((3.0, -DVec3::X)));
@@ -279,7 +285,7 @@ mod tests {
         assert_eq!(t(occupied(&[[1, 1, 0]]), &corner), Some((2.0, -DVec3::Y)));
         assert_eq!(t(occupied(&[[1, 1, 1]]), &corner), Some((2.0, -DVec3::Z)));
         assert_eq!(t(occupied(&[[0, 1, 1]]), &corner), None);
-        // Of two faces at once the first passed is seen.
+        // Of two faces at the same t the first one visited is shown.
         assert_eq!(t(occupied(&[[2, 1, 0], [2, 2, 0]]), &across), Some((3.0, -DVec3::X)));
     }
 
