@@ -1,5 +1,5 @@
-//! Scenes that no grid can separate, or that make a grid far larger than what it holds: `-grid auto` stays
-//! within a stated multiple of the primitives, in size and in the work of building it.
+//! Scenes that no grid can separate, or that lead to a grid far larger than its contents: the size of `-grid
+//! auto` and the work of building it stay within a stated multiple of the number of primitives.
 
 use super::uneven_scenes::{automatic, random};
 use glam::DVec3;
@@ -13,7 +13,7 @@ use raytracer::world::World;
 
 const CAMERA: &str = "OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }";
 
-/// A scene by its name, of about as many primitives as asked for.
+/// A scene with its name. It is built for about the given number of primitives.
 type Scene = (&'static str, fn(usize) -> World);
 
 const SCENES: [Scene; 14] = [
@@ -67,7 +67,7 @@ const SCENES: [Scene; 14] = [
     }),
 ];
 
-/// A world of `n` triangles, by their numbers and points between -0.5 and 0.5 at random.
+/// A world of `n` triangles, made from their indices and random points between -0.5 and 0.5.
 fn of_triangles(n: usize, corners: impl Fn(usize, &mut dyn FnMut() -> DVec3) -> [DVec3; 3]) -> World {
     let mut random = random(3);
     let mut point = || DVec3::new(random(), random(), random());
@@ -77,31 +77,32 @@ fn of_triangles(n: usize, corners: impl Fn(usize, &mut dyn FnMut() -> DVec3) -> 
     World::new(&parse(&text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
 }
 
-/// A triangle somewhere, of this size or, not `huge`, so small that `n` of them hardly overlap.
+/// A triangle at a random position. It has this size if `huge`, and otherwise one so small that `n` of them
+/// hardly overlap.
 fn small_or(huge: bool, size: f64, n: usize, point: &mut dyn FnMut() -> DVec3) -> [DVec3; 3] {
     let size = if huge { size } else { 0.3 / libm::cbrt(n as f64) };
     let middle = point();
     [0; 3].map(|_| middle + size * point())
 }
 
-/// A world of `n` objects, by their numbers.
+/// A world of `n` objects, made from their indices.
 fn of_objects(n: usize, object: impl Fn(usize) -> String) -> World {
     let objects: String = (0..n).map(|i| object(i) + "\n").collect();
     World::new(&parse(&format!("{CAMERA} Group {{ numObjects {n} Material {{ }} {objects} }}")).unwrap(), &[])
         .unwrap()
 }
 
-/// From 97 identical triangles on crowded cells were cut again and again.
+/// From 97 identical triangles on, crowded cells used to be subdivided again and again.
 fn sizes() -> impl Iterator<Item = usize> {
     let is_long = std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long");
     let most = if is_long { 1_000_000 } else { 100_000 };
     [100, 110, 200, 300, 600, 1000, 10_000, 100_000, 1_000_000].into_iter().filter(move |&n| n <= most)
 }
 
-/// With a small picture and a large one.
+/// The numbers of rays for a small picture and for a large one.
 const RAYS: [usize; 2] = [10_000, 100_000_000];
 
-/// What `src/grid/allowance.rs` states.
+/// The limit that `src/grid/allowance.rs` states.
 fn most_entries(count: usize) -> usize {
     (16 * count).max(65536)
 }
@@ -111,16 +112,17 @@ fn assert_bounded(name: &str, count: usize, size: StructureSize) {
     assert!(size.references <= most, "{name}, {count}: {size:?}");
     assert!(size.blocks <= most / 4, "{name}, {count}: {size:?}");
     assert!(size.cells <= 2 * most, "{name}, {count}: {size:?}");
-    // So many tries there may be on each of four levels; all levels together hardly need those of one.
+    // This is the number of attempts on each of four levels, although all levels together hardly need those
+    // of one.
     let tries = 17.0 + (count as f64).log2();
     assert!(size.cost as f64 <= 16.0 * most as f64 * tries, "{name}, {count}: {size:?}");
 }
 
 #[test]
 fn size_and_work_are_bounded_by_the_number_of_primitives() {
-    // Of each number of primitives, the most entries and the most work in any scene. They are taken with few
-    // rays, where one rule chooses the cells: with many, a grid of more than 200,000 primitives has two levels
-    // from the start, each with its own tries, so that the work makes a step within the bound.
+    // For each number of primitives, the most entries and the most work of any scene. They are measured for
+    // few rays, where one rule chooses the cells. For many rays a grid of more than 200,000 primitives has
+    // two levels from the start, each with its own attempts, so that the work jumps, but within the bound.
     let mut worst: Vec<(usize, StructureSize)> = vec![];
     for n in sizes() {
         let mut most = StructureSize::default();
@@ -139,7 +141,7 @@ fn size_and_work_are_bounded_by_the_number_of_primitives() {
         }
         worst.push((n, most));
     }
-    // Where few primitives count more than they are, nothing grows.
+    // For fewer primitives the constant part dominates, so nothing grows.
     for pair in worst.windows(2).filter(|pair| pair[0].0 >= 10_000) {
         let [(few, smaller), (many, larger)] = [pair[0], pair[1]];
         let power = |few: usize, many: usize| (many as f64 / few as f64).ln();
@@ -151,7 +153,7 @@ fn size_and_work_are_bounded_by_the_number_of_primitives() {
 }
 
 #[test]
-fn what_no_grid_separates_stands_in_a_list() {
+fn primitives_that_no_grid_separates_are_in_a_list() {
     for (name, scene) in
         SCENES.iter().filter(|(name, _)| ["identical triangles", "identical spheres"].contains(name))
     {
@@ -165,7 +167,7 @@ fn what_no_grid_separates_stands_in_a_list() {
     }
 }
 
-/// Rays to the middles of triangles, or to anywhere in a world without any.
+/// Rays to the centres of triangles, or to random points in a world without triangles.
 fn rays_at(world: &World, count: usize) -> impl Iterator<Item = Ray> {
     let mut random = random(count as u64);
     (0..count).map(move |i| {
@@ -199,7 +201,7 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
     }
 }
 
-/// With `-stats` primitives are entered as the course's program enters them.
+/// With `-stats` primitives are inserted as in the course's program.
 #[test]
 fn the_grid_for_counting_is_bounded_too() {
     for (name, scene) in SCENES {
@@ -214,7 +216,7 @@ fn the_grid_for_counting_is_bounded_too() {
     }
 }
 
-/// Whoever names the cells gets them.
+/// A grid whose cells the user specifies is built as specified.
 #[test]
 fn a_grid_of_given_cells_is_taken_literally() {
     let world = SCENES[0].1(300);

@@ -1,5 +1,5 @@
-//! What fuzzing must never find again. `fuzz/` holds the fuzz targets; this runs their checks on
-//! their seeds and on every text that once failed.
+//! Regression tests for findings of fuzzing. The fuzz targets are in `fuzz/`. This runs their checks on their
+//! seeds and on every text that once failed.
 
 #[path = "../../fuzz/checks.rs"]
 pub mod checks;
@@ -7,7 +7,7 @@ pub mod checks;
 use std::fs;
 use std::path::Path;
 
-/// The files in a folder of `fuzz/seeds`.
+/// The contents of the files in a folder of `fuzz/seeds`.
 fn seeds(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target);
     let files = fs::read_dir(folder).expect("the seeds");
@@ -35,7 +35,7 @@ fn fewer_rows_than_threads() {
     });
 }
 
-/// Once every ray of this camera was NaN, since the square of the direction's length is 0.
+/// Every ray of this camera was once NaN, since the square of the direction's length underflows to 0.
 #[test]
 fn vectors_whose_square_underflows() {
     checks::check_scene(
@@ -45,7 +45,7 @@ fn vectors_whose_square_underflows() {
     );
 }
 
-/// Once an orthographic ray alongside a plane hit it at minus infinity.
+/// An orthographic ray parallel to a plane once hit it at minus infinity.
 #[test]
 fn an_orthographic_view_along_a_plane() {
     checks::check_scene(

@@ -1,5 +1,5 @@
-//! Every hit is the same whichever instructions the inner loop is compiled for, and whichever cells
-//! a primitive is entered in; also where crowded cells have grids of their own.
+//! Every hit is the same for all instruction sets that the inner loop is compiled for, and for all rules by
+//! which primitives are inserted into cells, also where crowded cells have nested grids.
 
 use glam::DVec3;
 use raytracer::grid::options::{CellRule, GridOptions};
@@ -21,7 +21,7 @@ const SCENE: &str = "
         Plane { normal 0.1 1 0 offset 0.06 }
     }";
 
-/// Cells enough for few primitives in each.
+/// Enough cells for few primitives in each.
 const FINE: [usize; 3] = [20, 17, 23];
 
 fn rabbit() -> Mesh {
@@ -29,8 +29,8 @@ fn rabbit() -> Mesh {
     parse_obj(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// Rays from all around towards all around, among them some along the axes, some that end, some from so far
-/// that neither filter nor march takes them, and some that lead nowhere.
+/// Rays from all around to all around. Some of them are parallel to the axes, some end, some start too far
+/// away for the filter and the DDA, and some have no direction.
 fn rays() -> impl Iterator<Item = Ray> {
     let mut state = 7u64;
     let mut random = move || {
@@ -44,7 +44,7 @@ fn rays() -> impl Iterator<Item = Ray> {
         let t_min = if i % 7 == 0 { f64::NEG_INFINITY } else { 0.0 };
         let t_max = if i % 9 == 0 { 0.7 } else { f64::INFINITY };
         match i % 97 {
-            // Few, since everything is tested for them, and exactly.
+            // There are few of these, since every primitive is tested exactly for them.
             1 if i < 200 => Ray::new(target - 1e13 * direction, direction),
             2 => Ray::new(origin, DVec3::ZERO),
             3 => Ray::new(origin.with_y(f64::NAN), direction),
@@ -77,15 +77,15 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
                     );
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
-                // Without a grid streams are single rays, and in one cell they are slow.
+                // Without a grid packets are traced as single rays, and in a single cell they are slow.
                 let count = if cells == Some(FINE) { expected.len() } else { 300 };
-                packets_answer_as_single_rays(&caster, &expected[..count]);
+                packets_have_the_hits_of_single_rays(&caster, &expected[..count]);
             }
         }
     }
 }
 
-/// A ray and what was answered.
+/// A ray and its hit.
 #[derive(Debug)]
 struct Asked(Ray, Option<Visible>);
 
@@ -99,12 +99,12 @@ impl PacketRay for Asked {
     }
 }
 
-/// In lists of all lengths, up to more than two packets.
-fn packets_answer_as_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
+/// Packets of all lengths, up to more rays than one packet holds.
+fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
     let mut rest = rays;
     for length in (1..40).cycle() {
         let (now, later) = rest.split_at(rest.len().min(length));
-        // Something that must not be left standing.
+        // A value that every packet must overwrite.
         let wrong = Some(Visible { primitive: u32::MAX, t_bound: 0.0 });
         let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
         caster.nearest_of_packet(&mut asked, &mut Quiet);

@@ -1,5 +1,5 @@
-//! Rays through whole worlds: every grid and every instruction set gives the hits that testing everything
-//! gives.
+//! Rays through whole worlds: every grid and every instruction set gives the same hits as testing every
+//! primitive.
 
 mod bad_scenes;
 mod fuzz_findings;

@@ -1,8 +1,8 @@
-//! Random small scenes: a grid of any resolution gives every ray the very hit that testing
-//! everything gives, pictures are the same to the byte, and no colour, depth or normal is NaN. Some scenes
-//! are ordinary, in others any number may be as small or as large as a scene allows.
+//! Random small scenes: with a grid of any resolution every ray has the same hit as by testing every
+//! primitive, pictures are identical to the byte, and no colour, depth or normal is NaN. Some scenes are
+//! ordinary, and in others any number may be as small or as large as a scene allows.
 //!
-//! `PROPTEST_CASES` sets how many scenes are tried.
+//! `PROPTEST_CASES` sets the number of scenes.
 
 use super::fuzz_findings::checks::bytes_and_nans;
 use super::strategies::{Range, meshes, rays, scene};
@@ -17,13 +17,13 @@ use raytracer::scene::Scene;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
 
-/// The same rays with their directions scaled by a power of two to a length of about one, as all of the
-/// renderer's are.
+/// The same rays, with their directions scaled by a power of two to a length of about one, like those of the
+/// renderer.
 fn of_unit_length(rays: Vec<Ray>) -> Vec<Ray> {
     rays.into_iter().map(|ray| Ray { direction: rescaled(ray.direction), ..ray }).collect()
 }
 
-/// The same rays aimed at what the world is made of, where decisions are close.
+/// The same rays aimed at the world's vertices and primitives, where decisions are close.
 fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
     let spheres = world.spheres.iter().map(|s| s.center + s.radius * DVec3::X);
     let targets: Vec<DVec3> = world.vertices.iter().copied().chain(spheres).collect();
@@ -39,19 +39,19 @@ fn pictures<M: Mode>(scene: &Scene, caster: &Caster<M>) -> (Vec<u8>, u64) {
     bytes_and_nans(scene, caster, [12, 9], [0.5, 6.0])
 }
 
-/// A ray's nearest hit; an error where asking for any hit says something else.
+/// A ray's nearest hit. An error if the query for any hit disagrees.
 fn hit<M: Mode>(caster: &Caster<M>, ray: &Ray) -> Result<Option<Hit>, TestCaseError> {
     let hit = caster.closest(ray, &mut Counts::default());
     prop_assert_eq!(hit.is_some(), caster.any(ray, &mut Quiet), "{:?}: any", ray);
     Ok(hit)
 }
 
-/// Whether every way to find hits finds the same in a scene, by these rays and in pictures.
+/// Checks that all ways to find hits agree in a scene, for these rays and in pictures.
 fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseError> {
     let Ok(world) = World::new(scene, &meshes()) else { return Ok(()) };
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let plain = Caster::new(&world, None).expect("no grid");
-    // Nearly every cell is a crowd then.
+    // Then almost every cell is crowded.
     let nested = |options: GridOptions| GridOptions { rule: CellRule::Nested { max_per_cell: 2 }, ..options };
     let ways = [
         (GridOptions::uniform(cells), fastest),
@@ -90,11 +90,11 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     Ok(())
 }
 
-/// A few seconds' worth of scenes, where nobody asks for another number.
+/// A few seconds' worth of scenes, unless another number is requested.
 fn config(usual: u32) -> ProptestConfig {
     let default = ProptestConfig::default();
     let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { usual };
-    // Left to itself a failing case is made smaller for many minutes.
+    // By default proptest would shrink a failing case for many minutes.
     ProptestConfig { cases, max_shrink_iters: 200, ..default }
 }
 

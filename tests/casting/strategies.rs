@@ -1,4 +1,4 @@
-//! Strategies of random scenes and rays, of ordinary numbers and of extreme ones.
+//! Strategies for random scenes and rays, with ordinary numbers and with extreme ones.
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -11,16 +11,16 @@ use raytracer::scene::{self, Background, Light, MeshFile, Object, ObjectId, Posi
 
 const AT: Position = Position { line: 1, column: 1 };
 
-/// What numbers a scene may be made of.
+/// The range of the numbers in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     Ordinary,
-    /// Any size, zero included.
+    /// Numbers of any size, including zero.
     Extreme,
 }
 
-/// The sizes of extreme numbers. Some are where squares or cubes leave the range of numbers, or come
-/// near to its end; the largest are those that a scene allows.
+/// The magnitudes of extreme numbers. For some of them squares or cubes overflow or underflow, or almost do.
+/// The largest are those that a scene allows.
 const SIZES: [f64; 18] = [
     5e-324, 1e-300, 1e-200, 1e-150, 1e-108, 1e-100, 1e-77, 1e-46, 1e-38, 1e-20, 1e-16, 1e-9, 1e9, 1e20, 1e50,
     1e77, 1e99, 0.0,
@@ -30,7 +30,7 @@ fn extreme() -> impl Strategy<Value = f64> {
     (prop::sample::select(&SIZES[..]), -9.0..9.0).prop_map(|(size, factor): (f64, f64)| size * factor)
 }
 
-/// A number that is extreme now and then, where the range has such.
+/// A number that is extreme now and then, if the range has extreme numbers.
 fn sometimes_extreme(range: Range, usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
     match range {
         Range::Ordinary => usual.boxed(),
@@ -38,7 +38,7 @@ fn sometimes_extreme(range: Range, usual: impl Strategy<Value = f64> + 'static) 
     }
 }
 
-/// Any coordinate, or a multiple of a quarter, so that things touch and coincide.
+/// Any coordinate, or a multiple of a quarter, so that objects touch and coincide.
 fn coordinate(range: Range) -> BoxedStrategy<f64> {
     let usual = prop_oneof![-2.0..2.0, (-8..=8i32).prop_map(|n| f64::from(n) / 4.0)];
     sometimes_extreme(range, usual)
@@ -84,7 +84,7 @@ fn pattern() -> impl Strategy<Value = Pattern> {
     ]
 }
 
-/// Two plain materials, a texture of them, and one of that texture and another.
+/// Two plain materials, a texture of them, and a texture of that texture and another material.
 fn materials(range: Range) -> impl Strategy<Value = Vec<Material>> {
     (phong(), phong(), pattern(), affine(range), pattern(), affine(range)).prop_map(
         |(a, b, p, p_map, q, q_map)| {
@@ -110,7 +110,7 @@ fn affine(range: Range) -> impl Strategy<Value = DAffine3> {
     )
 }
 
-/// A primitive, material not chosen yet.
+/// A primitive whose material has not been chosen yet.
 fn primitive(range: Range) -> impl Strategy<Value = Object> {
     let point = || point(range);
     let radius = sometimes_extreme(range, 0.05..1.5).prop_map(|radius| radius.abs().max(SMALLEST_RADIUS));
@@ -127,7 +127,7 @@ fn primitive(range: Range) -> impl Strategy<Value = Object> {
     prop_oneof![4 => sphere, 1 => plane, 4 => triangle(range), 1 => corner_box, 1 => mesh]
 }
 
-/// A triangle, every fourth without an area: a vertex twice, or three in a row.
+/// A triangle. Every fourth has no area: two vertices are equal, or all three are collinear.
 fn triangle(range: Range) -> impl Strategy<Value = Object> {
     let point = || point(range);
     (point(), point(), point(), 0..8, coordinate(Range::Ordinary)).prop_map(|(a, b, c, kind, along)| {
@@ -161,7 +161,7 @@ fn camera(range: Range) -> impl Strategy<Value = scene::Camera> {
     })
 }
 
-/// Each object with its material and up to three transforms around it.
+/// Objects with their materials, each with up to three transforms around it.
 pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
     let object = (primitive(range), 0..4usize, prop::collection::vec(affine(range), 0..3));
     let objects = prop::collection::vec(object, 1..14);
@@ -213,7 +213,8 @@ pub fn meshes() -> [Mesh; 2] {
     [solid, flat]
 }
 
-/// Rays from anywhere: to random points, to vertices, along axes, from within; unit vectors or not.
+/// Rays of any origin: to random points, to vertices, parallel to the axes or from inside, with unit vectors
+/// or others as directions.
 pub fn rays(range: Range) -> impl Strategy<Value = Vec<Ray>> {
     let ray = (point(range), point(range), 0..4, 0..3usize, any::<bool>(), 0.01..10.0).prop_map(
         |(origin, target, kind, axis, backwards, length)| {

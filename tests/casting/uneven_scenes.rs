@@ -1,5 +1,5 @@
-//! Scenes whose primitives stand close in one place and far apart in another, which one even grid
-//! cannot serve: `-grid auto` gives crowded cells grids of their own.
+//! Scenes whose primitives are dense in one place and sparse in another, which one uniform grid cannot handle
+//! well: `-grid auto` gives crowded cells nested grids.
 
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
@@ -22,8 +22,8 @@ fn mesh(name: &str) -> Mesh {
     parse_obj(&std::fs::read(scenes().join(name)).unwrap()).unwrap()
 }
 
-/// The rabbit alone, or in one corner of a stadium so many times as large: a floor of two triangles,
-/// stands of boxes, and a few things that reach across many cells or sit within the rabbit's.
+/// The rabbit alone, or in one corner of a stadium that is `times` as large: a floor of two triangles, stands
+/// of boxes, and a few objects that extend across many cells or lie within the rabbit's.
 fn stadium(times: Option<f64>) -> World {
     let mut objects = vec!["TriangleMesh { obj_file rabbit.obj }".to_string()];
     if let Some(size) = times {
@@ -58,7 +58,7 @@ fn stadium(times: Option<f64>) -> World {
     World::new(&parse(&text).unwrap(), &[mesh("bunny_5k.obj")]).unwrap()
 }
 
-/// Numbers from -0.5 to 0.5.
+/// Random numbers from -0.5 to 0.5.
 pub fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -67,14 +67,15 @@ pub fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Rays from within `reach` of the rabbit through the rabbit's box, or along an axis through it.
-fn rays(count: usize, reach: f64) -> impl Iterator<Item = Ray> {
+/// Rays that start within `radius` of the rabbit and run through the rabbit's box, or along an axis through
+/// it.
+fn rays(count: usize, radius: f64) -> impl Iterator<Item = Ray> {
     let mut random = random(11);
     (0..count).map(move |i| {
         let mut point = || DVec3::new(random(), random(), random());
-        let (from, to) = (reach * point(), 0.4 * point() + DVec3::new(0.0, 0.1, 0.0));
+        let (from, to) = (radius * point(), 0.4 * point() + DVec3::new(0.0, 0.1, 0.0));
         if i % 9 == 0 {
-            Ray::new(to + reach * DVec3::AXES[i % 3], DVec3::AXES[i % 3] * -reach)
+            Ray::new(to + radius * DVec3::AXES[i % 3], DVec3::AXES[i % 3] * -radius)
         } else {
             Ray::new(from, to - from)
         }
@@ -92,10 +93,10 @@ fn grids_within_cells_give_the_hits_that_testing_everything_gives() {
         let everything = Caster::new(&world, None).unwrap();
         let casters = Instructions::available().into_iter().map(|with| automatic(&world, 1_000_000, with));
         let casters: Vec<Caster> = casters.collect();
-        // The farthest begin too far from the innermost grids for what these prove about themselves.
-        for reach in [1.0, 20.0 * size] {
+        // The farthest rays start too far from the innermost grids for their error bounds.
+        for radius in [1.0, 20.0 * size] {
             let mut hits = 0;
-            for ray in rays(3000, reach) {
+            for ray in rays(3000, radius) {
                 let expected = everything.closest(&ray, &mut Quiet);
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
@@ -113,7 +114,8 @@ fn grids_within_cells_give_the_hits_that_testing_everything_gives() {
     }
 }
 
-/// What spans a flat cell may be much smaller than the cell is long, and far from where a ray enters it.
+/// The object that spans a flat cell may be much smaller than the cell is long, and far from where a ray
+/// enters it.
 #[test]
 fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
     let tiles = (0..200).map(|i| {
@@ -142,7 +144,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
     }
 }
 
-/// What the rays cost: cells gone through, and blocks of eight tested, which take five times as long.
+/// The cost of the rays: the cells visited, and the blocks of eight tested, which take five times as long.
 fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
     let (caster, mut probe) = (caster.in_mode::<Course>(), Counts::default());
     rays.for_each(|ray| {
@@ -151,7 +153,7 @@ fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
     probe.cells_traversed as f64 + 5.0 / 8.0 * probe.intersections as f64
 }
 
-/// Whoever looks at the rabbit does not wait for the stadium.
+/// Rays that look at the rabbit do not pay for the stadium.
 #[test]
 fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
     let with = Instructions::available()[0];
@@ -168,7 +170,7 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
     }
 }
 
-/// Then all but one primitive stand in a single cell.
+/// All but one primitive are in a single cell then.
 #[test]
 fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
     let with = Instructions::available()[0];
@@ -190,7 +192,7 @@ fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
     }
 }
 
-/// Every scene, seen by its own camera: no fixed grid is twice as good as the automatic one.
+/// For every scene, seen by its own camera, no fixed grid is twice as good as the automatic one.
 #[test]
 fn the_automatic_grid_is_never_much_worse_than_the_best() {
     let with = Instructions::available()[0];

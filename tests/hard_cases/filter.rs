@@ -1,5 +1,5 @@
-//! The single-precision filter by itself, beside case 19: what it rejects is missed, and what it is
-//! certain of is hit, between the depths that it names. The oracle is the exact test.
+//! The single-precision filter by itself, in addition to case 19: a triangle that it rejects is missed, and
+//! one that it accepts as certain is hit within the depths that it returns. The reference is the exact test.
 
 use crate::grid::{outside, push, sum};
 use crate::support::measure::{Failures, measure};
@@ -22,7 +22,7 @@ use raytracer::world::World;
 const SEED: u64 = 3019;
 const RAYS_PER_BLOCK: u64 = 100;
 
-/// A frame anywhere and of any size.
+/// A frame at any position and of any size.
 fn frame(rng: &mut Rng) -> Frame {
     let center = if rng.below(2) == 0 { DVec3::ZERO } else { 1e4 * rng.in_cube() };
     let [x, y, z] = center.to_array();
@@ -30,9 +30,9 @@ fn frame(rng: &mut Rng) -> Frame {
     Frame { center: [x, y, z, 0.0], scale, unit: 1.0 / scale }
 }
 
-/// Eight triangles of one size, needles among them, in a frame's box or out to four times as far; one
-/// of them at times farther than the filter takes any. Some are so small, in the middle of the box, that
-/// products of their edges underflow in single precision.
+/// Eight triangles of one size, some of them needles, within a frame's box or up to four times as far out.
+/// Now and then one of them is farther away than the filter supports. Some are in the middle of the box and
+/// so small that products of their edges underflow in single precision.
 fn triangles(rng: &mut Rng, frame: &Frame) -> World {
     let is_tiny = rng.below(4) == 0;
     let size = f64::powf(10.0, if is_tiny { rng.range(-22.5, -20.5) } else { rng.range(-6.0, 0.3) });
@@ -58,8 +58,8 @@ fn center(frame: &Frame) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// A ray from within the frame's box that passes an edge, a vertex or the inside of a triangle, closely
-/// or at random; or the middle of the box, around which the tiny ones stand.
+/// A ray from within the frame's box that passes close to an edge, a vertex or the inside of a triangle, or
+/// to a random point, or to the middle of the box, around which the tiny triangles are.
 fn ray(rng: &mut Rng, frame: &Frame, corners: [DVec3; 3]) -> Ray {
     let origin = center(frame) + rng.in_cube() / frame.scale;
     let [a, b, c] = corners;
@@ -77,14 +77,15 @@ fn ray(rng: &mut Rng, frame: &Frame, corners: [DVec3; 3]) -> Ray {
     Ray::new(origin, if rng.below(8) == 0 { direction.normalize() } else { direction })
 }
 
-/// As the search makes it, for a ray that begins in the frame's box.
+/// The filter's ray, as the query makes it for a ray that starts in the frame's box.
 fn filter_ray(frame: &Frame, ray: &Ray, max_depth: f32) -> FilterRay {
     let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
     let direction = ray.direction / ray.direction.abs().max_element();
     FilterRay { origin: single(frame.point(ray.origin)), direction: single(direction), max_depth }
 }
 
-/// The filter's t at which the exact test hits each lane; none where it does not, or farther than this.
+/// For each lane the filter's t at which the exact test hits the triangle; none where it misses, or hits
+/// farther than `max_depth`.
 fn hits(world: &World, frame: &Frame, ray: &Ray, max_depth: f32) -> [Option<f64>; LANES] {
     let shear = Shear::new(ray);
     let per_t = ray.direction.abs().max_element() * frame.scale;
@@ -94,7 +95,7 @@ fn hits(world: &World, frame: &Frame, ray: &Ray, max_depth: f32) -> [Option<f64>
     })
 }
 
-/// The lanes of which a verdict is wrong.
+/// The number of lanes whose verdict is wrong.
 fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) -> usize {
     let is_wrong = |lane: &usize| {
         let [possible, certain] = [verdict.possible, verdict.certain].map(|set| set >> lane & 1 == 1);
@@ -107,7 +108,7 @@ fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) ->
     (0..LANES).filter(is_wrong).count()
 }
 
-/// Of every kernel, the portable one first.
+/// The verdicts of all kernels, the portable one first.
 pub fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
     Instructions::available().into_iter().rev().map(|with| filter::test(with, block, ray)).collect()
 }
@@ -132,7 +133,7 @@ fn the_filter_is_never_wrong() {
             let max_depth = match rng.below(3) {
                 0 => 2.5,
                 1 => rng.range(0.0, 2.5) as f32,
-                // Just where the triangle is.
+                // Here the ray ends just at the triangle.
                 _ => hits(&world, &frame, &ray, 2.5)[lane].unwrap_or(2.5) as f32,
             };
             let hits = hits(&world, &frame, &ray, max_depth);
@@ -156,7 +157,7 @@ fn the_filter_is_never_wrong() {
     assert!(textbook > 0 && hits > pairs / 100, "the test tests nothing");
 }
 
-/// Triangles around a vertex, or one alone.
+/// Triangles around a common vertex, or a single triangle.
 fn ring(corners: usize, rng: &mut Rng) -> Mesh {
     let mut mesh = Mesh::default();
     let (center, normal) = (rng.in_cube(), rng.direction());
@@ -171,7 +172,7 @@ fn ring(corners: usize, rng: &mut Rng) -> Mesh {
     mesh
 }
 
-/// All triangles of a world in blocks, and the box in whose frame they stand.
+/// All triangles of a world in blocks, and the box that defines their frame.
 struct Blocks {
     bounds: Aabb,
     frame: Frame,
@@ -192,7 +193,7 @@ impl Blocks {
         Self { bounds, frame, blocks: (0..count).step_by(LANES).map(block).collect() }
     }
 
-    /// Where a ray enters the box, if it does.
+    /// The t where a ray enters the box, if it does.
     fn entry(&self, ray: &Ray) -> Option<f64> {
         let inverse = 1.0 / ray.direction;
         let [low, high] = [self.bounds.min, self.bounds.max].map(|corner| (corner - ray.origin) * inverse);
@@ -200,7 +201,7 @@ impl Blocks {
         (entry <= low.max(high).min_element()).then_some(entry)
     }
 
-    /// The filter's ray from where a ray enters the box, as the search makes it.
+    /// The filter's ray from the point where a ray enters the box, as the query makes it.
     fn ray(&self, ray: &Ray) -> Option<FilterRay> {
         let entry = self.entry(ray)?;
         let from_center = ray.origin - center(&self.frame) + entry * ray.direction;
@@ -214,7 +215,7 @@ impl Blocks {
         })
     }
 
-    /// Whether one of the kernels rejects a triangle, or there is no way through the box at all.
+    /// Whether one of the kernels rejects a triangle, or the ray misses the box.
     fn reject(&self, ray: Option<&FilterRay>, triangle: usize) -> bool {
         let block = &self.blocks[triangle / LANES];
         let is_possible = |verdict: Verdict| verdict.possible >> (triangle % LANES) & 1 == 1;
@@ -222,7 +223,7 @@ impl Blocks {
     }
 }
 
-/// Rays at the edges and vertices of rings, each against all triangles of its ring.
+/// Rays at the edges and vertices of rings, each tested against all triangles of its ring.
 #[test]
 fn case_19_no_rejection_is_wrong() {
     let far = DVec3::new(148_376.0, 1234.0, -223_423.0);
@@ -253,8 +254,8 @@ fn case_19_no_rejection_is_wrong() {
     assert!(textbook > 0 && hits > pairs / 20, "the case tests nothing");
 }
 
-/// Counts the hits that the filter loses and those that one in f32 without a margin would lose, all hits,
-/// and all pairs of `n` rays and the triangles.
+/// Counts, for `n` rays and all triangles, the hits that the filter loses, the hits that a filter in f32
+/// without an error bound loses, all hits, and all pairs.
 fn lost(ring: &Closed, n: u64) -> [u64; 4] {
     let (world, aim) = (world_of(&ring.mesh), outside(ring, 8.0));
     let (blocks, failures) = (Blocks::new(&world), Failures::default());

@@ -1,5 +1,5 @@
-//! How close to its error bound the single-precision filter comes: inputs found by climbing on the part of
-//! the bound that is needed. The oracle is the exact test.
+//! How tight the error bounds of the single-precision filter are: hill climbing searches for inputs that need
+//! a large fraction of the bound. The reference is the exact test.
 
 use crate::filter::verdicts;
 use crate::support::hex;
@@ -15,44 +15,44 @@ use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
 
-/// Coordinates in the box are those of the world.
+/// A frame in which coordinates are those of world space.
 const FRAME: Frame = Frame { center: [0.0; 4], scale: 1.0, unit: 1.0 };
 
-/// What a search drives into its error bound.
+/// The error bound whose tightness is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bound {
-    /// An edge function, of the edge opposite this corner.
+    /// That of an edge function, for the edge opposite this corner.
     Edge(usize),
-    /// The comparison with the end of the ray, and the depths that the filter names.
+    /// That of depths, in the comparison with the end of the ray and in the depths that the filter returns.
     Depth,
 }
 
-/// Where a ray ends.
+/// The end of the ray.
 #[derive(Clone, Copy, Debug)]
 enum End {
     /// Just in front of the triangle.
     Before,
-    /// So that the hit counts still.
+    /// The last position at which the hit counts.
     At,
     Beyond,
 }
 
-/// A triangle in the box and a ray that is in doubt there.
+/// A triangle in the box, and a ray whose decision is within the error bound.
 #[derive(Clone, Copy, Debug)]
 struct Trial {
     corners: [DVec3; 3],
     origin: DVec3,
-    /// Where the ray meets the triangle, by the weights of its corners.
+    /// The barycentric weights of the point that the ray is aimed at.
     weights: [f64; 3],
-    /// Where the ray ends that is asked about its depth.
+    /// The end of the ray, for the bound of depths.
     end: End,
 }
 
-/// What the kernels are asked, and the right answer.
+/// The input of the kernels, and the right answer.
 struct Question {
     block: Block,
     ray: FilterRay,
-    /// The filter's t where the ray hits.
+    /// The filter's t of the hit, if the ray hits.
     hit: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl Trial {
         if let Bound::Edge(corner) = bound {
             weights[corner] = 0.0;
         }
-        // Of any size, in the other end of the box; at times along its diagonals.
+        // The triangle has any size and is at the other end of the box, sometimes along its diagonal.
         let size = libm::pow(10.0, rng.range(-3.0, 0.3));
         let sign = |rng: &mut Rng| if rng.below(2) == 0 { 1.0 } else { -1.0 };
         let signs = |rng: &mut Rng| DVec3::new(sign(rng), sign(rng), sign(rng));
@@ -76,7 +76,7 @@ impl Trial {
         Self { corners, origin, weights, end }
     }
 
-    /// A little different somewhere.
+    /// A copy with one coordinate changed a little.
     fn mutated(mut self, rng: &mut Rng) -> Self {
         for _ in 0..1 + rng.below(3) {
             let step = libm::pow(10.0, rng.range(-9.0, 0.0));
@@ -91,7 +91,7 @@ impl Trial {
         self
     }
 
-    /// To be repeated bit by bit.
+    /// The bits of the input, so that it can be reproduced exactly.
     fn bits(&self) -> String {
         let coordinates = self.corners.iter().chain([&self.origin]).flat_map(|v| v.to_array());
         let numbers: Vec<String> = coordinates.chain(self.weights).map(hex).collect();
@@ -104,12 +104,12 @@ impl Trial {
         Ray::new(self.origin, (u * a + v * b + w * c) / (u + v + w) - self.origin)
     }
 
-    /// About the triangle of this number in a world.
-    fn question(&self, world: &World, number: u32, bound: Bound) -> Question {
+    /// The question for the triangle with this id in a world.
+    fn question(&self, world: &World, id: u32, bound: Bound) -> Question {
         let mut block: Block = bytemuck::Zeroable::zeroed();
-        let mut numbers = [NONE; LANES];
-        numbers[0] = number;
-        block.fill(world, &FRAME, true, &numbers);
+        let mut ids = [NONE; LANES];
+        ids[0] = id;
+        block.fill(world, &FRAME, true, &ids);
         let ray = self.ray();
         let per_t = ray.direction.abs().max_element();
         let t = Shear::new(&ray).intersect(self.corners.each_ref());
@@ -118,7 +118,7 @@ impl Trial {
             (Bound::Depth, End::At, Some(t)) => t,
             _ => f64::INFINITY,
         };
-        // As the search makes it.
+        // The ray is converted as the query does it.
         let single = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 0.0];
         let direction = ray.direction * (1.0 / per_t);
         let max_depth = (last * per_t).min(MAX_DEPTH) as f32;
@@ -128,16 +128,16 @@ impl Trial {
 }
 
 impl Question {
-    /// Whether the verdict of a kernel is wrong, with so much of the error bound.
-    fn is_wrong(&self, kernel: usize, bound: Bound, share: f32) -> bool {
+    /// Whether the verdict of a kernel is wrong if the error bound is multiplied by `fraction`.
+    fn is_wrong(&self, kernel: usize, bound: Bound, fraction: f32) -> bool {
         let mut block = self.block;
         let FilterErrorBounds { edge, depth } = &mut block.error_bounds;
-        *(if matches!(bound, Bound::Edge(_)) { edge } else { depth }) *= share;
+        *(if matches!(bound, Bound::Edge(_)) { edge } else { depth }) *= fraction;
         is_wrong(&verdicts(&block, &self.ray)[kernel], &block, self.hit)
     }
 
-    /// The largest share of the error bound with which the verdict is wrong.
-    fn share(&self, kernel: usize, bound: Bound) -> f32 {
+    /// The largest fraction of the error bound with which the verdict is wrong.
+    fn fraction(&self, kernel: usize, bound: Bound) -> f32 {
         let (mut wrong, mut right) = (0.0, 2.0);
         if !self.is_wrong(kernel, bound, wrong) {
             return 0.0;
@@ -150,14 +150,14 @@ impl Question {
     }
 }
 
-/// Whether the first lane's verdict is wrong.
+/// Whether the verdict for the first lane is wrong.
 fn is_wrong(verdict: &Verdict, block: &Block, hit: Option<f64>) -> bool {
     let [possible, certain] = [verdict.possible, verdict.certain].map(|set| set & 1 == 1);
-    let [least, most] = verdict.depths(0, block).map(f64::from);
-    hit.map_or(certain, |t| !possible || certain && !(least <= t && t <= most))
+    let [min, max] = verdict.depths(0, block).map(f64::from);
+    hit.map_or(certain, |t| !possible || certain && !(min <= t && t <= max))
 }
 
-/// A world with the triangles of these trials.
+/// A world of the triangles of these trials.
 fn world(trials: &[Trial]) -> World {
     let vertices = trials.iter().flat_map(|trial| trial.corners).collect();
     world_of(&Mesh {
@@ -166,12 +166,12 @@ fn world(trials: &[Trial]) -> World {
     })
 }
 
-fn shares(trials: &[Trial], kernel: usize, bound: Bound) -> Vec<f32> {
+fn fractions(trials: &[Trial], kernel: usize, bound: Bound) -> Vec<f32> {
     let world = world(trials);
-    (0..).zip(trials).map(|(i, trial)| trial.question(&world, i, bound).share(kernel, bound)).collect()
+    (0..).zip(trials).map(|(i, trial)| trial.question(&world, i, bound).fraction(kernel, bound)).collect()
 }
 
-/// The best of many random trials, and of many mutations of it.
+/// The best of many random trials, improved by many mutations.
 fn climb(seed: u64, generations: u64, kernel: usize, bound: Bound) -> (f32, Trial) {
     const CHILDREN: usize = 32;
     let rng = &mut Rng::at(seed, kernel as u64);
@@ -180,9 +180,9 @@ fn climb(seed: u64, generations: u64, kernel: usize, bound: Bound) -> (f32, Tria
         let children: Vec<Trial> = (0..CHILDREN)
             .map(|_| if generation < 10 { Trial::random(rng, bound) } else { best.1.mutated(rng) })
             .collect();
-        for (share, child) in shares(&children, kernel, bound).into_iter().zip(children) {
-            if share >= best.0 {
-                best = (share, child);
+        for (fraction, child) in fractions(&children, kernel, bound).into_iter().zip(children) {
+            if fraction >= best.0 {
+                best = (fraction, child);
             }
         }
     }
@@ -195,16 +195,17 @@ fn the_filters_error_bounds_are_needed() {
     let generations = rays(200, 20_000);
     let still = FilterRay { origin: [0.0; 4], direction: [0.0; 4], max_depth: 0.0 };
     let kernels = verdicts(&bytemuck::Zeroable::zeroed(), &still).len();
-    // Of w, which has most roundings; of v, whose share of the common bound is half of that, as u's; and of
-    // depths, whose bound allows for hits at the far end of a box that this one's hits do not reach.
+    // The fractions that must be needed: of w, which has the most roundings; of v, for which half of the
+    // common bound suffices, as for u; and of depths, whose bound allows for hits at the far end of a box,
+    // which the hits here are not.
     let bounds = [(Bound::Edge(0), 0.5), (Bound::Edge(1), 0.25), (Bound::Depth, 0.2)];
     for kernel in 0..kernels {
         for (bound, needed) in bounds {
             let climbs = (0..8u64).into_par_iter().map(|i| climb(SEED + i, generations, kernel, bound));
-            let (share, trial) = climbs.max_by(|a, b| a.0.total_cmp(&b.0)).expect("climbs");
-            println!("kernel {kernel}, {bound:?}: {share} of the error bound, by {}", trial.bits());
-            assert!(share < 1.0, "the error bound is broken");
-            assert!(share > needed, "the search finds nothing near the error bound");
+            let (fraction, trial) = climbs.max_by(|a, b| a.0.total_cmp(&b.0)).expect("climbs");
+            println!("kernel {kernel}, {bound:?}: {fraction} of the error bound, by {}", trial.bits());
+            assert!(fraction < 1.0, "the error bound is broken");
+            assert!(fraction > needed, "the search finds nothing near the error bound");
         }
     }
 }

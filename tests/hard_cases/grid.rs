@@ -1,5 +1,5 @@
-//! Section B, cases 21 to 25: a grid changes no hit, on the rays that run along cells' faces, edges
-//! and corners. The oracle tests every triangle; t has to agree bit by bit.
+//! Section B, cases 21 to 25: a grid changes no hit, not even for rays along the faces, edges and corners of
+//! cells. The reference tests every triangle, and t must agree bit by bit.
 
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
@@ -18,11 +18,11 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
-/// Rays on which ours differs from the brute force, on which the textbook's grid does in f64 and in
-/// f32, and rays that hit something.
+/// The numbers of rays for which ours differs from the brute force, for which the textbook's grid does in f64
+/// and in f32, and that hit something.
 pub type Counts = [u64; 4];
 
-/// Compares the caster and the textbook's grid with the brute force on `n` rays.
+/// Compares the caster and the textbook's grid with the brute force for `n` rays.
 pub fn differences(
     case: u32,
     world: &World,
@@ -47,7 +47,7 @@ pub fn differences(
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
         });
         let expected = expected.map(|h| h.primitive);
-        // A fifth is enough to see it fail.
+        // A fifth of the rays is enough to see the textbook's method fail.
         let asked = index.is_multiple_of(5);
         let in_f64 = asked && textbook.first_hit::<f64>(&ray) != expected;
         let in_f32 = asked && textbook.first_hit::<f32>(&ray) != expected;
@@ -56,7 +56,7 @@ pub fn differences(
     measure::<4, 0>(n, one).0
 }
 
-/// What a ray hits that is cast as one of a packet.
+/// The hit of a ray that is cast as part of a packet.
 fn in_packet(caster: &Caster, ray: &Ray) -> Option<Hit> {
     struct Asked<'a>(&'a Ray, Option<Visible>);
     impl PacketRay for Asked<'_> {
@@ -72,7 +72,7 @@ fn in_packet(caster: &Caster, ray: &Ray) -> Option<Hit> {
     asked[0].1.map(|visible| caster.world.hit(ray, visible))
 }
 
-/// Writes the record of a case that compares hits, and demands its target.
+/// Writes the record of a case that compares hits, and asserts its target.
 pub fn conclude(case: u32, name: &str, n: u64, [ours, in_f64, in_f32, hits]: Counts) {
     Record {
         case,
@@ -96,7 +96,7 @@ pub fn sum<const N: usize>(counts: impl IntoIterator<Item = [u64; N]>) -> [u64; 
     counts.into_iter().fold([0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]))
 }
 
-/// Rays from a camera, and rays to vertices and edges, from `distance` times the mesh's reach.
+/// Rays from a camera, and rays to vertices and edges, from `distance` times the mesh's radius.
 pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + Sync {
     let (middle, reach) = middle_and_reach(&mesh.mesh);
     move |rng, index| {
@@ -124,14 +124,14 @@ fn case_21_grid_and_brute_force() {
     conclude(21, "the rabbit in grids of 48 to 256", 5 * n, sum(counts));
 }
 
-/// A plane between cells, or the coordinate of a vertex, along each axis.
+/// A point whose coordinate along each axis is that of a plane between cells or of a vertex.
 fn notable_point(mesh: &Mesh, lattice: &Lattice, rng: &mut Rng) -> DVec3 {
     let corner = lattice_corner(lattice, rng);
     let vertex = mesh.vertices[rng.below(mesh.vertices.len())];
     DVec3::from_array([0, 1, 2].map(|axis| if rng.below(2) == 0 { corner[axis] } else { vertex[axis] }))
 }
 
-/// Where eight cells meet.
+/// A corner that eight cells share.
 pub fn lattice_corner(lattice: &Lattice, rng: &mut Rng) -> DVec3 {
     let index = lattice.cells().map(|n| rng.below(n + 1) as f64);
     lattice.bounds.min + lattice.cell_size * DVec3::from_array(index)
@@ -169,7 +169,7 @@ fn case_23_diagonals_through_corners() {
     let inner = |v: DVec3| v.min_element() > 0.1 && v.max_element() < 0.9;
     let corners: Vec<DVec3> =
         (0..8_000).map(|_| lattice_corner(&lattice, rng)).filter(|&v| inner(v)).collect();
-    // Each stands on the tip of a triangle in one of the eight cells around it.
+    // Each triangle has a vertex in one of the eight cells around a corner.
     for &corner in &corners {
         let cell = DVec3::from_array([0, 1, 2].map(|_| if rng.below(2) == 0 { 0.01 } else { -0.01 }));
         push(&mut mesh, [corner, corner + cell * rng.in_cube().abs(), corner + cell * rng.in_cube().abs()]);
@@ -202,8 +202,8 @@ fn case_24_origins_on_cell_faces() {
     conclude(24, "origins on cell faces", n, differences(24, &world, [64, 32, 50], n, draw));
 }
 
-/// Two small triangles in opposite corners of the unit cube, so that its cells are known before
-/// what stands in them.
+/// Two small triangles in opposite corners of the unit cube, which fix the bounds of the grid before other
+/// triangles are added.
 pub fn frame() -> Mesh {
     let spike =
         |at: f64, to: f64| [(0.0, 0.0), (to, 0.0), (0.0, to)].map(|(x, y)| DVec3::new(at + x, at + y, at));
@@ -226,7 +226,7 @@ fn case_25_rays_in_cell_faces() {
     for i in 0..1500 {
         let center = inside(rng);
         let mut triangle = [0, 1, 2].map(|_| center + 0.04 * rng.in_cube());
-        // Two in three lie in a face's plane.
+        // Two in three rays lie in the plane of a face.
         if i % 3 > 0 {
             let axis = rng.below(3);
             let plane = lattice_corner(&lattice, rng)[axis].clamp(0.05, 0.95);
@@ -238,7 +238,7 @@ fn case_25_rays_in_cell_faces() {
     let draw = |rng: &mut Rng, _| {
         let (corner, mut origin) = (lattice_corner(&lattice, rng), inside(rng));
         let mut direction = rng.direction();
-        // In a face, or along an edge.
+        // The ray runs within a face or along an edge.
         for _ in 0..1 + rng.below(2) {
             let axis = rng.below(3);
             (origin[axis], direction[axis]) = (corner[axis], 0.0);

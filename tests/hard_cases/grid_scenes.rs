@@ -1,5 +1,5 @@
-//! Section B, cases 28 to 32: large and flat things in a grid, grids far from the origin, rays from
-//! far away, and every number of cells.
+//! Section B, cases 28 to 32: large and flat objects in a grid, grids far from the origin, rays from far
+//! away, and any number of cells.
 
 use crate::grid::{conclude, differences, frame, outside, push, sum};
 use crate::support::brute::Brute;
@@ -42,7 +42,7 @@ fn case_28_a_quad_through_all_cells() {
     conclude(28, "a quad through the whole grid among small triangles", 2 * n, sum(counts));
 }
 
-/// A flat square of 100 by 100 quads at the height `z`.
+/// Adds a flat square of 100 by 100 quads at the height `z`.
 fn flat(mesh: &mut Mesh, z: f64) {
     let at = |i: usize, j: usize| DVec3::new(0.02 + 0.0096 * i as f64, 0.02 + 0.0096 * j as f64, z);
     for i in 0..100 {
@@ -53,7 +53,8 @@ fn flat(mesh: &mut Mesh, z: f64) {
     }
 }
 
-/// A flat mesh alone, whose box has no thickness; in a plane between cells; and on the box' side.
+/// A flat mesh alone, whose box has no thickness; one in a plane between cells; and one on the side of the
+/// box.
 fn flat_meshes(cells: [usize; 3]) -> [Mesh; 3] {
     let lattice = lattice(&world_of(&frame()), cells);
     let plane = lattice.bounds.min.z + 5.0 * lattice.cell_size.z;
@@ -79,7 +80,7 @@ fn case_29_a_flat_mesh_on_cell_faces() {
             let origin = target + DVec3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), height);
             Ray::new(origin, target - origin)
         });
-        // All but the rays at the outermost edges hit.
+        // All rays hit except those at the outermost edges.
         assert!(counts[3] > n * 97 / 100, "leaks: {counts:?}");
         counts
     });
@@ -101,15 +102,16 @@ fn case_31_rays_from_far_away() {
     let mesh = Closed::new(bunny("1k"));
     let world = world_of(&mesh.mesh);
     let n = rays(80_000, 8_000_000);
-    // All but the first are so far that the caster goes back to testing everything. Of the last two distances
-    // f64 is too short for the filter to be right; in a single cell, that is so before the march is wrong.
+    // All distances but the first are so large that the caster tests every primitive. For the last two
+    // distances the error of f64 exceeds what the filter can bound. With a single cell, this happens before
+    // the DDA becomes inaccurate.
     let farther = [(3e5, n, 50), (1e6, n / 4, 50), (1e12, n / 80, 50), (2e9, n / 80, 1)];
     let counts =
         farther.map(|(distance, n, side)| differences(31, &world, [side; 3], n, outside(&mesh, distance)));
     conclude(31, "origins 3e5 to 1e12 extents away", farther.iter().map(|f| f.1).sum(), sum(counts));
 }
 
-/// Without a grid the filter alone says from how far it is right.
+/// Without a grid only the filter limits the distance of rays.
 #[test]
 fn rays_from_far_away_without_a_grid() {
     const SEED: u64 = 1031;
@@ -131,12 +133,13 @@ fn rays_from_far_away_without_a_grid() {
     assert!(hits > n / 2, "the test tests nothing");
 }
 
-/// In cells so flat that a ray from within the filter's range comes from too far for the march: hits whose
-/// cell is decided in the last place of the ray's way.
+/// In cells that are so flat that a ray within the filter's range comes from too far away for the DDA: hits
+/// whose cell depends on the last bits of t.
 #[test]
 fn rays_from_far_away_into_flat_cells() {
     const SEED: u64 = 2031;
-    // The one whose rounded size and number to a unit differ most.
+    // The number of cells for which the product of the rounded cell size and its rounded inverse differs most
+    // from 1.
     let cells = (80..130).map(|n| [1, 1, n]).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
     let cells = cells.expect("some number");
     let (world, targets) = pairs_at_faces(cells);
@@ -149,7 +152,7 @@ fn rays_from_far_away_into_flat_cells() {
         let rng = &mut Rng::at(SEED, index);
         let draw = || {
             let (face, target) = targets[rng.below(targets.len())];
-            // Up to 2^19 extents, as far as the filter takes them.
+            // The origins are up to 2^19 extents away, which is the limit of the filter.
             let away = DVec3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), -rng.range(0.7, 1.0));
             let origin = target + 2f64.powi(19) * away;
             let ray = Ray::new(origin, 0.9 * (target - origin));
@@ -157,8 +160,8 @@ fn rays_from_far_away_into_flat_cells() {
         };
         let (late, ray) =
             std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
-        // With counters, since without them t is known no better than the filter knows it, and the march goes on
-        // for longer.
+        // In the course's mode, because in the fast one t is known only to the accuracy of the filter, and the
+        // traversal continues for longer.
         let (found, expected) =
             (caster.in_mode::<Course>().closest(&ray, &mut Counts::default()), brute.closest(&ray));
         let differs = found != expected;
@@ -171,28 +174,30 @@ fn rays_from_far_away_into_flat_cells() {
     assert!(hits == n && late > n / 10, "the test tests nothing");
 }
 
-/// By how much t the march leaves the cell before a face later than the ray reaches a height.
+/// The difference between the t where the DDA leaves the cell before a face and the t where the ray reaches a
+/// height.
 fn lateness(lattice: &Lattice, ray: &Ray, face: usize, height: f64) -> f64 {
     let (_, steps) = steps(lattice, ray);
     let exit = steps.iter().find(|step| step.0[2] == face - 1).map_or(f64::NEG_INFINITY, |step| step.1);
     exit - (height - ray.origin.z) / ray.direction.z
 }
 
-/// The flattest box that is not taken for one without thickness, cut into cells.
+/// The flattest box that does not count as one without thickness, divided into cells.
 fn flat_frame() -> Mesh {
     let flat = DVec3::new(1.0, 1.0, 1.01 * 2f64.powi(-10));
     moved(&frame(), |v| v * flat)
 }
 
-/// By how much a cell's size times the number of cells to a unit exceeds 1, both of them rounded.
+/// The excess over 1 of the product of the rounded cell size and the rounded number of cells per unit.
 fn excess(cells: [usize; 3]) -> f64 {
     let lattice = lattice(&world_of(&flat_frame()), cells);
     let per_unit = cells[2] as f64 / lattice.bounds.extent().z;
     lattice.cell_size.z.mul_add(per_unit, -1.0)
 }
 
-/// Just beyond each face of flat cells two triangles in a ray's way upwards: a level one that stands in the
-/// cell beyond alone, and a little behind it one that hangs down into the cell before. And where to aim.
+/// Just beyond each face of the flat cells, two triangles that cross a ray upwards: a level one that lies
+/// only in the cell beyond the face, and a little behind it one that extends down into the cell before the
+/// face. Returns the world and the points to aim at.
 fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
     let mut mesh = flat_frame();
     let lattice = lattice(&world_of(&mesh), cells);
@@ -200,7 +205,7 @@ fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
     let mut targets = vec![];
     for face in 2..cells[2] {
         let height = |up: f64| lattice.bounds.min.z + (face as f64 + up) * lattice.cell_size.z;
-        // By so much cells are widened, but for a little.
+        // This is slightly less than the padding of the cells.
         let beyond = margin(&lattice) + 1.01e-5;
         let at = |x: f64, y: f64, up: f64| DVec3::new(x, y, height(up));
         let (x, y) = (rng.range(0.1, 0.9), rng.range(0.1, 0.9));
@@ -225,17 +230,17 @@ fn case_32_any_number_of_cells() {
     conclude(32, "1 to 500 cells along an axis", sizes.len() as u64 * n, sum(counts));
 }
 
-/// Where a cell's widening is less than a rounding of the radius, the cells of a sphere must be found all the same.
+/// The cells of a sphere are found even where the padding is smaller than the rounding error of the radius.
 #[test]
 fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
     let bounds = Aabb { min: DVec3::splat(-0.1), max: DVec3::splat(2.9) };
     let lattice = Lattice::new(bounds, [1, 7, 1]);
     for k in 0..20_000 {
         let radius = 2f64.powi(37) * (1.0 + f64::from(k) / 20_000.0);
-        // Near a face.
+        // The top of the sphere is close to a face.
         let face = bounds.min.y + f64::from(1 + k % 6) * lattice.cell_size.y;
         let center = DVec3::new(1.4, face - radius, 1.4);
-        // Exact, since the two are nearly the same.
+        // This difference is exact, since the two numbers are almost equal.
         let top = center.y + radius;
         let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
         let budget = Budget::unlimited();

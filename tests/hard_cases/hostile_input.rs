@@ -1,4 +1,4 @@
-//! Section F, hostile input: numbers that are none, vectors without length, pictures without size.
+//! Section F, hostile input: NaNs and infinities, vectors without length, pictures without pixels.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::record::{Basis, Record};
@@ -47,7 +47,7 @@ fn vector(rng: &mut Rng, hostility: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| number(rng, hostility)))
 }
 
-/// One of everything, and a mesh.
+/// A scene with one object of each kind, and a mesh.
 fn ordinary_scene() -> Scene {
     let place = |child, scale| {
         let matrix =
@@ -72,7 +72,7 @@ fn ordinary_scene() -> Scene {
     scene
 }
 
-/// Casts hostile rays: how many hits lie at no finite t, how many come of a ray with a NaN.
+/// Casts hostile rays. Counts the hits without a finite t and the hits of rays with a NaN.
 fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
     let world = World::new(&ordinary_scene(), &[icosphere(0)]).expect("a sound scene");
     let casters = [None, Some([6, 5, 4])].map(|cells| Caster::new(&world, cells).expect("a small grid"));
@@ -95,7 +95,7 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
     counts
 }
 
-/// Tests and cells for hostile rays over those for ordinary ones, through the grid.
+/// The number of tests and cells for hostile rays over that for ordinary ones, with a grid.
 fn extra_work() -> f64 {
     let world = World::new(&ordinary_scene(), &[mesh("bunny_5k.obj")]).expect("a sound scene");
     let caster = Caster::new(&world, Some([20; 3])).expect("a grid").in_mode::<Course>();
@@ -103,7 +103,7 @@ fn extra_work() -> f64 {
         let mut counts = Counts::default();
         for index in 0..1500 {
             let mut rng = Rng::at(610, index);
-            // Towards the middle, where the mesh is.
+            // The rays go towards the middle, where the mesh is.
             let origin = 2.0 * rng.direction();
             let mut direction = 0.5 * rng.in_cube() - origin;
             if is_hostile {
@@ -116,9 +116,9 @@ fn extra_work() -> f64 {
     work(true) / work(false)
 }
 
-/// A scene of a few random objects with hostile numbers anywhere.
+/// A scene of a few random objects with hostile numbers in any position.
 fn hostile_scene(rng: &mut Rng) -> Scene {
-    // Of the many numbers of a scene a few are hostile.
+    // Only a few of the many numbers of a scene are hostile.
     let h = [0.002, 0.01, 0.05][rng.below(3)];
     let mut objects = vec![];
     for _ in 0..1 + rng.below(4) {
@@ -161,8 +161,8 @@ fn hostile_scene(rng: &mut Rng) -> Scene {
     scene
 }
 
-/// Renders hostile scenes: how many are refused, how many have a picture, how many colours, depths and
-/// normals without a number those have, how many end in a panic.
+/// Renders hostile scenes. Counts the scenes that are refused, those with a picture, the colours, depths and
+/// normals of these that are NaN, and the scenes that end in a panic.
 fn render_hostile_scenes(inputs: u64) -> [u64; 4] {
     let failures = Failures::default();
     let (counts, []) = measure(inputs, |index| {
@@ -178,7 +178,7 @@ fn render_hostile_scenes(inputs: u64) -> [u64; 4] {
     counts
 }
 
-/// How many values without a number the pictures of a hostile scene have; none where it is refused.
+/// The number of NaNs in the pictures of a hostile scene; none where the scene is refused.
 fn nans_of_hostile_scene(index: u64) -> Option<u64> {
     let tetrahedron = scene::mesh::Mesh {
         vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
@@ -193,7 +193,8 @@ fn nans_of_hostile_scene(index: u64) -> Option<u64> {
     Some(layers_and_nans(&Camera::new(&scene.camera, [3, 3]), &caster, &request).1)
 }
 
-/// Pictures that differ when every vector that only tells a direction is scaled to an extreme length.
+/// The number of pictures that change when every vector of which only the direction matters is scaled to an
+/// extreme length.
 fn extreme_lengths() -> usize {
     let picture = |scale: f64| {
         let mut scene = ordinary_scene();
@@ -216,7 +217,7 @@ fn extreme_lengths() -> usize {
         render_picture(&scene, &[mesh("bunny_200.obj")], None, [60, 60], Effects::default())
     };
     let usual = picture(1.0);
-    // Powers of two, which round nothing.
+    // The factors are powers of two, which cause no rounding.
     [-1000, -600, 600, 1000].into_iter().filter(|&k| picture(2f64.powi(k)) != usual).count()
 }
 
@@ -251,8 +252,8 @@ fn case_61_hostile_input() {
     assert!(rendered >= scenes / 10, "{rendered}: the case tests little");
     assert!(work <= 1.0, "{work}");
     a_picture_without_size_is_an_error();
-    a_background_that_is_no_number_is_refused_and_counted();
-    no_light_is_light_everywhere();
+    a_background_that_is_nan_is_refused_and_counted();
+    without_lights_the_ambient_light_is_white();
 }
 
 fn a_picture_without_size_is_an_error() {
@@ -265,19 +266,19 @@ fn a_picture_without_size_is_an_error() {
     }
 }
 
-fn a_background_that_is_no_number_is_refused_and_counted() {
+fn a_background_that_is_nan_is_refused_and_counted() {
     let mut scene = scene_of(vec![], vec![]);
     let mut world = World::new(&scene, &[]).expect("an empty scene");
     scene.background.color = DVec3::new(0.5, f64::NAN, 0.5);
     assert!(World::new(&scene, &[]).is_err());
-    // What no check foresaw would be counted all the same.
+    // A NaN that no check prevented would still be counted.
     world.background = scene.background.color;
     let caster = Caster::new(&world, Some([2; 3])).expect("no grid is built");
     let camera = Camera::new(&scene.camera, [7, 5]);
     assert_eq!(layers_and_nans(&camera, &caster, &Request::new([7, 5])).1, 35);
 }
 
-fn no_light_is_light_everywhere() {
+fn without_lights_the_ambient_light_is_white() {
     let mut scene =
         scene_of(vec![Object::Sphere { center: -2.0 * DVec3::Z, radius: 9.0, material: 0 }], vec![]);
     scene.background.color = DVec3::ZERO;

@@ -1,7 +1,6 @@
-//! What must not change a picture, over all scenes: the scale, as long as it is a power of two; the
-//! place; the grid; whether rays are counted; the number of threads; the order of a mesh's faces, and
-//! faces that add nothing.
-//! Cases 50 and 51 of section E are among them.
+//! Changes that must not change a picture, tested for all scenes: scaling by a power of two, translation, the
+//! grid, counting rays, the number of threads, the order of a mesh's faces, and faces that add nothing. Cases
+//! 50 and 51 of section E are among them.
 
 use crate::support::all_scenes::{
     Named, moved_world, own_scenes, render, render_with, scaled, scenes, translated,
@@ -23,8 +22,8 @@ use raytracer::stats::Quiet;
 use raytracer::world::World;
 use std::collections::BTreeSet;
 
-/// Compares every scene's picture with those that `variants` names and makes; gives how many were
-/// compared, and names those that differ.
+/// Compares every scene's picture with those of its variants. Returns the number of comparisons and the names
+/// of the scenes that differ.
 fn different_pictures<V: std::fmt::Debug>(
     variants: &[V],
     picture: impl Fn(&Named, &V) -> Vec<u8>,
@@ -45,7 +44,7 @@ fn different_pictures<V: std::fmt::Debug>(
     (compared, different)
 }
 
-/// Demands that no variant of a scene changes its picture.
+/// Asserts that no variant of a scene changes its picture.
 fn same_pictures<V: std::fmt::Debug>(variants: &[V], picture: impl Fn(&Named, &V) -> Vec<u8>) {
     let (_, different) = different_pictures(variants, picture);
     assert!(different.is_empty(), "other pictures:\n{}", different.join("\n"));
@@ -81,7 +80,7 @@ fn case_50_scaled_by_powers_of_two() {
     assert!(lost > 0.5, "the case tests nothing");
 }
 
-/// The part of the rabbit's hits that a fixed epsilon loses at a scale.
+/// The fraction of the rabbit's hits that a fixed epsilon loses at a scale.
 fn textbook_loses_hits(scale: f64) -> f64 {
     let mesh = crate::support::meshes::bunny("1k");
     let world = world_of(&mesh);
@@ -102,7 +101,7 @@ fn textbook_loses_hits(scale: f64) -> f64 {
     lost as f64 / hits as f64
 }
 
-/// The rays of a picture's pixels.
+/// The camera rays of a picture's pixels.
 fn camera_rays(scene: &Named, width: usize) -> impl Fn(u64) -> Ray + Sync {
     let camera = Camera::new(&scene.scene.camera, [width, width]);
     move |index| {
@@ -111,9 +110,9 @@ fn camera_rays(scene: &Named, width: usize) -> impl Fn(u64) -> Ray + Sync {
     }
 }
 
-/// The scenes' triangles, with coordinates that are multiples of 2^-30 of the extent: adding 2^20
-/// extents to those is exact, so that whatever changes is the tracer's doing. Then whole scenes,
-/// whose coordinates are rounded by the move itself, so that bytes may differ by one.
+/// First the scenes' triangles, with coordinates rounded to multiples of 2^-30 of the extent. Adding 2^20
+/// extents to these is exact, so that any difference is an error of the tracer. Then whole scenes, whose
+/// coordinates are rounded by the translation itself, so that bytes may differ by one.
 #[test]
 fn case_51_moved_by_a_million_extents() {
     let width = rays(80, 800) as usize;
@@ -167,14 +166,14 @@ fn case_51_moved_by_a_million_extents() {
     assert!(textbook > 0 && hits > 0, "the case tests nothing");
 }
 
-/// Moves every scene of ours by a million of its extents; gives how many bytes were compared and how many of them
-/// differ by more than one.
+/// Translates every scene of this project by a million of its extents. Returns the number of bytes compared
+/// and the number of those that differ by more than one.
 ///
-/// It cannot be none for every scene, since the move rounds what it moves. Where the camera stands in
-/// the plane of a checkerboard's boundary, a row of pixels shows whichever side the points of a curved
-/// surface are rounded to, at home as well; a gem's facets multiply an angle at every bounce; and two
-/// mirrored pixels' shadow rays may just touch an edge, where a move by a tenth already decides otherwise.
-/// The course has scenes of each kind.
+/// This number cannot be zero for every scene, since the translation rounds the coordinates. Where the camera
+/// is in the plane of a checkerboard's boundary, the colour of a row of pixels depends on how the points of a
+/// curved surface are rounded, even without the translation. The facets of a gem multiply an angle at every
+/// bounce. And the shadow rays of two mirrored pixels may just touch an edge, where a translation by a tenth
+/// already changes the result. The course has scenes of each kind.
 fn pixels_that_move() -> (usize, usize) {
     let (mut pixels, mut off) = (0, 0);
     for scene in own_scenes() {
@@ -192,7 +191,7 @@ fn pixels_that_move() -> (usize, usize) {
     (pixels, off)
 }
 
-/// Whether single precision loses the hit at the triangle's new place.
+/// Whether single precision loses the hit at the triangle's translated position.
 fn changes_in_f32(home: &World, away: &World, hit: Option<raytracer::math::ray::Hit>, ray: &Ray) -> bool {
     let triangle = hit.map(|h| h.primitive as usize).filter(|&i| i < home.triangles.len());
     triangle.is_some_and(|i| {
@@ -242,7 +241,7 @@ fn any_number_of_threads_makes_the_same_picture() {
     });
 }
 
-/// What is done to the faces of a mesh.
+/// A change to the faces of a mesh.
 #[derive(Debug)]
 enum Change {
     Shuffled,

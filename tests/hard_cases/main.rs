@@ -1,14 +1,14 @@
-//! Numerical hard cases against exact oracles. Every case also runs the textbook method on the same
-//! input and demands that it fails, so that a case which tests nothing is noticed.
+//! Numerical hard cases, compared with exact references. Every case also runs the textbook's method on the
+//! same input and asserts that it fails, so that a case which tests nothing is noticed.
 //!
-//! The ordinary tier runs in the ordinary test command. The long tier multiplies the rays:
-//! `HARD_CASES=long cargo test --test hard_cases`. With `ACCURACY_DIR` set to a folder,
-//! every case leaves its measurements there for `docs/accuracy.md`.
+//! The ordinary tier runs with the ordinary test command. The long tier has many more rays: `HARD_CASES=long
+//! cargo test --test hard_cases`. If `ACCURACY_DIR` is set to a folder, every case writes its measurements
+//! there for `docs/accuracy.md`.
 
 mod filter;
 mod filter_worst;
 mod grid;
-mod grid_march;
+mod grid_dda;
 mod grid_scenes;
 mod hostile_input;
 mod invariance;

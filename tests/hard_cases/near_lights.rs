@@ -1,4 +1,4 @@
-//! Section D, lights: at a surface, in it, behind it; and the terminator of a coarse mesh.
+//! Section D, lights: close to a surface, on it and behind it; and the terminator of a coarse mesh.
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};
@@ -18,7 +18,8 @@ fn point_light(position: DVec3) -> Light {
     Light::Point { position, color: DVec3::ONE, attenuation: [1.0, 0.0, 0.0] }
 }
 
-/// What a ray sees in a world of one object and one light, with hard shadows and both sides lit.
+/// The colour that a ray returns in a world of one object and one light, with hard shadows and both sides
+/// lit.
 fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let world = World::new(&scene_of(vec![object.clone()], vec![light]), &[]).expect("a sound scene");
     let caster = Caster::new(&world, None).expect("no grid");
@@ -38,8 +39,8 @@ fn any_plane(rng: &mut Rng) -> (Object, DVec3, [DVec3; 2], DVec3) {
     (Object::Plane { normal, offset, material: 0 }, normal, [along, across], foot)
 }
 
-/// A light 1e-9 above a plane, seen at a point up to 10 away. Returns whether ours misses the light,
-/// whether an f32 tracer does, and our relative error.
+/// A light 1e-9 above a plane, and the colour at a point up to 10 away. Returns whether ours misses the
+/// light, whether an f32 tracer does, and our relative error.
 fn light_above_plane(rng: &mut Rng) -> ([u64; 2], f64, Ray) {
     let (object, normal, [along, across], foot) = any_plane(rng);
     let position = foot + 1e-9 * normal;
@@ -55,7 +56,7 @@ fn light_above_plane(rng: &mut Rng) -> ([u64; 2], f64, Ray) {
     ([(color == 0.0) as u64, unlit as u64], (color - expected).abs() / expected, ray)
 }
 
-/// Whether an f32 tracer with a t_min of 1e-4 takes the plane for unlit.
+/// Whether an f32 tracer with a t_min of 1e-4 takes the plane to be in shadow.
 fn textbook_unlit(ray: &Ray, normal: DVec3, offset: f64, light: DVec3) -> bool {
     let (n, o, d): (Vec3, Vec3, Vec3) = (normal.as_vec3(), ray.origin.as_vec3(), ray.direction.as_vec3());
     let point = o + (offset as f32 - n.dot(o)) / n.dot(d) * d;
@@ -64,7 +65,8 @@ fn textbook_unlit(ray: &Ray, normal: DVec3, offset: f64, light: DVec3) -> bool {
     n.dot(to_light) <= 0.0 || (t > 1e-4 && t < to_light.length())
 }
 
-/// A light in a plane's own surface, in half of the cases at the very point that is seen: the colour.
+/// The colour of a plane with a light exactly in its surface, in half of the cases at the very point that is
+/// shaded.
 fn light_in_plane(rng: &mut Rng) -> (DVec3, Ray) {
     let height = (rng.below(64) as f64 - 32.0) / 8.0;
     let object = Object::Plane { normal: DVec3::Y, offset: height, material: 0 };
@@ -75,7 +77,7 @@ fn light_in_plane(rng: &mut Rng) -> (DVec3, Ray) {
     (seen(&object, point_light(position), &ray), ray)
 }
 
-/// A light inside a sphere: the colour seen from outside, and our relative error seen from within.
+/// A light inside a sphere: the colour seen from outside, and our relative error seen from inside.
 fn light_in_sphere(rng: &mut Rng) -> (DVec3, f64, Ray) {
     let radius = 10f64.powf(rng.range(-3.0, 3.0));
     let center = 10.0 * radius * rng.in_cube();
@@ -83,7 +85,7 @@ fn light_in_sphere(rng: &mut Rng) -> (DVec3, f64, Ray) {
     let [eye, position] = [0; 2].map(|_| center + 0.99 * radius * rng.in_ball());
     let inner = Ray::new(eye, rng.direction());
     let outer = Ray::new(center + 3.0 * radius * inner.direction, -inner.direction);
-    // The surface point in plain f64; it need not be exact to tell a shadow from light.
+    // The surface point in plain f64, which is accurate enough to tell shadow from light.
     let f = eye - center;
     let b = f.dot(inner.direction);
     let point = eye + ((b * b - f.length_squared() + radius * radius).sqrt() - b) * inner.direction;
@@ -122,13 +124,13 @@ fn case_44_lights_at_surfaces() {
     .write();
     assert!(textbook > 0, "the textbook method does not fail");
     assert_eq!([unlit, in_plane, outside], [0; 3]);
-    // A shadow would be an error of 1. The height of 1e-9 is known to 1e-6 of itself.
+    // A shadow would be an error of 1. The height of 1e-9 is accurate to 1e-6 of itself.
     assert!(worst[0] < 1e-4 && worst[1] < 1e-9);
 }
 
-/// What a point of a coarse sphere looks like: lit by its flat normal and by its interpolated one,
-/// and blocked on the way to the light from its own place and from the rounded-out one of Hanika
-/// ("Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
+/// The shading of a point of a coarse sphere: lit by its flat and by its interpolated normal, and occluded
+/// from the light at its own position and at the rounded position of Hanika ("Hacking the Shadow Terminator",
+/// Ray Tracing Gems II, ch. 4).
 struct Terminator {
     flat_dark: bool,
     smooth_lit: bool,
@@ -171,7 +173,7 @@ fn barycentric([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
 fn case_45_terminator() {
     let inputs = rays(100_000, 10_000_000);
     let angle = 85f64.to_radians();
-    // Eyes look along -z.
+    // The cameras look along -z.
     let to_light = DVec3::new(angle.sin(), 0.0, angle.cos());
     let light = Light::Directional { direction: -to_light, color: DVec3::ONE };
     let objects = vec![Object::Mesh { mesh: 0, material: 0 }];

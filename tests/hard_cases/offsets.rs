@@ -1,8 +1,9 @@
-//! The offset of secondary rays, beside the cases: large enough that no ray meets the surface it leaves,
-//! and so small that it skips nothing that stands close by. For every kind of primitive, the renderer's
-//! way: the surface as the world gives it, the offset, and a query that knows the triangle it leaves.
-//! The oracle is the geometry: a plane, a square or the outside of a convex body is never met again, and
-//! what covers a surface blocks every ray that leaves it on that side.
+//! The offset of secondary rays, in addition to the cases: it is so large that no ray hits the surface it
+//! leaves, and so small that it skips nothing close by. The rays of every kind of primitive are made as in
+//! the renderer: from the surface point that the world returns, with the offset, and with a query that
+//! excludes the triangle it leaves. The reference is geometric: a ray never hits again the plane, square or
+//! convex body that it leaves on the outside, and a cover blocks every ray that leaves the surface on its
+//! side.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
@@ -25,31 +26,33 @@ enum Kind {
     Sphere,
     Ellipsoid,
     Plane,
-    /// Two triangles in one plane: the ray knows that it leaves the one, and could meet the other.
+    /// Two triangles in one plane. The query excludes the one that the ray leaves, but the ray could hit the
+    /// other.
     Square,
 }
 
 const KINDS: [Kind; 4] = [Kind::Sphere, Kind::Ellipsoid, Kind::Plane, Kind::Square];
 
-/// A primitive somewhere, and a point of it that is looked at.
+/// A primitive at some position, and a point of it that a ray is aimed at.
 struct Stage {
     kind: Kind,
     center: DVec3,
-    /// The sphere's radius or the square's size.
+    /// The radius of the sphere, or the size of the square.
     size: f64,
-    /// Edges of the square or half axes of the ellipsoid; of length one at most.
+    /// The edges of the square or the semi-axes of the ellipsoid, of length at most one.
     axes: DMat3,
-    /// The unit normal of what is flat.
+    /// The unit normal of a flat primitive.
     normal: DVec3,
-    /// About a point of the surface.
+    /// The approximate point of the surface.
     target: DVec3,
-    /// Its outward normal.
+    /// The outward normal at it.
     outward: DVec3,
-    /// The largest coordinates around, which scale the offset.
+    /// The largest coordinate, which scales the offset.
     magnitude: f64,
 }
 
-/// With so few bits that sums of three are exact, and four points of a square lie in one plane.
+/// A vector of so few bits that sums of three are exact, so that the four corners of a square lie in one
+/// plane.
 fn short(v: DVec3) -> DVec3 {
     const BITS: f64 = (1u64 << 20) as f64;
     (v * BITS).round() / BITS
@@ -76,7 +79,7 @@ impl Stage {
                 (center + size * (axes * on_unit_sphere), normal.normalize())
             }
             Kind::Plane => (center, normal),
-            // At times near the edge that the two triangles share.
+            // Sometimes the point is near the edge that the two triangles share.
             Kind::Square => {
                 let (x, aside) = (rng.range(0.1, 0.9), f64::powf(10.0, rng.range(-6.0, -1.0)));
                 (center + size * (x * edge + (x + aside) * other), normal)
@@ -86,11 +89,12 @@ impl Stage {
         Self { kind, center, size, axes, normal, target, outward, magnitude }
     }
 
-    /// The primitive and, with a gap, another that covers it on the outer side.
+    /// A world of the primitive and, with a gap, of another that covers it on the outer side.
     fn world(&self, gap: Option<f64>) -> World {
         let mut objects: Vec<Object> = self.layer(0.0);
         objects.extend(gap.into_iter().flat_map(|gap| self.layer(gap)));
-        // A transform's child stands right before it, and is no part of the scene by itself.
+        // The child of a transform comes just before it in the arena, and is not an object of the group
+        // itself.
         let is_child = |i: usize| matches!(objects.get(i + 1), Some(Object::Transform { .. }));
         let children: Vec<usize> = (0..objects.len()).filter(|&i| !is_child(i)).collect();
         let transforms: Vec<(usize, usize)> =
@@ -106,7 +110,7 @@ impl Stage {
         World::new(&scene, &[]).expect("a sound scene")
     }
 
-    /// The primitive, at a distance outward.
+    /// The primitive, moved outward by a gap.
     fn layer(&self, gap: f64) -> Vec<Object> {
         let Self { center, size, axes, normal, .. } = *self;
         let material = 0;
@@ -131,7 +135,7 @@ impl Stage {
         }
     }
 
-    /// A ray to the target, from outside where there is an outside.
+    /// A ray to the target, from outside if there is an outside.
     fn ray(&self, rng: &mut Rng) -> Ray {
         let away = rng.direction();
         let is_flat = matches!(self.kind, Kind::Plane | Kind::Square);
@@ -142,13 +146,13 @@ impl Stage {
     }
 }
 
-/// The surface that a ray of the stage hits, in a world without cover.
+/// The surface that a ray of the stage hits, in a world without the cover.
 fn surface(stage: &Stage, world: &World, rng: &mut Rng) -> Option<SurfacePoint> {
     let (caster, ray) = (Caster::new(world, None).expect("no grid"), stage.ray(rng));
     Some(world.visible_surface(&ray, caster.nearest(&ray, None, &mut Quiet)?))
 }
 
-/// A direction outward, or to either side of what is flat, at this cosine from the normal.
+/// A direction outward, or to either side of a flat primitive, with this cosine to the normal.
 fn direction(stage: &Stage, surface: &SurfacePoint, cosine: f64, rng: &mut Rng) -> DVec3 {
     let is_flat = matches!(stage.kind, Kind::Plane | Kind::Square);
     let side = if is_flat && rng.below(2) == 0 { -surface.normal } else { surface.normal };
@@ -156,7 +160,7 @@ fn direction(stage: &Stage, surface: &SurfacePoint, cosine: f64, rng: &mut Rng) 
     ((1.0 - cosine * cosine).sqrt() * along + cosine * side).normalize()
 }
 
-/// Runs `one` for every kind; it gives whether ours is wrong, and whether the textbook is.
+/// Runs `one` for every kind. It returns whether ours is wrong, and whether the textbook is.
 fn every_kind(inputs: u64, one: impl Fn(Kind, &mut Rng) -> Option<[bool; 2]> + Sync) {
     let mut wrong_kinds = vec![];
     for (seed, kind) in (SEED..).zip(KINDS) {
@@ -191,13 +195,13 @@ fn no_ray_meets_the_surface_that_it_leaves() {
 fn no_ray_skips_what_covers_the_surface() {
     every_kind(rays(20_000, 2_000_000), |kind, rng| {
         let stage = Stage::new(kind, rng);
-        // The offset moves a point by 32 roundings of up to twice the magnitude, and the cover's place is
-        // rounded, too.
+        // The offset moves a point by 32 roundings of up to twice the magnitude, and the position of the
+        // cover is rounded as well.
         let gap = 80.0 * UNIT_ROUNDOFF * stage.magnitude;
         let surface = surface(&stage, &stage.world(None), rng)?;
         let cosine = rng.range(0.1, 1.0);
         let mut direction = direction(&stage, &surface, cosine, rng);
-        // Towards the cover.
+        // The direction is on the side of the cover.
         if direction.dot(stage.outward) < 0.0 {
             direction = -direction;
         }

@@ -1,5 +1,5 @@
-//! First hits by projection, beside the cases: what a pixel is said to see is what its ray hits. The
-//! oracle is the ray, cast at every triangle.
+//! Visibility by rasterization, in addition to the cases: the primitive that a pixel shows is the one that
+//! its ray hits. The reference is the ray, tested against every triangle.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
@@ -27,8 +27,8 @@ fn is_wrong(world: &World, ray: &Ray, seen: Seen, truth: Option<Hit>) -> bool {
     }
 }
 
-/// Whether the projection says in any pixel something else than its ray; a view that is not drawn is no
-/// failure. Gives the pixels that are wrong, open and all.
+/// Compares every pixel of the visibility buffer with its ray; a view that is not rasterized passes. Returns
+/// the numbers of wrong pixels, unsure pixels and all pixels.
 fn compare(view: &View, world: &World, failures: &Failures, index: u64) -> [u64; 3] {
     let caster = Caster::new(world, None).unwrap();
     let all = 0..view.size[1];
@@ -48,21 +48,22 @@ fn compare(view: &View, world: &World, failures: &Failures, index: u64) -> [u64;
     counts
 }
 
-/// Runs pictures that are made to be misjudged, and demands that none is.
+/// Runs pictures that are designed to cause errors, and asserts that none has one.
 fn demand(seed: u64, pictures: u64, picture: impl Fn(&mut Rng) -> (View, World) + Sync) {
     let failures = Failures::default();
     let one = |index| {
         let (view, world) = picture(&mut Rng::at(seed, index));
         (compare(&view, &world, &failures, index), [])
     };
-    let [wrong, open, pixels] = measure::<3, 0>(pictures, one).0;
-    println!("seed {seed}: {pixels} pixels, {open} left open, {wrong} wrong");
+    let [wrong, unsure, pixels] = measure::<3, 0>(pictures, one).0;
+    println!("seed {seed}: {pixels} pixels, {unsure} unsure, {wrong} wrong");
     assert_eq!(wrong, 0);
-    assert!(pixels > pictures && open < pixels, "the test tests nothing");
+    assert!(pixels > pictures && unsure < pixels, "the test tests nothing");
 }
 
-/// Long slivers in a narrow view, one of whose edges passes a pixel's centre within some roundings: edge
-/// functions of large terms that cancel, beside which single precision counts for little.
+/// Long thin triangles in a narrow view, with an edge that passes a pixel's centre at a distance of a few
+/// roundings. The edge functions are small differences of large terms, whose error is much larger than that
+/// of single precision.
 #[test]
 fn long_edges_through_the_centres_of_pixels() {
     demand(3021, rays(60_000, 6_000_000), |rng| {
@@ -77,7 +78,7 @@ fn long_edges_through_the_centres_of_pixels() {
     });
 }
 
-/// Edges that pass near pixels' centres within the errors of single precision.
+/// Edges that pass close to pixel centres, within the errors of single precision.
 #[test]
 fn short_edges_through_the_centres_of_pixels() {
     demand(3025, rays(60_000, 6_000_000), |rng| {
@@ -92,7 +93,7 @@ fn short_edges_through_the_centres_of_pixels() {
     });
 }
 
-/// Long slivers right before or behind a plane: V is small, and so their depths are badly known.
+/// Long thin triangles just in front of or behind a plane. V is small, and so their depths are inaccurate.
 #[test]
 fn slivers_at_almost_the_depth_of_a_plane() {
     demand(3022, rays(60_000, 6_000_000), |rng| {
@@ -112,7 +113,7 @@ fn slivers_at_almost_the_depth_of_a_plane() {
     });
 }
 
-/// Large triangles that the eye all but touches, so that rounding may put it on the wrong side of them.
+/// Large triangles so close to the eye that rounding may put it on the wrong side of them.
 #[test]
 fn eyes_almost_in_a_triangle() {
     demand(3028, rays(30_000, 3_000_000), |rng| {
@@ -129,7 +130,7 @@ fn eyes_almost_in_a_triangle() {
     });
 }
 
-/// Planes whose horizon passes a pixel's centre within some roundings.
+/// Planes whose horizon passes a pixel's centre at a distance of a few roundings.
 #[test]
 fn horizons_through_the_centres_of_pixels() {
     demand(3026, rays(60_000, 6_000_000), |rng| {
@@ -143,7 +144,7 @@ fn horizons_through_the_centres_of_pixels() {
     });
 }
 
-/// Triangles that face the eye, the later in the list a little nearer than what hides most of it.
+/// Triangles that face the eye, each a little nearer than the ones before it, which hide most of it.
 #[test]
 fn triangles_that_are_almost_hidden() {
     demand(3027, rays(10_000, 1_000_000), |rng| {
@@ -158,7 +159,8 @@ fn triangles_that_are_almost_hidden() {
     });
 }
 
-/// Small triangles in views whose up is almost the direction itself, so that right angles are none.
+/// Small triangles in views whose up vector is almost parallel to the direction, so that the axes are not
+/// quite orthogonal.
 #[test]
 fn views_almost_along_their_up() {
     demand(3023, rays(3_000, 300_000), |rng| {
@@ -173,7 +175,7 @@ fn views_almost_along_their_up() {
     });
 }
 
-/// Triangles of a pixel's size, some of whose corners coincide with pixels' centres.
+/// Triangles of about a pixel's size, some of whose corners coincide with pixel centres.
 #[test]
 fn triangles_as_small_as_pixels() {
     demand(3024, rays(3_000, 300_000), |rng| {
@@ -193,7 +195,7 @@ fn a_pixel_sees_what_its_ray_hits() {
         let view = View::new(rng);
         let world = view.world(rng);
         let caster = Caster::new(&world, None).unwrap();
-        // Some of the rows, as a large picture is rendered.
+        // Only some of the rows, as when a large picture is rendered.
         let first = rng.below(view.size[1]);
         let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, first..view.size[1])
         else {
@@ -216,13 +218,13 @@ fn a_pixel_sees_what_its_ray_hits() {
         }
         (counts, [])
     };
-    let [wrong, textbook, open, pixels, undrawn] = measure::<5, 0>(pictures, one).0;
+    let [wrong, textbook, unsure, pixels, undrawn] = measure::<5, 0>(pictures, one).0;
     println!(
-        "{pixels} pixels, {open} left open; {undrawn} pictures not drawn; wrong: {wrong}, textbook {textbook}"
+        "{pixels} pixels, {unsure} unsure; {undrawn} pictures not drawn; wrong: {wrong}, textbook {textbook}"
     );
     assert_eq!(wrong, 0);
     assert!(
-        textbook > 0 && open > 0 && open < pixels / 4 && undrawn < pictures / 4,
+        textbook > 0 && unsure > 0 && unsure < pixels / 4 && undrawn < pictures / 4,
         "the test tests nothing"
     );
 }

@@ -1,5 +1,5 @@
-//! Section D: rays that start on a surface. Shadows at every scale and place, contact, shells of
-//! glass, lights at a surface, mirror halls.
+//! Section D: rays that start on a surface. Shadows at every scale and position, contact, shells of glass,
+//! lights on a surface, mirror halls.
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};
@@ -19,7 +19,7 @@ use raytracer::stats::Quiet;
 use raytracer::trace::{reflected, refracted};
 use raytracer::world::{SurfacePoint, World};
 
-/// The rabbit on a plane, scaled and moved, with what decides about its shadows.
+/// The rabbit on a plane, scaled and translated, with what determines its shadows.
 struct Stage {
     world: World,
     occluders: Occluders,
@@ -44,16 +44,16 @@ fn stage(scale: f64, shift: DVec3) -> Stage {
     Stage { world, occluders: Occluders::new(corners), ground, extent, middle }
 }
 
-/// Whether a shadow ray is blocked: in truth, by ours, and from an f32 point with a
-/// fixed t_min and with the integer offset.
+/// Whether a shadow ray is blocked: exactly, by ours, and from an f32 point with a fixed t_min and with the
+/// integer offset.
 struct Shadow {
     truth: bool,
     found: [bool; 3],
 }
 
 impl Stage {
-    /// A ray from around the stage towards its middle, and a direction that leaves the surface by
-    /// the side it hits: anywhere, or in half of the cases almost along the surface.
+    /// A ray from around the stage towards its middle, and a direction that leaves the surface on the side it
+    /// hits: a random one, or in half of the cases one almost parallel to the surface.
     fn draw(&self, caster: &Caster, rng: &mut Rng) -> Option<(Ray, Hit, SurfacePoint, DVec3)> {
         let out = rng.direction();
         let eye = self.middle + 2.0 * self.extent * DVec3::new(out.x, out.y.abs() + 0.1, out.z);
@@ -70,7 +70,8 @@ impl Stage {
         Some((ray, hit, surface, direction))
     }
 
-    /// Whether anything blocks `direction` from the exact point that `ray` hits; None in doubt.
+    /// Whether anything blocks `direction` from the exact point that `ray` hits; none where this is too close
+    /// to decide.
     fn truth(&self, ray: &Ray, hit: Hit, direction: DVec3) -> Option<bool> {
         if hit.primitive == self.world.first_plane() {
             let (o, d) = (dd::vector(ray.origin), dd::vector(ray.direction));
@@ -99,7 +100,8 @@ impl Stage {
     }
 }
 
-/// Counts over many shadow rays: how many were decided; then, for each method, false and missed shadows.
+/// Counts over many shadow rays: those that were decided, and for each method the false and the missed
+/// shadows.
 fn acne(case: u32, seed: u64, inputs: u64, scale: f64, shift: DVec3) -> [u64; 7] {
     let stage = stage(scale, shift);
     let caster = Caster::new(&stage.world, Some([60; 3])).expect("a grid");
@@ -177,7 +179,7 @@ fn case_41_shadows_far_from_the_origin() {
     assert_eq!([total[1], total[2]], [0, 0]);
 }
 
-/// A square sheet of side 2 that hovers `gap` above the ground.
+/// A square sheet of side 2, `gap` above the ground.
 fn sheet(height: f64, gap: f64, as_triangles: bool) -> World {
     let corner = |x: f64, z: f64, y: f64, size: f64| DVec3::new(size * x, y, size * z);
     let square = |y: f64, size: f64| {
@@ -236,8 +238,8 @@ fn case_42_contact_gaps() {
     assert_eq!(lost[0], 0);
 }
 
-/// Wrong shadows on the ground below and beside a sheet: ours, with t_min 1e-3 and 1e-4, with the
-/// integer offset. Light comes from above at less than 80 degrees.
+/// Wrong shadows on the ground below and beside a sheet: ours, with a t_min of 1e-3 and of 1e-4, and with the
+/// integer offset. The light comes from above at less than 80 degrees from the vertical.
 fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
     let caster = Caster::new(world, Some([5, 1, 5])).expect("a grid");
     let failures = Failures::default();
@@ -249,14 +251,14 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
         if covered == beside {
             return ([0; 4], []);
         }
-        // Seen from below, where nothing stands in the way.
+        // The point is seen from below, where nothing is in the way.
         let eye = DVec3::new(rng.range(-1.0, 1.0), height - 2.0, rng.range(-1.0, 1.0));
         let ray = Ray::new(eye, DVec3::new(across.x, height, across.z) - eye);
         let hit = caster.closest(&ray, &mut Quiet).expect("the ground");
         let surface = world.surface(&ray, &hit);
         let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
         let tangent = rng.range(0.0, if covered { 5.6 } else { 0.05 });
-        // Not so slanted that the light passes the sheet's border.
+        // The light is not so slanted that it passes the sheet's border.
         let slant = if covered { tangent.min(0.05 / 1e-2) } else { tangent };
         let direction = DVec3::new(slant * cosine, 1.0, slant * sine).normalize();
         let up = DVec3::Y;
@@ -273,12 +275,12 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
     counts
 }
 
-/// Air, then glass of index 1.5, then something of index 1.2 within the inner sphere.
+/// Indices of refraction: air, then glass, then the material of the inner sphere.
 const INDICES: [f64; 3] = [1.0, 1.5, 1.2];
 
-/// The surfaces that a ray passes, 0 the outer sphere and 1 the inner, by the closed form: within
-/// spheres around one point, the index times the distance of the ray's line from it is constant
-/// (Bouguer). None within 1e-7 of a tangent of the inner sphere or of total reflection at it.
+/// The surfaces that a ray crosses, 0 for the outer sphere and 1 for the inner one, in closed form: in
+/// concentric spheres the product of the index and the distance of the ray's line from the centre is constant
+/// (Bouguer). None for rays within 1e-7 of a tangent of the inner sphere or of total reflection at it.
 fn shell_path(impact: f64, inner: f64) -> Option<Vec<u32>> {
     let [_, glass, core] = INDICES;
     let (in_glass, in_core) = (impact / glass, impact / core);
@@ -288,14 +290,14 @@ fn shell_path(impact: f64, inner: f64) -> Option<Vec<u32>> {
     Some(if in_glass > inner {
         vec![0, 0]
     } else if in_core > inner {
-        // Total reflection, where the path of the light that passes ends.
+        // At total reflection the path of the transmitted light ends.
         vec![0, 1]
     } else {
         vec![0, 1, 1, 0]
     })
 }
 
-/// The surfaces that a ray passes as the tracer would follow it; `next` finds the next hit behind a
+/// The surfaces that a ray crosses, followed as in the tracer. `next` returns the ray that continues behind a
 /// surface.
 fn followed(world: &World, ray: Ray, next: impl Fn(&SurfacePoint, DVec3) -> Ray) -> Vec<u32> {
     let caster = Caster::new(world, None).expect("no grid");
@@ -359,14 +361,14 @@ fn case_43_shells_of_glass() {
     assert_eq!(ours, 0);
 }
 
-/// How far the path between two mirrors, at y = 0 and y = 1, is from the closed form after many
-/// bounces. Ours in distances of the mirrors where the path leads less than 1/100 aside at each,
-/// ours relative to the path's length, and that of an f32 path in distances.
+/// The deviation of the path between two mirrors, at y = 0 and y = 1, from the closed form after many
+/// bounces: ours in units of the mirrors' distance for paths that advance by less than 1/100 per bounce, ours
+/// relative to the length of the path, and that of an f32 path in units of the distance.
 ///
-/// For wider paths an absolute 1e-10 is out of reach of places stored as floats: adding the same
-/// step to a coordinate around 1000 rounds alike each time, by up to 6e-14, and 1e4 bounces add up
-/// to 6e-10.
-fn mirror_drift(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
+/// For other paths an absolute 1e-10 cannot be reached with positions stored as floats: adding the same step
+/// to a coordinate around 1000 has the same rounding error each time, up to 6e-14, and 1e4 bounces add up to
+/// 6e-10.
+fn mirror_error(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
     let plane = |offset| Object::Plane { normal: DVec3::Y, offset, material: 0 };
     let world = world_of(vec![plane(0.0), plane(1.0)]);
     let caster = Caster::new(&world, None).expect("no grid");
@@ -386,7 +388,7 @@ fn mirror_drift(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
         direction32.y = -direction32.y;
         place32 += 1e-4 * direction32;
     }
-    // The path unfolded: 1/4 down to the first mirror, then 1 for each bounce.
+    // The unfolded path: 1/4 down to the first mirror, then 1 for each bounce.
     let height = Dd::from(0.25) + Dd::from((bounces - 1) as f64);
     let d = dd::vector(start.direction);
     let exact = [0, 2].map(|axis| d[axis] * height / -d[1]);
@@ -401,7 +403,7 @@ fn case_46_mirror_hall() {
     const BOUNCES: u64 = 10_000;
     let inputs = rays(100, 10_000);
     let (_, [ours, relative, textbook]) =
-        measure(inputs, |index| mirror_drift(&mut Rng::at(46, index), BOUNCES));
+        measure(inputs, |index| mirror_error(&mut Rng::at(46, index), BOUNCES));
     Record {
         case: 46,
         basis: Basis::Sampled,

@@ -1,4 +1,4 @@
-//! Section F, directions: total reflection, glass that is none, normal and grazing incidence.
+//! Section F, directions: total reflection, glass without refraction, normal and grazing incidence.
 
 use crate::support::double_double::{self as dd, Dd, Dd3};
 use crate::support::measure::{Failures, measure};
@@ -12,17 +12,17 @@ use raytracer::scene::material::{Material, Pattern, Phong, Texture};
 use raytracer::scene::{Camera, Light, Object};
 use raytracer::trace::{Effects, Shadows, refracted};
 
-/// The index of glass over that of air.
+/// The index of refraction of glass relative to air.
 const GLASS: f64 = 1.5;
 
-/// A unit vector that meets the surface of unit normal `normal` with this sine of the angle.
+/// A unit vector that meets the surface with the unit normal `normal` at an angle with this sine.
 fn incoming(normal: DVec3, sine: f64, rng: &mut Rng) -> DVec3 {
     let along = normal.cross(rng.direction()).normalize();
     (sine * along - (1.0 - sine * sine).sqrt() * normal).normalize()
 }
 
-/// How far the light is from total reflection: the square of the refracted sine, less one. From the
-/// directions as they are, whose lengths are one only within rounding.
+/// The distance from total reflection: the squared sine of the refracted ray minus one. It is computed for
+/// the directions as given, whose lengths are one only up to rounding.
 fn beyond_critical(direction: DVec3, normal: DVec3, ratio: f64) -> Dd {
     let (d, n) = (dd::vector(direction), dd::vector(normal));
     let c = dd::cross(&d, &n);
@@ -30,7 +30,7 @@ fn beyond_critical(direction: DVec3, normal: DVec3, ratio: f64) -> Dd {
     Dd::from(ratio) * ratio.into() * sine_squared - 1.0.into()
 }
 
-/// Whether the textbook's formula in f32 takes it for total reflection: 1 - eta^2 (1 - c^2) < 0.
+/// Whether the textbook's formula in f32 decides for total reflection: 1 - eta^2 (1 - c^2) < 0.
 fn textbook_reflects(direction: DVec3, normal: DVec3, ratio: f64) -> bool {
     let (d, n, eta): (Vec3, Vec3, f32) = (direction.as_vec3(), normal.as_vec3(), ratio as f32);
     let c = d.dot(n);
@@ -44,12 +44,12 @@ fn case_53_critical_angle() {
     let (counts, [length]) = measure(inputs, |index| {
         let mut rng = Rng::at(53, index);
         let normal = rng.direction();
-        // From 1e-2 of the critical sine down to its last bits.
+        // The sine differs from the critical one by a relative 1e-2 down to its last bits.
         let away = 10f64.powf(rng.range(-16.0, -2.0)) * if rng.below(2) == 0 { 1.0 } else { -1.0 };
         let ratio = if rng.below(2) == 0 { GLASS } else { 1.0 + 10f64.powf(rng.range(-3.0, 0.3)) };
         let direction = incoming(normal, ((1.0 + away) / ratio).min(1.0), &mut rng);
         let beyond = beyond_critical(direction, normal, ratio);
-        // The sine's relative distance is half of its square's.
+        // The relative difference of the sine is half of that of its square.
         if beyond.value().abs() / 2.0 <= 4.0 * UNIT_ROUNDOFF {
             return ([0; 5], [0.0]);
         }
@@ -59,7 +59,7 @@ fn case_53_critical_angle() {
         let wrong = |reflects: bool| [(reflects && !total) as u64, (!reflects && total) as u64];
         let ([a, b], [c, d]) = (wrong(found.is_none()), wrong(textbook));
         failures.note(a + b > 0, || failed_ray(53, 53, index, normal, direction));
-        ([a, b, c, d, 1], [found.map_or(0.0, off_unit)])
+        ([a, b, c, d, 1], [found.map_or(0.0, length_error)])
     });
     let [false_reflection, false_passage, textbook_reflection, textbook_passage, tried] = counts;
     Record {
@@ -78,13 +78,13 @@ fn case_53_critical_angle() {
     assert!(length <= 4.0);
 }
 
-/// How far a vector's length is from one, in roundings.
-fn off_unit(v: DVec3) -> f64 {
+/// The difference of a vector's length from one, in roundings.
+fn length_error(v: DVec3) -> f64 {
     let v = dd::vector(v);
     (dd::dot(&v, &v) - 1.0.into()).value().abs() / 2.0 / UNIT_ROUNDOFF
 }
 
-/// A chequered ground, and in front of it, if wanted, a ball of index 1 that lets everything through.
+/// A picture of a checkered ground, with or without a transparent ball of index 1 in front of it.
 fn picture_behind_ball(with_ball: bool) -> Vec<u8> {
     let size = [400, 400];
     let mut objects = vec![Object::Plane { normal: DVec3::Y, offset: -1.0, material: 3 }];
@@ -146,7 +146,7 @@ fn textbook_refracted(direction: DVec3, normal: DVec3, ratio: f64) -> DVec3 {
     (eta * d + (eta * c - k.sqrt()) * n).as_dvec3()
 }
 
-/// The refracted direction in double-double, for the directions' exact lengths.
+/// The refracted direction in double-double, for the exact lengths of the directions.
 fn exact_refraction(direction: DVec3, normal: DVec3, ratio: f64) -> Dd3 {
     let unit = |v: DVec3| {
         let v = dd::vector(v);
@@ -167,7 +167,7 @@ fn case_55_normal_and_grazing_incidence() {
         let mut rng = Rng::at(55, index);
         let normal = rng.direction();
         let power = 0.5f64.powi(1 + rng.below(60) as i32);
-        // A cosine of 2^-k, or of 1 - 2^-k by its sine, which keeps the digits.
+        // A cosine of 2^-k, or one of 1 - 2^-k, which is given by its sine to keep its accuracy.
         let along = normal.cross(rng.direction()).normalize();
         let grazing = rng.below(2) == 0;
         let sine = if grazing { (1.0 - power * power).sqrt() } else { (power * (2.0 - power)).sqrt() };

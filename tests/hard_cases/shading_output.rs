@@ -1,4 +1,4 @@
-//! Section F, what comes in and goes out: hostile input, bytes of colours, sums of samples.
+//! Section F, input and output: hostile input, bytes of colours, sums of samples.
 
 use crate::support::double_double::Dd;
 use crate::support::measure::{Failures, measure};
@@ -18,20 +18,20 @@ use raytracer::scene::{Light, Object, Scene};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
-/// The f32 textbook's byte: 255 c converted through a whole number of 32 bits, as C's cast does.
+/// The byte of an f32 textbook: 255 c converted to a 32-bit integer, as by a cast in C.
 fn textbook_byte(c: f64) -> u8 {
     (c as f32 * 255.0) as i32 as u8
 }
 
-/// The exact byte: 255 c cut and clamped. The product of two floats is exact in double-double.
+/// The exact byte: 255 c truncated and clamped. The product of two floats is exact in double-double.
 fn exact_byte(c: f64) -> u8 {
     let Dd { hi, lo } = Dd::from(c) * Dd::from(255.0);
     let below = hi.floor() - if hi == hi.floor() && lo < 0.0 { 1.0 } else { 0.0 };
     below.clamp(0.0, 255.0) as u8
 }
 
-/// Whether `c` is the float nearest to `byte` / 255. Where that lies below the fraction, the exact
-/// product is cut to the byte before, but its rounding is the byte that was meant.
+/// Whether `c` is the float nearest to `byte` / 255. Where that is below the fraction, truncating the exact
+/// product gives the byte below, but the rounded product gives the byte that was meant.
 fn means_byte(c: f64, byte: u8) -> bool {
     c == f64::from(byte) / 255.0
 }
@@ -80,7 +80,7 @@ fn case_62_bytes_of_colours() {
     assert_eq!((ramp[0], nans, bytes, beyond), (0, 2, [127, 0, 127].repeat(2), [255, 255, 0, 0]));
 }
 
-/// A scene with shadows and reflections enough that pixels differ in every bit.
+/// A scene with enough shadows and reflections for pixels to differ in every bit.
 fn busy_scene() -> Scene {
     let sphere = |x: f64, z: f64| Object::Sphere { center: DVec3::new(x, 0.5, z), radius: 0.5, material: 0 };
     let objects = (0..9).map(|i| sphere((i % 3) as f64 - 1.0, -((i / 3) as f64)));
@@ -100,7 +100,7 @@ fn bytes_of(colors: Vec<DVec3>) -> (Vec<u8>, u64) {
     FloatPicture { size: [colors.len(), 1], colors }.to_bytes()
 }
 
-/// The picture of the busy scene by so many threads.
+/// The picture of the busy scene, rendered by this number of threads.
 fn picture_by(threads: usize, size: [usize; 2], samples: u32, filter: Filter) -> Vec<u8> {
     let scene = busy_scene();
     let world = World::new(&scene, &[]).expect("a sound scene");
@@ -112,8 +112,8 @@ fn picture_by(threads: usize, size: [usize; 2], samples: u32, filter: Filter) ->
     pool.install(|| layers(&scene, &caster, &request)).concat()
 }
 
-/// How many of so many sums of the same samples differ when added in another order: by a textbook's
-/// f32 accumulator.
+/// The number of sums that change when the same samples are added in another order by a textbook's f32
+/// accumulator.
 fn shuffled_sums(sums: u64, samples: usize) -> u64 {
     let (counts, []) = measure(sums, |index| {
         let mut rng = Rng::at(63, index);
@@ -175,7 +175,7 @@ fn case_64_long_sums() {
     let inputs = rays(1000, 100_000);
     let (_, [ours, textbook]) = measure(inputs, |index| {
         let mut rng = Rng::at(64, index);
-        // The bright sample first, which is the worst, or anywhere.
+        // The bright sample comes first, which is the worst case, or in a random position.
         let bright = if index % 4 == 0 { 0 } else { rng.below(SAMPLES) };
         let dim = if index % 2 == 0 { 1e-4 } else { rng.range(0.5e-4, 2e-4) };
         let values: Vec<f64> = (0..SAMPLES).map(|i| if i == bright { 1e4 } else { dim }).collect();

@@ -1,5 +1,5 @@
-//! Section F, textures: checkerboards on their own planes and far away, noise at its lattice, below
-//! zero and far away.
+//! Section F, textures: checkerboards on their own planes and far away, and noise at its lattice points,
+//! below zero and far away.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::record::{Basis, Record};
@@ -21,10 +21,10 @@ fn checkerboard(world_to_texture: DAffine3) -> Texture {
     Texture { pattern: Pattern::Checkerboard, world_to_texture, children: [0, 1] }
 }
 
-/// A chequered plane whose own surface is a boundary between cells, and an eye that looks at it.
+/// A checkered plane that is itself a boundary between cells, and an eye that looks at it.
 struct Board {
     texture: Texture,
-    /// From the world to a space in which cells are unit cubes and the plane is y = `layer`.
+    /// The map from world space to a space in which cells are unit cubes and the plane is y = `layer`.
     turn: DMat3,
     cell: f64,
     layer: f64,
@@ -32,7 +32,7 @@ struct Board {
     camera: scene::Camera,
 }
 
-/// Half of the boards lie level, half at any angle; cells measure 0.1 to 10.
+/// Half of the boards are level, and half have any orientation. The cells measure 0.1 to 10.
 fn board(rng: &mut Rng) -> Board {
     let cell = 10f64.powf(rng.range(-1.0, 1.0));
     let layer = (rng.below(41) as f64) - 20.0;
@@ -52,7 +52,8 @@ fn board(rng: &mut Rng) -> Board {
     Board { texture, turn, cell, layer, plane, camera }
 }
 
-/// Pixels of one eye: tried, wrong by ours, wrong by the cell of o + t d in f64.
+/// Counts over the pixels of one eye: all, those wrong by ours, and those wrong for the cell of o + t d in
+/// f64.
 fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
     let board = board(rng);
     let world = world_of(vec![board.plane.clone()]);
@@ -64,7 +65,7 @@ fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
             camera.ray(glam::DVec2::new((pixel % side) as f64, (pixel / side) as f64), glam::DVec2::ZERO);
         let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
         let point = world.surface(&ray, &hit).position;
-        // Across the plane the cell is plain, unless the point lies at a line of the board.
+        // Across the plane the cell is known. Along it, it is unless the point is at a line of the board.
         let q = board.turn * point / board.cell;
         let near_line = |x: f64| (x - x.round()).abs() < 1e-9 * (1.0 + x.abs());
         if near_line(q.x) || near_line(q.z) {
@@ -103,7 +104,7 @@ fn case_56_checkerboard_on_its_own_plane() {
     assert_eq!(ours, 0);
 }
 
-/// The textbook's checkerboard: coordinates cut to whole numbers of 32 bits.
+/// The textbook's checkerboard: coordinates truncated to 32-bit integers.
 fn truncating_checkerboard(p: DVec3) -> f64 {
     let sum = p.to_array().map(|x| x as f32 as i32).into_iter().fold(0i32, i32::wrapping_add);
     if sum & 1 == 0 { 1.0 } else { 0.0 }
@@ -116,14 +117,14 @@ fn case_57_checkerboard_far_away() {
     let failures = Failures::default();
     let (counts, []) = measure(inputs, |index| {
         let mut rng = Rng::at(57, index);
-        // The last of the three goes far beyond whole numbers of 32 bits.
+        // The last of the three distances is far beyond 32-bit integers.
         let reach = [(0.0, 6.0), (6.0, 9.0), (9.0, 15.0)][rng.below(3)];
         let p = rng.direction() * 10f64.powf(rng.range(reach.0, reach.1));
         let on_line = |x: f64| (x - x.round()).abs() <= 4.0 * UNIT_ROUNDOFF * x.abs();
         if p.to_array().into_iter().any(on_line) {
             return ([0; 3], []);
         }
-        // Exact: the floor of a float below 2^63 is a whole number of 64 bits.
+        // This is exact: the floor of a float below 2^63 is a 64-bit integer.
         let sum: i64 = p.floor().to_array().map(|x| x as i64).into_iter().sum();
         let expected = if sum.rem_euclid(2) == 0 { 1.0 } else { 0.0 };
         let wrong = first_weight(&texture, p) != expected;
@@ -186,7 +187,7 @@ fn case_59_noise_below_zero() {
     let failures = Failures::default();
     let (counts, [jump, range, textbook_jump, textbook_range]) = measure(inputs, |index| {
         let mut rng = Rng::at(59, index);
-        // Multiples of 2^-40, so that 256 more is exact.
+        // Multiples of 2^-40, so that adding 256 is exact.
         let grain = 2f64.powi(40);
         let p = (DVec3::splat(-2.0) + 2.0 * rng.in_cube()) * grain;
         let mut p = p.round() / grain;
@@ -204,8 +205,8 @@ fn case_59_noise_below_zero() {
             [jump(noise), noise(p).abs(), jump(truncated_noise), truncated_noise(p).abs()],
         )
     });
-    // Noise is differentiable with a slope below 4, so that twice the step changes it by less than 8
-    // steps. A bound of 2 steps, a slope of 1, does not hold: the largest change shows a slope of 2.6.
+    // Noise is differentiable with a slope below 4, so that twice the step changes it by less than 8 steps. A
+    // bound of 2 steps, for a slope of 1, does not hold: the largest change shows a slope of 2.6.
     Record {
         case: 59,
         basis: Basis::Sampled,
@@ -235,7 +236,7 @@ fn case_60_noise_far_away() {
         let (_, worst) = measure(inputs, |index| {
             let p = 128.0 * (Rng::at(6000 + k as u64, index).in_cube() + 1.0);
             let far = p + shift;
-            // The shift is a whole number of periods, and taking it away again is exact.
+            // The shift is a whole number of periods, and subtracting it again is exact.
             let same = noise(far - shift);
             let moved = (noise(far) - noise(p)).abs();
             ([], [moved, (noise(far) - same).abs(), (noise32(far.as_vec3()) - noise(p)).abs()])

@@ -17,10 +17,10 @@ use raytracer::scene::error::{Problem, SceneError};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
-/// The rule that is tested: so many roundings, whatever the source says.
+/// The number of roundings that the tests assume. It is stated here independently of the source.
 const SINGULAR_ROUNDINGS: f64 = 16.0;
 
-/// The angle between two directions, small ones in full precision.
+/// The angle between two directions, which is accurate also for small angles.
 fn angle(a: &Dd3, b: &Dd3) -> f64 {
     let unit = |v: &Dd3| dd::scaled(v, Dd::from(1.0) / length(v));
     let apart = length(&dd::sub(&unit(a), &unit(b))).value();
@@ -37,7 +37,8 @@ fn exact_normal(m: &DMat3, normal: &Dd3) -> Dd3 {
     dd::add(&dd::add(&part(0), &part(1)), &part(2))
 }
 
-/// Flattened almost, or wholly, along its z axis, then turned; every other time turned before, too.
+/// A map that flattens along its z axis, almost or completely, followed by a rotation, and every other time
+/// preceded by one as well.
 fn flattening(rng: &mut Rng, index: u64) -> (DMat3, f64) {
     const EXPONENTS: [i32; 8] = [-2, -4, -6, -8, -10, -15, -20, -30];
     let s = if index % 9 == 8 { 0.0 } else { 10f64.powi(EXPONENTS[index as usize % 9]) };
@@ -46,11 +47,12 @@ fn flattening(rng: &mut Rng, index: u64) -> (DMat3, f64) {
     (if index.is_multiple_of(2) { flat } else { flat * before }, s)
 }
 
-/// Whether a matrix must be refused as singular, or must not; where either is right, neither.
+/// Whether a matrix must be refused as singular, or must not be; none where both are right.
 ///
-/// The rule: it is refused where the determinant, as computed, is at most [`SINGULAR_ROUNDINGS`] of the
-/// largest that columns of these lengths allow, and rows likewise. What is computed is off by at most
-/// [`DETERMINANT_ROUNDINGS`], so that only within so many of the bound either is right.
+/// The rule is that a matrix is refused if its computed determinant is at most [`SINGULAR_ROUNDINGS`] times
+/// the unit roundoff times the largest determinant that columns of these lengths allow, and the same for
+/// rows. The error of what is computed is at most [`DETERMINANT_ROUNDINGS`], so within that distance of the
+/// bound both answers are right.
 fn must_refuse(determinant: f64, columns: f64, rows: f64) -> Option<bool> {
     let in_roundings = determinant.abs() / (ROUNDING * columns.min(rows));
     match in_roundings {
@@ -60,7 +62,7 @@ fn must_refuse(determinant: f64, columns: f64, rows: f64) -> Option<bool> {
     }
 }
 
-/// The same of a matrix, in double-double: good to 1e-30 of the largest determinant there could be.
+/// The same for a matrix, in double-double, with an error of 1e-30 of the largest possible determinant.
 fn must_refuse_in_double_double(m: &DMat3) -> Option<bool> {
     let product = |m: &DMat3| {
         let lengths = [0, 1, 2].map(|k| length(&dd::vector(m.col(k))));
@@ -70,14 +72,14 @@ fn must_refuse_in_double_double(m: &DMat3) -> Option<bool> {
     must_refuse(determinant.value(), product(m), product(&m.transpose()))
 }
 
-/// The same by rational numbers: only the last quotients are rounded.
+/// The same in rational arithmetic, where only the last quotients are rounded.
 fn must_refuse_exactly(m: &DMat3) -> Option<bool> {
     let [x, y, z] = [0, 1, 2].map(|k| exact3(m.col(k)));
     let minor = |i: usize, j: usize| &x[i] * &y[j] - &x[j] * &y[i];
     let determinant = dot(&z, &[minor(1, 2), minor(2, 0), minor(0, 1)]);
     let squares =
         |m: &DMat3| [0, 1, 2].map(|k| exact3(m.col(k))).iter().map(|v| dot(v, v)).product::<BigRational>();
-    // The determinant's share of the bound, whose square is rational.
+    // The ratio of the determinant to its bound, whose square is rational.
     let share = |bound: BigRational| {
         let square = &determinant * &determinant / bound;
         square.to_f64().expect("a float").sqrt()
@@ -86,7 +88,7 @@ fn must_refuse_exactly(m: &DMat3) -> Option<bool> {
     must_refuse(largest, 1.0, 1.0)
 }
 
-/// Whether a scene of this object is refused as singular; any other reason to refuse it is a failure.
+/// Whether a scene with this object is refused as singular. Any other error is a failure.
 fn is_refused(built: &Result<World, SceneError>) -> bool {
     match built {
         Ok(_) => false,
@@ -97,9 +99,9 @@ fn is_refused(built: &Result<World, SceneError>) -> bool {
     }
 }
 
-/// Of planes and spheres under matrices whose determinants are a few roundings of the largest: those refused
-/// that must not be, those placed that must be refused, those placed whose normal is not a number, those
-/// within the bound's own error, and those refused.
+/// For planes and spheres under matrices whose determinants are a few roundings of the largest possible one,
+/// counts those refused that must not be, those placed that must be refused, those placed with a NaN in the
+/// normal, those for which both answers are right, and those refused.
 fn near_the_bound_of_singular(n: u64) -> [u64; 5] {
     const SEED: u64 = 3048;
     let failures = Failures::default();
@@ -107,7 +109,7 @@ fn near_the_bound_of_singular(n: u64) -> [u64; 5] {
         let rng = &mut Rng::at(SEED, index);
         let thin = DMat3::from_diagonal(DVec3::new(1.0, 1.0, rng.range(0.0, 32.0) * ROUNDING));
         let mut m = rotation(rng, rng.clone().range(0.0, 360.0)) * thin * rotation(rng, 50.0);
-        // Scales of columns or rows, which a similarity and a scale bring in, change nothing.
+        // The scales of columns or rows, which come from similarities and scalings, do not matter.
         let mut far =
             || DMat3::from_diagonal(DVec3::from_array([0; 3].map(|_| 10f64.powf(rng.range(-20.0, 20.0)))));
         match index % 3 {
@@ -148,15 +150,16 @@ fn is_unit(v: DVec3) -> bool {
     (v.length() - 1.0).abs() < 1e-12
 }
 
-/// Whether a ray out of a transformed unit sphere meets it, with a normal that is one.
+/// Whether a ray from outside hits a transformed unit sphere, with a normal of unit length.
 fn has_sound_normal(world: &World, m: DMat3) -> bool {
     let ray = Ray::new(DVec3::ZERO, unit(m * DVec3::new(0.3, 0.4, 0.5)));
     let hit = Caster::new(world, None).expect("no grid").closest(&ray, &mut Quiet);
     hit.is_some_and(|hit| is_unit(world.surface(&ray, &hit).normal))
 }
 
-/// Of planes flattened more or less: those refused, and wrongly so or not; those whose normal is not a number, by
-/// the textbook and by ours; all placed. And the largest angle of a normal.
+/// For planes flattened more or less, counts those refused, those refused or placed wrongly, those whose
+/// normal is NaN by the textbook and by ours, and those placed. Also returns the largest angle between a
+/// normal and the exact one.
 fn flattened_planes(n: u64) -> ([u64; 5], [f64; 1]) {
     const SEED: u64 = 1048;
     let failures = Failures::default();
@@ -181,9 +184,9 @@ fn flattened_planes(n: u64) -> ([u64; 5], [f64; 1]) {
     measure(n, one)
 }
 
-/// The unit sphere's nearest crossing and its normal in the world, all in double-double.
+/// The nearest crossing with the unit sphere, and its normal in world space, in double-double.
 fn exact_ellipsoid(m: &DMat3, ray: &Ray) -> Option<(Dd, Dd3)> {
-    // The inverse is the transposed cofactors over the determinant; unnormalised is enough.
+    // The inverse is the transposed cofactor matrix over the determinant. The unnormalised one is enough.
     let inverse = |v: &Dd3| {
         let basis = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| exact_normal(m, &dd::vector(e)));
         [dd::dot(&basis[0], v), dd::dot(&basis[1], v), dd::dot(&basis[2], v)]
@@ -201,8 +204,9 @@ fn exact_ellipsoid(m: &DMat3, ray: &Ray) -> Option<(Dd, Dd3)> {
     Some((t, exact_normal(m, &unit)))
 }
 
-/// Ellipsoids that are hit where they should be, misses by ours and by the textbook, those refused or
-/// seen nearly edge on, and those wrongly refused or not; the largest angle of a normal and relative error of t.
+/// For ellipsoids that should be hit, counts the hits, the misses by ours and by the textbook, those refused
+/// or seen almost edge on, and those refused or placed wrongly. Also returns the largest angle between a
+/// normal and the exact one, and the largest relative error of t.
 fn flattened_ellipsoids(n: u64) -> ([u64; 5], [f64; 2]) {
     const SEED: u64 = 2048;
     let failures = Failures::default();
@@ -210,7 +214,7 @@ fn flattened_ellipsoids(n: u64) -> ([u64; 5], [f64; 2]) {
         let rng = &mut Rng::at(SEED, index);
         let (m, s) = flattening(rng, index);
         let scene = nested("Sphere { center 0 0 0 radius 1 }", &[DAffine3::from_mat3(m)]);
-        // Well inside the outline.
+        // The point is well inside the outline.
         let target = m * (0.9 * rng.in_ball());
         let ray = Ray::new(target + 4.0 * rng.direction(), DVec3::ZERO);
         let ray = Ray { direction: target - ray.origin, ..ray };
@@ -238,14 +242,14 @@ fn flattened_ellipsoids(n: u64) -> ([u64; 5], [f64; 2]) {
     measure(n, one)
 }
 
-/// Thinner than double-double resolves, the ellipsoid is a disc, with the normal on the ray's side.
-/// All rays are aimed so that they meet it at t = 1.
+/// An ellipsoid thinner than double-double resolves is a disc, whose normal is on the ray's side. All rays
+/// are aimed to hit it at t = 1.
 fn disc_normal(ray: &Ray, face: Dd3) -> Dd3 {
     let turned_away = dd::dot(&face, &dd::vector(ray.direction)).sign() > 0;
     if turned_away { face.map(|x| -x) } else { face }
 }
 
-/// Whether the plain quadratic in the space of the inverted matrix sees the unit sphere, in f64.
+/// Whether the plain quadratic in the space of the inverted matrix hits the unit sphere, in f64.
 fn quadratic_hits(m: &DMat3, ray: &Ray) -> bool {
     let inverse = m.inverse();
     let (o, d) = (inverse * ray.origin, inverse * ray.direction);

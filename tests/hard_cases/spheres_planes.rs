@@ -1,5 +1,5 @@
-//! Section C: spheres far away, tiny, huge and only just touched; planes seen at a grazing angle
-//! and far from the origin.
+//! Section C: distant, tiny, huge and tangent spheres, and planes seen at a grazing angle and far from the
+//! origin.
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure, ulps32};
@@ -17,14 +17,14 @@ use raytracer::primitive::{plane::Plane, sphere::Sphere};
 use raytracer::scene::Object;
 use raytracer::stats::Quiet;
 
-/// What a sphere case counts: wrong decisions of three methods, then their largest errors in t.
+/// The counts of a sphere case: wrong decisions of three methods, then their largest errors in t.
 #[derive(Default)]
 struct SphereTally {
     wrong: [u64; 3],
     worst: [f64; 3],
 }
 
-/// Compares the nearest hit with the oracle: ours, the textbook's in f32 and in f64.
+/// Compares the nearest hit with the exact one: ours, the textbook's in f32 and in f64.
 fn compare(sphere: &Sphere, ray: &Ray) -> SphereTally {
     let exact = nearest(sphere, ray);
     let found = [sphere.intersect(ray), textbook32(sphere, ray, 0.0).map(f64::from), textbook64(sphere, ray)];
@@ -41,8 +41,8 @@ fn compare(sphere: &Sphere, ray: &Ray) -> SphereTally {
     tally
 }
 
-/// A ray from `distance` away, aimed uniformly at the disc of 1.02 radii; half of the directions
-/// are unit vectors.
+/// A ray from `distance` away, aimed uniformly at the disc of 1.02 radii. Half of the directions are unit
+/// vectors.
 fn ray_at_disc(sphere: &Sphere, distance: f64, rng: &mut Rng) -> Ray {
     let away = rng.direction();
     let origin = sphere.center + distance * away;
@@ -54,7 +54,7 @@ fn ray_at_disc(sphere: &Sphere, distance: f64, rng: &mut Rng) -> Ray {
     Ray::new(origin, if rng.below(2) == 0 { direction } else { direction.normalize() })
 }
 
-/// Runs a sphere case over inputs drawn by `draw`.
+/// Runs a sphere case with inputs from `draw`.
 fn sphere_case(
     case: u32,
     seed: u64,
@@ -124,8 +124,8 @@ fn case_34_tiny_sphere() {
     assert!(tally.wrong[0] == 0 && tally.worst[0] <= 0.01);
 }
 
-/// A planet of radius 1e6 seen from 1 to 10 above its ground: half of the rays go anywhere down,
-/// half closely below the horizon.
+/// A planet of radius 1e6 seen from 1 to 10 above its ground: half of the rays go down in any direction, half
+/// just below the horizon.
 fn planet(rng: &mut Rng) -> (Sphere, Ray) {
     let sphere = Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 };
     let height = rng.range(1.0, 10.0);
@@ -159,11 +159,11 @@ fn case_35_planet() {
     assert!(tally.worst[0] <= 0.01 && tally.wrong[0] == 0);
 }
 
-/// How far each sweep over a tangent goes, in units in the last place of the origin.
+/// The range of each sweep over a tangent, in units in the last place of the origin.
 const SWEEP: i64 = 64;
 
-/// A sphere, a ray that touches it within rounding, and the axis along which its origin moves away
-/// from the centre the most.
+/// A sphere, a ray that is tangent to it up to rounding, and the axis along which moving its origin changes
+/// the distance from the centre the most.
 fn tangent(rng: &mut Rng) -> (Sphere, Ray, usize) {
     let sphere = Sphere { center: 10.0 * rng.in_cube(), radius: rng.range(0.1, 10.0) };
     let direction = rng.direction();
@@ -174,8 +174,8 @@ fn tangent(rng: &mut Rng) -> (Sphere, Ray, usize) {
     (sphere, ray, out.abs().max_position())
 }
 
-/// Moves a tangent's origin over neighbouring floats. Counts wrong decisions outside a band of four
-/// roundings around the tangent, and whether the decision changes more than once: ours, then f64.
+/// Moves the origin of a tangent over neighbouring floats. Counts wrong decisions farther than four roundings
+/// from the tangent, and whether the decision changes more than once, for ours and then for f64.
 fn sweep(rng: &mut Rng) -> [u64; 4] {
     let (sphere, ray, axis) = tangent(rng);
     let (mut wrong, mut changes, mut before) = ([0; 2], [0u64; 2], [None; 2]);
@@ -229,8 +229,8 @@ fn case_36_tangents() {
     assert_eq!((wrong, turns), (0, 0));
 }
 
-/// A sphere far from or near the origin, a ray that hits it, and the direction in which another
-/// leaves the hit, in half of the cases almost along the surface.
+/// A sphere far from or near the origin, a ray that hits it, and the direction in which another ray leaves
+/// the hit, in half of the cases almost parallel to the surface.
 fn leaving(rng: &mut Rng) -> (Sphere, Ray, DVec3) {
     let radius = 10f64.powf(rng.range(-3.0, 3.0));
     let center = rng.direction() * 10f64.powf(rng.range(-3.0, 4.0));
@@ -244,20 +244,21 @@ fn leaving(rng: &mut Rng) -> (Sphere, Ray, DVec3) {
     (sphere, Ray::new(origin, (target - origin).normalize()), out)
 }
 
-/// What a ray that leaves a point of the sphere meets: nothing outside, and the far side within, at this t;
-/// None in doubt. The point itself is not that of the program, but the nearest on the sphere.
+/// The hit of a ray that leaves a point of the sphere: nothing outside, and the far side inside, at this t.
+/// None where this is too close to decide. The point is not the one that the program computes, but the
+/// nearest on the sphere.
 fn far_side(sphere: &Sphere, point: DVec3, out: DVec3) -> Option<Option<f64>> {
     let from_center = dd::sub(&dd::vector(point), &dd::vector(sphere.center));
     let length = dd::dot(&from_center, &from_center).sqrt();
     let cosine = (dd::dot(&from_center, &dd::vector(out)) / length).value();
     let chord = -2.0 * sphere.radius * cosine;
-    // The offset is less than a hundred roundings of these.
+    // The offset is less than a hundred roundings of these numbers.
     let size = point.abs().max_element() + sphere.center.abs().max_element() + sphere.radius;
     (chord.abs() > 1e4 * UNIT_ROUNDOFF * size).then(|| (chord > 0.0).then_some(chord))
 }
 
-/// Counts for one secondary ray: whether ours finds a crossing close by, whether it misses the far
-/// side, and whether the f32 textbook finds a crossing close by; then our error in t at the far side.
+/// Counts for one secondary ray: whether ours finds a crossing close by, whether it misses the far side, and
+/// whether the f32 textbook finds a crossing close by. Then our error in t at the far side.
 fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let (sphere, ray, out) = leaving(rng);
     let object = Object::Sphere { center: sphere.center, radius: sphere.radius, material: 0 };
@@ -310,8 +311,8 @@ fn case_37_rays_that_leave_a_sphere() {
     assert_eq!((spurious, lost), (0, 0));
 }
 
-/// A plane and a ray at an elevation of 1e-1 to 1e-12 above it. In half of the cases the plane is
-/// y = 0, in half of any orientation.
+/// A plane and a ray at an elevation of 1e-1 to 1e-12 above it. In half of the cases the plane is y = 0, in
+/// half it has any orientation.
 fn grazing(rng: &mut Rng) -> (Plane, Ray) {
     let tilted = rng.below(2) == 0;
     let normal = if tilted { rng.direction() } else { DVec3::Y };
@@ -323,8 +324,8 @@ fn grazing(rng: &mut Rng) -> (Plane, Ray) {
     (Plane { normal, offset }, Ray::new(origin, along - elevation * normal))
 }
 
-/// The exact t in double-double, and the condition of the formula: what relative error one rounding
-/// of its terms may cause.
+/// The exact t in double-double, and the condition number of the formula: the relative error that one
+/// rounding of its terms may cause.
 fn plane_oracle(plane: &Plane, ray: &Ray) -> (Dd, f64) {
     let n = dd::vector(plane.normal);
     let above = Dd::from(plane.offset) - dd::dot(&n, &dd::vector(ray.origin));
@@ -342,14 +343,14 @@ fn case_38_planes_at_a_grazing_angle() {
     let (counts, worst) = measure(inputs, |index| {
         let (plane, ray) = grazing(&mut Rng::at(38, index));
         let (exact, condition) = plane_oracle(&plane, &ray);
-        // A tilted plane's rounding may turn the most grazing rays away from it.
+        // The rounding of a tilted plane may turn the most grazing rays away from it.
         if exact.sign() < 0 {
             return ([0, (plane.intersect(&ray).is_some()) as u64, 0], [0.0; 2]);
         }
         let relative = |t: f64| (Dd::from(t) - exact).abs().value() / exact.value();
         let ours = plane.intersect(&ray);
         let (n, o, d) = (plane.normal.as_vec3(), ray.origin.as_vec3(), ray.direction.as_vec3());
-        // The textbook takes a small product for parallel.
+        // The textbook takes a small product to mean parallel.
         let speed = n.dot(d);
         let t32 = (plane.offset as f32 - n.dot(o)) / speed;
         let error = ours.map_or(f64::INFINITY, relative) / (condition * UNIT_ROUNDOFF);
@@ -375,7 +376,7 @@ fn case_38_planes_at_a_grazing_angle() {
     assert!(worst[0] <= 4.0 && counts[1] == 0 && alongside == 0);
 }
 
-/// How many of the rays that run exactly alongside a plane, inside or outside it, hit it.
+/// The number of hits among rays that are exactly parallel to a plane, in it or outside it.
 fn parallel_rays() -> u64 {
     let (counts, []) = measure(100_000, |index| {
         let mut rng = Rng::at(380, index);

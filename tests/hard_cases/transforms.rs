@@ -1,5 +1,5 @@
-//! Section E, cases 47, 49 and 52: nested and mirroring transforms, and the same scene without
-//! flattening.
+//! Section E, cases 47, 49 and 52: nested and mirroring transforms, and the same scene without flattening the
+//! hierarchy.
 
 use crate::support::brute::Brute;
 use crate::support::double_double::{self as dd, Dd, Dd3};
@@ -17,14 +17,14 @@ use raytracer::scene::parser::parse;
 use raytracer::scene::{Object, Position, Scene};
 use raytracer::world::World;
 
-/// The relative rounding of a double, as the targets count.
+/// The relative rounding error of a double, in which the targets are stated.
 pub const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 pub fn rotation(rng: &mut Rng, degrees: f64) -> DMat3 {
     DMat3::from_axis_angle(rng.direction(), degrees.to_radians())
 }
 
-/// A scene of one object inside these transforms, the outermost first.
+/// A scene of one object inside these transforms, with the outermost first.
 pub fn nested(object: &str, transforms: &[DAffine3]) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }}
@@ -42,7 +42,7 @@ pub fn nested(object: &str, transforms: &[DAffine3]) -> Scene {
 
 const MESH: &str = "TriangleMesh { obj_file m.obj }";
 
-/// The linear part times `v` in double-double.
+/// The linear part times `v`, in double-double.
 fn turned(m: &DMat3, v: &Dd3) -> Dd3 {
     let column = |k: usize| dd::scaled(&dd::vector(m.col(k)), v[k]);
     dd::add(&dd::add(&column(0), &column(1)), &column(2))
@@ -52,7 +52,7 @@ pub fn length(v: &Dd3) -> Dd {
     dd::dot(v, v).sqrt()
 }
 
-/// A level of case 47: turned by 37 degrees, moved by 10, and scaled by 10 and back in turn.
+/// A level of case 47: rotated by 37 degrees, translated by 10, and scaled by 10 and back in turn.
 fn level(rng: &mut Rng, i: usize, scaled: bool) -> DAffine3 {
     let scale = match (scaled, i % 2) {
         (false, _) => 1.0,
@@ -106,19 +106,19 @@ fn case_47_deep_nesting() {
     assert!(worst[1] > 1.0, "the case tests nothing");
 }
 
-/// A point through all levels, and the largest length on its way, seen from outside.
+/// The point after all levels, and the largest length on its way, measured outside.
 fn exactly_placed(levels: &[DAffine3], v: DVec3) -> (Dd3, f64) {
     let mut point = dd::vector(v);
     let mut largest = v.length();
     for level in levels.iter().rev() {
         point = dd::add(&turned(&level.matrix3, &point), &dd::vector(level.translation));
-        // In the outermost space lengths are what the scales outside make of them: at most 10 here.
+        // In the outermost space lengths are scaled by the outer levels: here by at most 10.
         largest = largest.max(length(&point).value());
     }
     (point, largest)
 }
 
-/// Mirrored and sheared by up to 1e3, in some order, and turned.
+/// A map that mirrors and shears by up to 1e3, in some order, and rotates.
 fn mirroring(rng: &mut Rng, index: u64) -> DMat3 {
     let mirror = DMat3::from_diagonal(DVec3::new(if index % 3 < 2 { -1.0 } else { 1.0 }, 1.0, 1.0));
     let shear = DMat3::from_cols(DVec3::X, DVec3::new(10f64.powf(rng.range(0.0, 3.0)), 1.0, 0.0), DVec3::Z);
@@ -135,7 +135,7 @@ fn case_49_normals_of_mirrored_objects_point_outwards() {
         let transform = [DAffine3::from_mat3_translation(mirroring(rng, index), DVec3::new(1.0, -2.0, 0.5))];
         let [m] = transform;
         let world = World::new(&nested(MESH, &transform), std::slice::from_ref(&ball.mesh)).expect("a world");
-        // The image of a ball is convex, so the image of its middle is behind every face.
+        // The image of a ball is convex, so the image of its centre is behind every face.
         let outward = |t: [DVec3; 3]| triangle::normal(t).dot(t[0] - m.translation) > 0.0;
         let wrong = (0..world.triangles.len()).filter(|&i| !outward(world.corners(i))).count();
         let unturned =
@@ -162,7 +162,7 @@ fn case_49_normals_of_mirrored_objects_point_outwards() {
     assert!(textbook > 0, "the case tests nothing");
 }
 
-/// Whether a ray from outside sees a normal turned towards it, and one from within turned away.
+/// Whether a ray from outside gets a normal turned towards it, and one from inside a normal turned away.
 fn is_outward_seen(world: &World, m: &DAffine3, rng: &mut Rng) -> bool {
     let inside = m.transform_point3(0.5 * rng.in_ball());
     let outside = m.transform_point3(3.0 * rng.direction());
@@ -218,7 +218,7 @@ fn case_52_flattened_and_hierarchical() {
     assert!(textbook > 0, "the case tests nothing");
 }
 
-/// What a hierarchical tracer sees in single precision.
+/// The primitive that a hierarchical tracer hits in single precision.
 fn nearest_in_f32(local: &World, brute: &Brute, levels: &[DAffine3], ray: &Ray) -> Option<u32> {
     let (mut o, mut d) = (ray.origin.as_vec3(), ray.direction.as_vec3());
     for level in levels {

@@ -1,4 +1,4 @@
-//! Section A, cases 9 to 13: the distance to a triangle and the decision whether it is hit, against exact
+//! Section A, cases 9 to 13: the t of a triangle and the decision whether it is hit, compared with exact
 //! rationals.
 
 use crate::support::exact_triangle::{Exact, intersect, relative_error};
@@ -13,18 +13,18 @@ use num_traits::ToPrimitive;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 
-/// What the methods get wrong: ours, Moeller-Trumbore, Woop and Baldwin-Weber, the last three in f32.
+/// The errors of the methods: ours, Moeller-Trumbore, Woop and Baldwin-Weber, the last three in f32.
 #[derive(Debug)]
 struct Measured {
-    /// Hits where there is none and misses where there is one.
+    /// Hits where there is none, and misses where there is one.
     wrong: [u64; 4],
-    /// The largest relative errors of t, where both a method and the oracle see a hit.
+    /// The largest relative errors of t, where both a method and the reference have a hit.
     error: [f64; 4],
-    /// How many pairs of a ray and a triangle were compared.
+    /// The number of pairs of a ray and a triangle that were compared.
     pairs: u64,
 }
 
-/// Compares each triangle that `draw` gives with its ray to the exact answer.
+/// Compares each triangle that `draw` returns with its ray with the exact answer.
 fn compare(
     case: u32,
     n: u64,
@@ -41,7 +41,7 @@ fn compare(
             let exact = match intersect(&ray, t) {
                 Exact::Inside(t) => Some(t),
                 Exact::Outside => None,
-                // The rule decides; the watertight cases see to it.
+                // Here the rule for edges decides, which the watertight cases test.
                 Exact::Boundary(_) | Exact::Coplanar => continue,
             };
             counts[4] += 1;
@@ -51,7 +51,7 @@ fn compare(
                 if let (Some(found), Some(exact)) = (found, &exact) {
                     let error = match method {
                         0 => relative_error(found, exact),
-                        // Exact differences would be wasted on these.
+                        // An exact computation is not needed for these.
                         _ => ((found - nearest) / nearest).abs(),
                     };
                     errors[method] = errors[method].max(error);
@@ -139,7 +139,7 @@ fn at_surface(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> (Ray, V
         let point = point_in(mesh.corners(target as u32), rng);
         let origin = rounded(middle + distance * rng.direction());
         let d = point - origin;
-        // Not rounded to f32: from afar no direction in f32 would meet its target.
+        // The direction is not rounded to f32: from far away no such direction would hit its target.
         let ray = Ray::new(origin, if index.is_multiple_of(2) { d.normalize() } else { d });
         let [a, b, _] = mesh.mesh.triangles[target];
         (ray, mesh.around([a, b]).into_iter().map(|i| mesh.corners(i)).collect())

@@ -1,5 +1,5 @@
-//! Section A, cases 15 to 18: triangles seen edge on, without area, twice, and with their vertices
-//! in another order.
+//! Section A, cases 15 to 18: triangles seen edge on, without area, duplicated, and with their vertices in
+//! another order.
 
 use crate::support::brute::Brute;
 use crate::support::exact::exact;
@@ -19,32 +19,32 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
-/// The six orders of three vertices; the last three reverse the winding.
+/// The six orders of three vertices. The last three reverse the winding.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
-/// A whole number from -n to n.
-fn whole(rng: &mut Rng, n: usize) -> f64 {
+/// An integer from -n to n.
+fn integer(rng: &mut Rng, n: usize) -> f64 {
     rng.below(2 * n + 1) as f64 - n as f64
 }
 
-fn whole_vector(rng: &mut Rng, n: usize) -> DVec3 {
-    DVec3::new(whole(rng, n), whole(rng, n), whole(rng, n))
+fn integer_vector(rng: &mut Rng, n: usize) -> DVec3 {
+    DVec3::new(integer(rng, n), integer(rng, n), integer(rng, n))
 }
 
-/// A ray and a triangle in one plane, exactly: all are whole combinations of two whole vectors.
-/// Every other time two of the vertices stand on the ray itself.
+/// A ray and a triangle that are exactly in one plane: all their vectors are integer combinations of two
+/// integer vectors. Every other time two of the vertices are on the ray itself.
 fn coplanar(rng: &mut Rng, direction: DVec3) -> (Ray, [DVec3; 3]) {
-    let (origin, other) = (whole_vector(rng, 1000), whole_vector(rng, 1000));
+    let (origin, other) = (integer_vector(rng, 1000), integer_vector(rng, 1000));
     let through_edge = rng.below(2) == 0;
     let triangle = [0, 1, 2].map(|k| {
-        let off = if through_edge && k < 2 { 0.0 } else { whole(rng, 50) };
-        origin + (60.0 + whole(rng, 50)) * direction + off * other
+        let off = if through_edge && k < 2 { 0.0 } else { integer(rng, 50) };
+        origin + (60.0 + integer(rng, 50)) * direction + off * other
     });
     (Ray::new(origin, direction), triangle)
 }
 
-/// How a coplanar triangle is answered under the six orders: whether they disagree, whether t is
-/// broken, whether it is hit; and whether the textbook's answers disagree.
+/// The answers for a coplanar triangle in the six orders: whether they disagree, whether t is not finite,
+/// whether it is hit, and whether the textbook's answers disagree.
 fn coplanar_answers(ray: &Ray, triangle: [DVec3; 3]) -> [u64; 4] {
     let orders = ORDERS.map(|o| o.map(|k| triangle[k]));
     let ours = orders.map(|t| Shear::new(ray).intersect(t.each_ref()));
@@ -66,9 +66,9 @@ fn case_15_a_ray_in_the_plane_of_the_triangle() {
     let count = |sheared_exactly: bool| {
         let one = |index| {
             let rng = &mut Rng::at(SEED, index);
-            // Divided by 64 the shear of the ray is exact; by another length it is rounded.
+            // Divided by 64 the shear of the ray is exact, and divided by another length it is rounded.
             let longest = if sheared_exactly { 64.0 } else { 67.0 + rng.below(50) as f64 };
-            let mut direction = whole_vector(rng, 60);
+            let mut direction = integer_vector(rng, 60);
             direction[rng.below(3)] = longest;
             let (ray, triangle) = coplanar(rng, direction);
             assert_eq!(intersect(&ray, triangle), Exact::Coplanar);
@@ -100,8 +100,8 @@ fn case_15_a_ray_in_the_plane_of_the_triangle() {
     assert!(exactly[3] + roughly[3] > 0, "the case tests nothing");
 }
 
-/// The mesh with as many triangles of no area mixed in: a vertex repeated twice or three times, or
-/// three points of one line.
+/// The mesh with as many triangles without area mixed in: a vertex repeated twice or three times, or three
+/// points of one line.
 fn with_degenerate_triangles(mesh: &Mesh, seed: u64) -> Mesh {
     let mut mixed = mesh.clone();
     let rng = &mut Rng::new(seed);
@@ -114,7 +114,7 @@ fn with_degenerate_triangles(mesh: &Mesh, seed: u64) -> Mesh {
             1 => [a, b, a],
             2 => [b, a, a],
             _ => {
-                // The far point is exact: these are floats of 24 bits, and the factor is small.
+                // The far point is exact, since these are floats of 24 bits and the factor is small.
                 mixed.vertices.push(p + (1.0 + rng.below(3) as f64) * (q - p));
                 [a, b, mixed.vertices.len() as u32 - 1]
             }
@@ -178,11 +178,11 @@ fn case_16_triangles_without_area() {
     assert!(textbook > 0, "the case tests nothing");
 }
 
-/// Whether dividing by the determinant without a look at it gives no number for some triangle.
+/// Whether dividing by the determinant without a check gives NaN for some triangle.
 fn textbook_breaks(ray: &Ray, mesh: &Mesh, index: u64) -> bool {
     let t = mesh.triangles[index as usize % mesh.triangles.len()].map(|v| mesh.vertices[v as usize]);
     let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
-    // An epsilon below zero lets every determinant pass.
+    // An epsilon below zero accepts every determinant.
     let t = lower_triangle(t);
     let [e1, e2] = [1, 2].map(|k| glam::Vec3::from_array(t[k]) - glam::Vec3::from_array(t[0]));
     let determinant = e1.dot(glam::Vec3::from_array(d).cross(e2));
@@ -190,8 +190,9 @@ fn textbook_breaks(ray: &Ray, mesh: &Mesh, index: u64) -> bool {
     (e2.dot(s.cross(e1)) / determinant).is_nan()
 }
 
-/// The hit that the rule names, all exactly: the nearest; of equally near ones that whose corners' coordinates,
-/// in turn, are the lesser at the first difference; of equal ones the one with the lowest number.
+/// The hit that the rule selects, computed exactly: the nearest one; of equally near ones the one whose
+/// corners have the smaller coordinate at the first difference; of identical ones the one with the smallest
+/// id.
 fn canonical(world: &World, near: impl Iterator<Item = u32>, ray: &Ray) -> Option<u32> {
     let corners = |i: u32| world.corners(i as usize);
     let hits = near.filter(|&i| may_hit(ray, corners(i))).filter_map(|i| {
@@ -201,7 +202,7 @@ fn canonical(world: &World, near: impl Iterator<Item = u32>, ray: &Ray) -> Optio
     hits.min().map(|(_, _, i)| i)
 }
 
-/// Whether a ray does not clearly miss a triangle, for which plain arithmetic will do.
+/// Whether a ray may hit a triangle. Plain arithmetic is accurate enough for this.
 fn may_hit(ray: &Ray, triangle: [DVec3; 3]) -> bool {
     let [a, b, c] = triangle.map(|v| v - ray.origin);
     let longest = a.length().max(b.length()).max(c.length());
@@ -210,8 +211,8 @@ fn may_hit(ray: &Ray, triangle: [DVec3; 3]) -> bool {
     edges.iter().all(|&x| x < clear) || edges.iter().all(|&x| x > -clear)
 }
 
-/// Counts the rays on which the caster's hit is not the canonical one, and those on which the last of equally
-/// near hits is another.
+/// Counts the rays for which the caster's hit is not the canonical one, and those for which the last of
+/// equally near hits is another one.
 fn count_other_hits(
     seed: u64,
     n: u64,
@@ -239,21 +240,22 @@ fn doubled(mesh: &Mesh, seed: u64) -> Mesh {
     Mesh { vertices: mesh.vertices.clone(), triangles }
 }
 
-/// Triangles that overlap in one plane across an axis, each with its corners in any order. Some come twice.
+/// Triangles that overlap in one plane across an axis, each with its corners in any order. Some of them are
+/// duplicated.
 fn overlapping(seed: u64) -> Mesh {
     let rng = &mut Rng::new(seed);
-    let vertices = (0..40).map(|_| DVec3::new(whole(rng, 20), whole(rng, 20), 0.0) / 7.0).collect();
+    let vertices = (0..40).map(|_| DVec3::new(integer(rng, 20), integer(rng, 20), 0.0) / 7.0).collect();
     let triangles: Vec<_> = (0..300).map(|_| [0; 3].map(|_| rng.below(40) as u32)).collect();
     doubled(&Mesh { vertices, triangles }, seed)
 }
 
 /// A ray at a vertex, an edge or the inside of such a triangle. It is longest across the plane, so that t is
-/// rounded alike for all.
+/// rounded in the same way for all.
 fn at_overlapping(mesh: &Mesh, rng: &mut Rng) -> Ray {
     let corner = |i: usize| mesh.vertices[i];
     let [a, b, c] = mesh.triangles[rng.below(mesh.triangles.len())].map(|i| corner(i as usize));
     let target = [a, 0.5 * (a + b), (a + b + c) / 3.0][rng.below(3)];
-    let origin = DVec3::new(whole(rng, 20), whole(rng, 20), 41.0 + rng.unit()) / 7.0;
+    let origin = DVec3::new(integer(rng, 20), integer(rng, 20), 41.0 + rng.unit()) / 7.0;
     let across = rng.below(3) == 0;
     let origin = if across { DVec3::new(target.x, target.y, origin.z) } else { origin };
     Ray::new(origin, target - origin)
@@ -289,7 +291,7 @@ fn case_17_every_triangle_twice() {
     assert!(of_mesh[1] > 0 && of_plane[1] > 0, "the case tests nothing");
 }
 
-/// What a loop with `t <= nearest` finds.
+/// The hit that a loop with `t <= nearest` finds.
 fn last_of_the_nearest(brute: &Brute, world: &World, ray: &Ray) -> Option<u32> {
     let shear = Shear::new(ray);
     let (mut nearest, mut found) = (f64::INFINITY, None);
@@ -302,7 +304,7 @@ fn last_of_the_nearest(brute: &Brute, world: &World, ray: &Ray) -> Option<u32> {
     found
 }
 
-/// How far apart two floats of one sign are, counted in floats.
+/// The number of floats between two floats of the same sign.
 fn floats_between(a: f64, b: f64) -> u64 {
     a.to_bits().abs_diff(b.to_bits())
 }
@@ -332,7 +334,7 @@ fn case_18_the_order_of_the_vertices() {
                 if let (Some(t), Some(first)) = (t, first) {
                     apart = apart.max(floats_between(t, first));
                 }
-                // A fifth is enough to see it fail.
+                // A fifth of the rays is enough to see the textbook's method fail.
                 if index.is_multiple_of(5) {
                     let theirs = moller_trumbore(o, d, lower_triangle(in_order(order)), 0.0).is_some();
                     textbook += (theirs != their_first) as u64;

@@ -1,4 +1,4 @@
-//! Section A, case 20: numbers of any size, against exact rationals.
+//! Section A, case 20: numbers of any size, compared with exact rationals.
 
 use crate::support::exact::exact;
 use crate::support::exact_triangle::{self, intersect_by_rule};
@@ -30,7 +30,7 @@ fn case_20_a_sphere_of_many_sizes_in_a_grid() {
     let failures = Failures::default();
     let unit = icosphere(3, 1.0, DVec3::new(0.25, 0.5, -0.125));
     let mut sums = [0; 2];
-    // 2^100 = 1.3e30, and 2^-126 = 1.2e-38 is where f32 begins to lose bits.
+    // 2^100 = 1.3e30, and below 2^-126 = 1.2e-38 f32 begins to lose bits.
     for exponent in [-126, -100, -60, 0, 60, 100] {
         let mesh = moved(&unit.mesh, |v| v * 2f64.powi(exponent));
         let world = world_of(&mesh);
@@ -62,13 +62,13 @@ fn case_20_a_sphere_of_many_sizes_in_a_grid() {
     assert!(textbook > n, "the case tests nothing");
 }
 
-/// 2^n as far as it is a float.
+/// 2^n, or the nearest value in the range of floats.
 fn power(n: i32) -> f64 {
     2f64.powi(n / 2) * 2f64.powi(n - n / 2)
 }
 
-/// The exponents by which the axes are scaled: alike or each by itself, from all there are or from those
-/// where products of two, of three or with an inverse begin to overflow or underflow.
+/// The exponents by which the axes are scaled, all equal or independent: from the whole range, or from those
+/// where products of two or three numbers, or with an inverse, begin to overflow or underflow.
 fn exponents(rng: &mut Rng) -> [i32; 3] {
     let between = |rng: &mut Rng, low: i32, high: i32| low + rng.below((high - low) as usize) as i32;
     let around = [0, -300, -340, -500, -537, -1010, 250, 340, 500, 970][rng.below(10)];
@@ -81,23 +81,24 @@ fn exponents(rng: &mut Rng) -> [i32; 3] {
     }
 }
 
-fn whole_vector(rng: &mut Rng, n: usize) -> DVec3 {
+fn integer_vector(rng: &mut Rng, n: usize) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| rng.below(2 * n + 1) as f64 - n as f64))
 }
 
-/// The four faces of a tetrahedron, which may have no volume, and a ray that meets a vertex, an edge or a face
-/// of it. All are whole numbers first, so that it truly does; then every axis is scaled by a power of two.
+/// The four faces of a tetrahedron, which may have no volume, and a ray that hits a vertex, an edge or a face
+/// of it. All coordinates are integers first, so that the hit is exact, and then every axis is scaled by a
+/// power of two.
 fn scaled_tetrahedron(rng: &mut Rng) -> (Ray, [[DVec3; 3]; 4]) {
-    // Numbers of 31 bits, or so small ones that much is parallel to an axis.
+    // Integers of 31 bits, or so small ones that many edges are parallel to an axis.
     let (step, most) = if rng.below(3) == 0 { (8.0, 2) } else { (2f64.powi(23), 100) };
-    let mut corners = [0; 4].map(|_| step * whole_vector(rng, most));
+    let mut corners = [0; 4].map(|_| step * integer_vector(rng, most));
     match rng.below(8) {
         0 => corners[3] = corners[rng.below(3)],
         1 => corners[2] = 2.0 * corners[1] - corners[0],
         2 => corners[3] = corners[0] + 2.0 * (corners[1] - corners[2]),
         3 => corners = [corners[0]; 4],
         // A needle.
-        4 => corners[2] = 2.0 * corners[1] - corners[0] + 8.0 * whole_vector(rng, 2),
+        4 => corners[2] = 2.0 * corners[1] - corners[0] + 8.0 * integer_vector(rng, 2),
         _ => {}
     }
     let [a, b, c, _] = corners;
@@ -106,13 +107,13 @@ fn scaled_tetrahedron(rng: &mut Rng) -> (Ray, [[DVec3; 3]; 4]) {
         0 => a,
         1 => a + part(rng) * (b - a),
         2 => a + 0.25 * (b - a) + 0.5 * (c - a),
-        _ => step * whole_vector(rng, most),
+        _ => step * integer_vector(rng, most),
     };
-    let origin = if rng.below(8) == 0 { a } else { step * whole_vector(rng, most) };
+    let origin = if rng.below(8) == 0 { a } else { step * integer_vector(rng, most) };
     let exponents = exponents(rng);
     let scale = DVec3::from_array(exponents.map(power));
     let (low, high) = (exponents.iter().min().unwrap_or(&0), exponents.iter().max().unwrap_or(&0));
-    // Whatever the direction's length, no coordinate of it loses a bit.
+    // Whatever the length of the direction, its coordinates are exact.
     let (shortest, longest) = (-1074 - low, 990 - high);
     let length = shortest + rng.below((longest - shortest) as usize) as i32;
     let direction = DVec3::from_array([0, 1, 2].map(|k| (target - origin)[k] * power(exponents[k] + length)));
@@ -120,8 +121,8 @@ fn scaled_tetrahedron(rng: &mut Rng) -> (Ray, [[DVec3; 3]; 4]) {
     (Ray::new(origin * scale, direction), [[a, b, c], [a, c, d], [a, d, b], [b, d, c]])
 }
 
-/// How far t is off, in roundings of the farthest that a vertex is away, over the direction's length. What the
-/// smallest float cannot tell does not count.
+/// The error of t in roundings of the distance of the farthest vertex over the length of the direction. An
+/// error below the smallest float does not count.
 fn error_of_t(ray: &Ray, triangle: [DVec3; 3], found: f64, true_t: &BigRational) -> f64 {
     let longest = exact(ray.direction.abs().max_element());
     let away = |v: DVec3| [0, 1, 2].map(|k| (exact(v[k]) - exact(ray.origin[k])).abs());
@@ -134,9 +135,9 @@ fn error_of_t(ray: &Ray, triangle: [DVec3; 3], found: f64, true_t: &BigRational)
     }
 }
 
-/// Of one triangle: whether it is hit, whether the textbook says another thing, and what is wrong with the answer:
-/// the decision, the normal, the point; and how far t is off.
-fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
+/// For one triangle: whether it is hit, whether the textbook's answer differs, and whether the answer is
+/// wrong in the decision, the normal or the point. Also returns the error of t.
+fn errors(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
     let shear = Shear::new(ray);
     let (t, weights) = (shear.intersect(triangle.each_ref()), shear.weights(triangle.each_ref()));
     let [o, d] = [ray.origin, ray.direction].map(lower::<f64>);
@@ -158,7 +159,7 @@ fn faults(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
     ([1, !textbook as u64, wrong as u64, !bent as u64, lost as u64], error)
 }
 
-/// How far t may be off in samples; 320 are derived where `is_well_seen` stands.
+/// The largest error of t that samples may have. `is_well_seen` has a derivation for 320.
 const MOST_ROUNDINGS: f64 = 16.0;
 
 #[test]
@@ -170,7 +171,7 @@ fn case_20_every_size_a_float_can_have() {
         let (ray, faces) = scaled_tetrahedron(&mut Rng::at(SEED, index));
         let (mut counts, mut error) = ([0; 6], 0.0f64);
         for face in faces {
-            let (of_face, error_of_t) = faults(&ray, face);
+            let (of_face, error_of_t) = errors(&ray, face);
             (0..5).for_each(|k| counts[k] += of_face[k]);
             error = error.max(error_of_t);
         }
@@ -197,7 +198,7 @@ fn case_20_every_size_a_float_can_have() {
     assert!(hits > n / 4 && textbook > n / 2, "the case tests nothing");
 }
 
-/// Three points that only rounding keeps from lying on one line.
+/// Three points that are collinear except for rounding.
 fn needle(rng: &mut Rng) -> [DVec3; 3] {
     let (a, b) = (rng.in_cube(), rng.in_cube());
     let c = a + rng.range(-2.0, 2.0) * (b - a);
@@ -226,7 +227,7 @@ fn case_20_normals_of_needles() {
 }
 
 #[test]
-fn case_20_what_is_not_finite_is_missed() {
+fn case_20_triangles_that_are_not_finite_are_missed() {
     let triangle = [DVec3::new(-1.0, -1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
     let (inf, nan) = (f64::INFINITY, f64::NAN);
     for (origin, direction) in [
@@ -250,7 +251,7 @@ fn pictures(scene: &Scene, caster: &Caster) -> [Vec<u8>; 3] {
     layers(scene, caster, &request).try_into().expect("three layers")
 }
 
-/// A mesh shrunk to a point, or nearly, seen along directions whose coordinates are far apart.
+/// A mesh shrunk to a point, or almost, seen along directions whose coordinates have very different sizes.
 #[test]
 fn case_20_a_mesh_without_extent_is_not_seen() {
     let directions = ["1 64 1e-300", "1 64 1e-320", "1e-300 64 1", "1 1e-160 1e-161", "1 64 1e-20"];

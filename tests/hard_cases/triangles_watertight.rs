@@ -1,6 +1,6 @@
 //! Section A, cases 1 to 8 and 14: no ray slips between triangles, and none hits two of them.
 //!
-//! From inside a convex mesh every ray leaves through it exactly once; the oracle is that sentence.
+//! Every ray from inside a convex mesh leaves it through exactly one triangle, which is the reference.
 
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
@@ -23,7 +23,7 @@ enum Aim {
     Edge,
 }
 
-/// How many of the triangles around a ray's target each method says it hits in front of its origin.
+/// For each method, the number of triangles around a ray's target that it hits in front of the origin.
 struct Hits {
     ours: u64,
     moller_trumbore_f32: u64,
@@ -75,7 +75,7 @@ impl Inside {
         Self { mesh: icosphere(5, radius, center), center, radius, aim }
     }
 
-    /// A ray from the inner half of the ball and the triangles around its target.
+    /// A ray from the inner half of the ball, and the triangles around its target.
     fn draw(&self, seed: u64, index: u64) -> (Ray, Vec<u32>) {
         let rng = &mut Rng::at(seed, index);
         let origin = rounded(self.center + 0.5 * self.radius * rng.in_ball());
@@ -93,8 +93,8 @@ impl Inside {
         (aimed(origin, target, index.is_multiple_of(2)), around)
     }
 
-    /// Counts leaks: of ours, through the grid included, and of the textbook's methods; then the
-    /// rays with more than one hit, ours and the published rule's.
+    /// Counts the leaks of ours, with and without a grid, and of the textbook's methods. Then the rays with
+    /// more than one hit, by ours and by the published rule.
     fn count(&self, case: u32, seed: u64, n: u64) -> Counts {
         let world = world_of(&self.mesh.mesh);
         let caster = Caster::new(&world, Some([24; 3])).expect("a small grid");
@@ -138,7 +138,7 @@ impl Counts {
     fn inclusive_doubles(&self) -> u64 {
         self.0[7]
     }
-    /// What the textbook's methods leak.
+    /// The leaks of the textbook's methods.
     fn textbook(&self) -> String {
         let [_, _, mt32, mt64, bw, pl, contracted, _] = self.0;
         format!(
@@ -166,7 +166,7 @@ fn leak_case(case: u32, name: &str, inside: &Inside) {
     assert!(counts.moller_trumbore_f32() > 0, "the case tests nothing");
 }
 
-/// Where the renderer of a well-known library tests its own watertightness.
+/// The position at which the tests of a well-known library check watertightness.
 const FAR: DVec3 = DVec3::new(148_376.0, 1234.0, -223_423.0);
 
 #[test]
@@ -213,12 +213,13 @@ fn case_05_exactly_one_hit() {
     }
     .write();
     assert_eq!(wrong, 0);
-    // In f64 a ray meets an edge of the unit sphere exactly too seldom to count on.
+    // In f64 a ray hits an edge of the unit sphere exactly too rarely to rely on it.
     let bites = |i: usize| counts[i].1.inclusive_doubles() > 0;
     assert!(bites(0) && bites(2) && bites(3), "the case tests nothing");
 }
 
-/// How many triangles a ray crosses: by ours, Moeller-Trumbore in f32, and the inclusive rule in f64.
+/// The number of triangles that a ray crosses: by ours, by Moeller-Trumbore in f32, and by the inclusive rule
+/// in f64.
 fn crossings(ray: &Ray, triangles: impl Iterator<Item = [DVec3; 3]>) -> [u64; 3] {
     let shear = Shear::new(ray);
     let (o, d) = (lower::<f64>(ray.origin), lower::<f64>(ray.direction));
@@ -311,8 +312,8 @@ fn case_08_a_large_scale() {
     leak_case(8, "sphere of radius 1e6", &Inside::new(1e6, DVec3::ZERO, Aim::Vertex));
 }
 
-/// A triangle ten thousand long and one a thousandth wide on both sides of an edge of 1e-3: the
-/// edge's end points, the apex of the small one, that of the large one, and the way to see both.
+/// A triangle of length 1e4 and one of width 1e-3 on the two sides of an edge of length 1e-3: the end points
+/// of the edge, the apex of the small one, that of the large one, and the direction in which both are seen.
 fn unequal_neighbours(rng: &mut Rng) -> ([DVec3; 4], DVec3) {
     let along = rng.direction();
     let across = along.cross(rng.direction()).normalize();

@@ -1,4 +1,4 @@
-//! Section F, hostile input: numbers as large and as small as a scene may have them make only numbers.
+//! Section F, hostile input: the largest and smallest numbers that a scene may have never lead to a NaN.
 
 use crate::support::scenes::layers_and_nans;
 use raytracer::camera::Camera;
@@ -8,8 +8,8 @@ use raytracer::scene;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
-/// Scenes of numbers within bounds whose colours, or normals, would not be numbers if nothing held them: by a name,
-/// the camera, a light, the materials, of which the last is used, and the objects.
+/// Scenes of numbers within the limits whose colours or normals would be NaN without countermeasures: a name,
+/// the camera, a light, the materials, the last of which is used, and the objects.
 const AT_THE_BOUNDS: [(&str, &str, &str, &str, &str); 9] = [
     (
         "a negative tint has no power that is no whole number",
@@ -80,7 +80,7 @@ const AT_THE_BOUNDS: [(&str, &str, &str, &str, &str); 9] = [
 
 const AHEAD: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }";
 
-/// How many values of a scene's pictures are no numbers, and whether anything of it is seen.
+/// The number of NaNs in a scene's pictures, and whether anything of it is visible.
 fn nans_at_the_bounds(camera: &str, light: &str, materials: &str, objects: &str) -> (u64, bool) {
     let count = |text: &str, words: &[&str]| text.split_whitespace().filter(|w| words.contains(w)).count();
     let all = count(materials, &["Material", "Marble"]);

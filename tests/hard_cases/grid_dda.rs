@@ -1,4 +1,4 @@
-//! Section B, cases 26 and 27: the march itself, in up to 4096 cells along each axis.
+//! Section B, cases 26 and 27: the DDA itself, with up to 4096 cells along each axis.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{bunny, world_of};
@@ -17,8 +17,8 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
-/// How far outside the cell that a march names the ray is at most, in cells.
-fn largest_drift(lattice: &Lattice, ray: &Ray, entry: f64, steps: &[Step]) -> f64 {
+/// The largest distance, in cells, of the ray from the cell that the DDA is in at the same t.
+fn largest_error(lattice: &Lattice, ray: &Ray, entry: f64, steps: &[Step]) -> f64 {
     let outside = |cell: [usize; 3], t: f64| {
         let at = (ray.at(t) - lattice.bounds.min) / lattice.cell_size;
         let low = DVec3::from_array(cell.map(|i| i as f64));
@@ -44,9 +44,9 @@ fn case_26_the_cells_along_a_ray() {
     let (mut inputs, mut ours, mut theirs) = (0, Vec::new(), Vec::new());
     for (side, ordinary) in [(64, 24_000), (256, 8_000), (1024, 1_500), (4096, 500)] {
         let n = rays(ordinary, 100 * ordinary);
-        // So flat that the cells can be counted in 32 bits.
+        // There are fewer cells along z, so that the number of cells fits into 32 bits.
         let cells = [side, side, side.min(200)];
-        let (mut counts, mut drifts) = ([0; 3], [0.0f64; 3]);
+        let (mut counts, mut errors) = ([0; 3], [0.0f64; 3]);
         for bounds in boxes {
             let lattice = Lattice::new(bounds, cells);
             let margin = margin(&lattice);
@@ -56,13 +56,13 @@ fn case_26_the_cells_along_a_ray() {
                 let target = bounds.min + bounds.extent() * (0.5 + 0.4 * rng.in_cube());
                 let ray = Ray::new(origin, (target - origin).normalize());
                 let (entry, found) = steps(&lattice, &ray);
-                let ours = largest_drift(&lattice, &ray, entry, &found);
+                let ours = largest_error(&lattice, &ray, entry, &found);
                 let wrong = found.is_empty() || ours > margin;
                 failures.note(wrong, || failed_ray(26, SEED, index, ray.origin, ray.direction));
                 let textbook = |march: &dyn Fn(&mut Vec<Step>)| {
                     let mut steps = Vec::with_capacity(found.len());
                     march(&mut steps);
-                    largest_drift(&lattice, &ray, entry, &steps)
+                    largest_error(&lattice, &ray, entry, &steps)
                 };
                 let in_f32 = textbook(&|steps| collect::<f32>(&lattice, &ray, steps));
                 let asked = index.is_multiple_of(8);
@@ -70,17 +70,17 @@ fn case_26_the_cells_along_a_ray() {
                     if asked { textbook(&|steps| collect::<f64>(&lattice, &ray, steps)) } else { 0.0 };
                 ([1, wrong as u64, (in_f32 > margin) as u64], [ours, in_f32, in_f64])
             };
-            let (more, face_error_bound) = measure::<3, 3>(n, one);
+            let (more, largest) = measure::<3, 3>(n, one);
             counts = crate::grid::sum([counts, more]);
-            drifts = std::array::from_fn(|i| drifts[i].max(face_error_bound[i]));
+            errors = std::array::from_fn(|i| errors[i].max(largest[i]));
         }
         let margin = margin(&Lattice::new(boxes[0], cells));
-        ours.push(format!("{:.1e} of {margin:.1e} at {side}", drifts[0]));
+        ours.push(format!("{:.1e} of {margin:.1e} at {side}", errors[0]));
         theirs.push(format!(
             "{:.1}% of rays beyond the margin at {side}, by up to {:.1e}, in f64 {:.1e}",
             100.0 * counts[2] as f64 / counts[0] as f64,
-            drifts[1],
-            drifts[2]
+            errors[1],
+            errors[2]
         ));
         inputs += counts[0];
         assert_eq!(counts[1], 0);
@@ -106,86 +106,88 @@ fn collect<T: num_traits::Float>(lattice: &Lattice, ray: &Ray, steps: &mut Vec<S
     });
 }
 
-/// Cells along an axis, about `n`, such that the ticks of one are as far from a whole number as can be.
-fn cells_that_drift(n: usize) -> usize {
-    let ticks = |n: usize| 2f64.powi(29) / n as f64;
-    let from_half = |n: usize| (ticks(n).fract() - 0.5).abs();
+/// A number of cells along an axis, about `n`, for which the increment of t per cell is as far from an
+/// integer as possible.
+fn cells_with_large_errors(n: usize) -> usize {
+    let increment = |n: usize| 2f64.powi(29) / n as f64;
+    let from_half = |n: usize| (increment(n).fract() - 0.5).abs();
     (n..n + n / 4).min_by(|&a, &b| from_half(a).total_cmp(&from_half(b))).expect("some number")
 }
 
-/// A ray along an axis through all of its cells, each of which costs half a tick.
+/// A ray along an axis through all of its cells, with a rounding error of half a unit of t in each.
 #[test]
-fn the_march_drifts_nearly_as_far_as_its_error_bound() {
+fn the_dda_nearly_reaches_its_error_bound() {
     for n in [500, 1000, 3000, 8000, 20_000] {
-        let cells = [cells_that_drift(n), 1, 1];
+        let cells = [cells_with_large_errors(n), 1, 1];
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, cells);
         let ray = Ray::new(DVec3::new(-0.5, 0.3, 0.6), DVec3::X);
         let (entry, steps) = steps(&lattice, &ray);
-        let share = largest_drift(&lattice, &ray, entry, &steps) / margin(&lattice);
-        println!("{} cells: {share:.3} of the error bound", cells[0]);
-        assert!(share <= 1.0, "the error bound is broken");
-        assert!(share > 0.5, "the ray does not drift");
+        let fraction = largest_error(&lattice, &ray, entry, &steps) / margin(&lattice);
+        println!("{} cells: {fraction:.3} of the error bound", cells[0]);
+        assert!(fraction <= 1.0, "the error bound is broken");
+        assert!(fraction > 0.5, "the error of the ray is too small");
     }
 }
 
-/// Objects that only the widening of cells by the march's drift puts into a cell that the march visits.
+/// Objects that are in a visited cell only because the cells are padded by the error bound of the DDA.
 #[test]
-fn objects_where_the_march_drifts_most() {
+fn objects_where_the_dda_is_least_accurate() {
     const SEED: u64 = 3027;
     let n = rays(20_000, 2_000_000);
-    let side = cells_that_drift(1000);
+    let side = cells_with_large_errors(1000);
     let cells = [side, side, 1];
-    let (world, places) = specks_where_the_march_drifts(cells);
+    let (world, positions) = triangles_where_the_dda_is_inaccurate(cells);
     let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
     let lattice = lattice(&world, cells);
     let failures = Failures::default();
     let one = |index| {
         let rng = &mut Rng::at(SEED, index);
-        let place = places[rng.below(places.len())];
-        // From side to side along x, past one cell of y for two or three of x.
+        let position = positions[rng.below(positions.len())];
+        // The ray runs along x through the whole grid, and passes one cell of y for two or three of x.
         let slope = rng.range(0.3, 0.5);
         let direction = DVec3::new(1.0, slope, 0.0);
-        let ray = Ray::new(place - (place.x - lattice.bounds.min.x + 0.5) * direction, direction);
+        let ray = Ray::new(position - (position.x - lattice.bounds.min.x + 0.5) * direction, direction);
         let missed = caster.closest(&ray, &mut Quiet).is_none();
         failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));
         ([missed as u64], [])
     };
     let [missed] = measure::<1, 0>(n, one).0;
-    println!("{n} rays at objects where the march drifts most: {missed} missed");
+    println!("{n} rays at objects where the DDA is least accurate: {missed} missed");
     assert_eq!(missed, 0);
 }
 
-/// Specks near the far ends of rays along x, in a corner of their cell that such a ray only just cuts off;
-/// and where they are.
-fn specks_where_the_march_drifts(cells: [usize; 3]) -> (World, Vec<DVec3>) {
+/// Tiny triangles near the far ends of rays along x, each in a corner of its cell that such a ray just cuts
+/// off, and their positions.
+fn triangles_where_the_dda_is_inaccurate(cells: [usize; 3]) -> (World, Vec<DVec3>) {
     const COUNT: usize = 2000;
     let mut mesh = frame();
     let lattice = lattice(&world_of(&mesh), cells);
     let (face_error_bound, rng) = (margin(&lattice), &mut Rng::new(3027));
-    // From half of a cell a ray along x is off by this, in cells: enough for both distances below.
+    // From half a cell on, the error of a ray along x exceeds this distance in cells, and so both distances
+    // below.
     let near = |rng: &mut Rng| rng.range(0.13, 0.25) * face_error_bound;
-    let mut places = vec![];
+    let mut positions = vec![];
     for _ in 0..COUNT {
         let corner = [9 * cells[0] / 10 + rng.below(cells[0] / 10), cells[1] / 2 + rng.below(cells[1] / 3)];
-        // On either side, as the march may be early or late.
+        // On either side, since the DDA may be early or late.
         let side = if rng.below(2) == 0 { 1.0 } else { -1.0 };
         let off = [-side * near(rng), side * near(rng)];
         let inside = |axis: usize| {
             lattice.bounds.min[axis] + lattice.cell_size[axis] * (corner[axis] as f64 + off[axis])
         };
-        let place = DVec3::new(inside(0), inside(1), rng.range(0.1, 0.9));
+        let position = DVec3::new(inside(0), inside(1), rng.range(0.1, 0.9));
         let size = 0.01 * face_error_bound * lattice.cell_size.x;
-        // Across the rays.
+        // The triangle is perpendicular to the rays.
         push(
             &mut mesh,
-            [DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, -1.0, -1.0), DVec3::Z].map(|v| place + size * v),
+            [DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, -1.0, -1.0), DVec3::Z].map(|v| position + size * v),
         );
-        places.push(place);
+        positions.push(position);
     }
-    (world_of(&mesh), places)
+    (world_of(&mesh), positions)
 }
 
-/// Objects so near to a cell's corner that a march which drifts passes them by.
+/// Objects so close to a corner of a cell that an inaccurate DDA misses them.
 #[test]
 fn case_27_objects_at_cell_corners() {
     const SEED: u64 = 1027;
@@ -193,10 +195,10 @@ fn case_27_objects_at_cell_corners() {
     let failures = Failures::default();
     let (mut total, mut text) = ([0; 3], Vec::new());
     for side in [128, 256, 512, 1024] {
-        // One layer of cells keeps the memory small; the errors add up along x and y.
+        // One layer of cells keeps the memory small, and the errors accumulate along x and y.
         let cells = [side, side, 1];
         for delta in [1e-2, 1e-3, 1e-4] {
-            let (mesh, corners) = specks(cells, delta);
+            let (mesh, corners) = small_triangles(cells, delta);
             let world = world_of(&mesh);
             let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
             let textbook = TextbookGrid::over(&world, lattice(&world, cells));
@@ -204,14 +206,14 @@ fn case_27_objects_at_cell_corners() {
                 let rng = &mut Rng::at(SEED, index);
                 let i = rng.below(corners);
                 let [a, b, c] = world.corners(2 + i);
-                // Upwards to the left or downwards to the right, a ray cuts the object's corner off.
+                // A ray that rises to the left or falls to the right cuts off the corner with the object.
                 let mut origin = DVec3::new(rng.range(-1.0, 0.0), rng.range(1.0, 2.0), rng.range(0.0, 1.0));
                 if rng.below(2) == 0 {
                     (origin.x, origin.y) = (origin.y, origin.x);
                 }
                 let ray = Ray::new(origin, (a + b + c) / 3.0 - origin);
                 let found = caster.closest(&ray, &mut Quiet).map(|h| h.primitive);
-                // Another speck may stand in front, but the target is never passed.
+                // Another triangle may be in front of the target, but the ray never misses both.
                 let missed = found.is_none();
                 failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));
                 let theirs = textbook.first_hit::<f32>(&ray).is_none();
@@ -237,8 +239,9 @@ fn case_27_objects_at_cell_corners() {
     assert!(total[2] > 0, "the case tests nothing");
 }
 
-/// Small triangles near corners of cells, and how many; two larger ones before them span the grid.
-fn specks(cells: [usize; 3], delta: f64) -> (Mesh, usize) {
+/// Small triangles near corners of cells, and their number. Two larger triangles before them fix the bounds
+/// of the grid.
+fn small_triangles(cells: [usize; 3], delta: f64) -> (Mesh, usize) {
     const COUNT: usize = 400;
     let mut mesh = frame();
     let lattice = lattice(&world_of(&mesh), cells);
