@@ -1,4 +1,4 @@
-//! Prints `docs/sampling.md`: how far pictures of few samples are from a picture of many, for each sampler.
+//! Prints `docs/sampling.md`: the error of pictures with few samples, for each sampler.
 //!
 //! `cargo run --release --example sampling_error > docs/sampling.md`
 
@@ -17,15 +17,15 @@ use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 
-/// Pixels along each side.
+/// The width and height of the pictures in pixels.
 const SIDE: usize = 40;
 const COUNTS: [u32; 5] = [1, 4, 16, 64, 256];
 const PATTERNS: [(Pattern, &str); 3] =
     [(Pattern::Random, "random"), (Pattern::Uniform, "uniform"), (Pattern::Jittered, "jittered")];
-/// Samples a pixel of the reference, and the seed that makes them others than those that are measured.
+/// The number of samples per pixel of the reference, and its seed, which makes them independent of the others.
 const REFERENCE: (u32, u32) = (4096, 1);
 
-/// A scene to measure on; `flags` are `effects` as the command line has them.
+/// A scene to measure. `flags` are the command-line flags for `effects`.
 struct Subject {
     scene: &'static str,
     shows: &'static str,
@@ -42,7 +42,7 @@ const SUBJECTS: [Subject; 2] = [
     },
     Subject {
         scene: "scene6_14_glass_sphere.txt",
-        shows: "a sphere that bends what lies behind it",
+        shows: "a sphere that refracts what is behind it",
         flags: "-shadows -shade_back -bounces 5 -weight 0.01",
         effects: Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 5, min_weight: 0.01 },
     },
@@ -53,21 +53,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "# Error against samples
 
-The error of a picture is the root of the mean square, over all pixels and channels, of its difference from
-a reference, in grey levels of 255. Colours are compared before they are cut to bytes, clamped to what a byte
-can hold. Pictures have {SIDE} x {SIDE} pixels and the default filter, the box of half a pixel; the reference has
-{count} jittered samples a pixel from `-seed {seed}`, the measured ones the course's random numbers. The last
-column is p where the error falls as the number of samples to the power of -p between 4 and 256."
+The error of a picture is the root mean square, over all pixels and channels, of its difference from a
+reference, in units of 1/255. Colours are compared before they are converted to bytes, but clamped to the range
+of a byte. The pictures have {SIDE} x {SIDE} pixels and the default filter, a box with a radius of half a pixel.
+The reference has {count} jittered samples per pixel with `-seed {seed}`, and the other pictures use the course's
+random numbers. The last column is the exponent p with which the error falls as n^(-p) from n = 4 to n = 256
+samples."
     );
     for subject in &SUBJECTS {
         print_table(subject)?;
     }
     println!(
         "
-One uniform sample is the pixel's centre. The error of n independent samples falls as n^(-1/2). Of jittered
-samples only those whose stratum holds an edge have an error, so the exponent comes nearer to -3/4 the sharper and
-fewer the edges are. Uniform samples are not much better than random ones here, and their errors repeat from pixel to pixel,
-which shows as a pattern where the others show noise.
+A single uniform sample is at the pixel's centre. The error of n independent samples falls as n^(-1/2). Of the
+jittered samples only those whose stratum contains an edge have an error, so p approaches 3/4 if the
+edges are few and sharp. Uniform samples are not much better than random ones here, and their errors repeat from
+pixel to pixel, which is visible as a pattern, while the errors of the others look like noise.
 
 This file is the output of `cargo run --release --example sampling_error > docs/sampling.md`; it is the same
 on every machine."
@@ -97,13 +98,13 @@ fn print_table(Subject { scene, shows, flags, effects }: &Subject) -> Result<(),
     Ok(())
 }
 
-/// How fast the error falls from the second to the last of [`COUNTS`].
+/// The exponent with which the error falls from the second to the last of [`COUNTS`].
 fn power(errors: [f64; COUNTS.len()]) -> f64 {
     let (first, last) = (1, COUNTS.len() - 1);
     (errors[first] / errors[last]).ln() / (f64::from(COUNTS[last]) / f64::from(COUNTS[first])).ln()
 }
 
-/// Root mean square of the difference, in 255ths.
+/// The root mean square of the difference, in units of 1/255.
 fn error(picture: &[Color], reference: &[Color]) -> f64 {
     let squares: f64 = picture.iter().zip(reference).map(|(a, b)| (*a - *b).length_squared()).sum();
     255.0 * (squares / (3 * picture.len()) as f64).sqrt()
@@ -111,10 +112,10 @@ fn error(picture: &[Color], reference: &[Color]) -> f64 {
 
 /// The mean of each pixel's samples, in the sampler's order of pixels.
 fn picture(tracer: &Tracer, camera: &Camera, sampler: Sampler) -> Vec<Color> {
-    let pixel = |pending: &mut Pending, number: usize| {
-        let place = DVec2::new((number / SIDE) as f64, (number % SIDE) as f64);
-        let color = |offset| color(tracer, &camera.ray(place, offset), pending);
-        let sum: Color = sampler.offsets(number as u64).map(color).sum();
+    let pixel = |pending: &mut Pending, index: usize| {
+        let position = DVec2::new((index / SIDE) as f64, (index % SIDE) as f64);
+        let color = |offset| color(tracer, &camera.ray(position, offset), pending);
+        let sum: Color = sampler.offsets(index as u64).map(color).sum();
         (sum / f64::from(sampler.count())).clamp(Color::ZERO, Color::ONE)
     };
     (0..SIDE * SIDE).into_par_iter().map_init(Pending::default, pixel).collect()

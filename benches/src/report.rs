@@ -35,7 +35,7 @@ pub fn plain(names: &[&str], row: &Row) -> String {
 pub fn markdown(names: &[&str], rows: &[Row]) -> String {
     let mut text = String::new();
     for (kind, name) in KINDS.iter().enumerate() {
-        let _ = writeln!(text, "Millions of {name} rays a second:\n");
+        let _ = writeln!(text, "Millions of {name} rays per second:\n");
         table(&mut text, names, rows, |row, i| {
             let Median { value, spread } = row.results[i].speed[kind];
             format!("{value:.1} ±{:.0}%", 100.0 * spread)
@@ -45,9 +45,9 @@ pub fn markdown(names: &[&str], rows: &[Row]) -> String {
     table(&mut text, names, rows, |row, i| format!("{:.2}", row.build[i].value));
     // This program's own column comes first.
     let kinds = |counts: [usize; KINDS.len()]| counts.map(|count| count.to_string()).join(" / ");
-    text.push_str("Rays that this program says hit, camera / shadow / incoherent:\n\n");
+    text.push_str("Rays that hit according to this program, camera / shadow / incoherent:\n\n");
     table(&mut text, &["rays that hit"], rows, |row, _| kinds(row.results[0].hits));
-    text.push_str("Rays that a peer answers otherwise than this program, camera / shadow / incoherent:\n\n");
+    text.push_str("Rays for which a peer's result differs from this program's, camera / shadow / incoherent:\n\n");
     table(&mut text, &names[1..], rows, |row, i| kinds(row.results[i + 1].differing));
     text.trim_end().to_string()
 }
