@@ -1,27 +1,29 @@
-# The depths of triangles and planes in the projection are off by less than the bounds in src/raster/edge_functions.rs.
+# The errors of inverse depths in the rasterizer are below the bounds in src/raster/edge_functions.rs.
 #@ src/raster/edge_functions.rs INV_DEPTH_ROUNDINGS = 64.0
 #@ src/raster/edge_functions.rs VOLUME_ROUNDINGS = 10.0
 #@ src/raster/edge_functions.rs VOLUME_CLEARANCE = 64.0
 #@ src/raster/edge_functions.rs PLANE_ROUNDINGS = 19.0
 #@ src/raster/edge_functions.rs T_ROUNDINGS = 1250.0
-# As in projection_edges.g each term of a sum is multiplied by a factor 1 + e for each rounding on its way.
+# As in raster_edges.g each term of a sum is multiplied by a factor 1 + e for each rounding on its way.
 #
-# A nearness is n = (n_0 + n_1 + n_2).D / V. Beside the 4 roundings of each n_k and the 12 of its product with D there
-# are two of the sum and one of the product with 1 / V, so 15; all three together are at most 3 R^2 L. The
-# computed V is the true one plus `volume`, at most VOLUME_ROUNDINGS u R^3 in which R = 1; as it is VOLUME_CLEARANCE
-# times as large at least, the computed V is 1 and the true one not less than 1 - 1 / VOLUME_CLEARANCE of it, `ratio`.
-# The value that the bound's part with n is multiplied by is the computed one, which differs by parts of
-# 1 / VOLUME_CLEARANCE; `slack` is for this. The inverse has one rounding more, which is relative to n <= 3 R^2 L / V.
+# The inverse depth is n = (n_0 + n_1 + n_2).D / V with the normals n_k of raster_edges.g. Besides the 4 roundings of
+# each n_k and the 12 of its product with D there are two for the sum and one for the product with 1 / V, so 15. All
+# three normals together are at most 3 R^2 L. Let R = 1 and let the computed V be 1. It is at least VOLUME_CLEARANCE
+# times its error bound, so the true V is at least 1 - 1 / VOLUME_CLEARANCE, whose inverse is `ratio`. The part of
+# the bound that is proportional to n covers the error of V; it is multiplied by the computed n, which differs from
+# the true one by a fraction of 1 / VOLUME_CLEARANCE. VOLUME_ROUNDINGS exceeds the 8 roundings of V by a larger
+# fraction, as the second line of the goal shows. The inverse of V has one more rounding, r, relative to n <= 3 R^2 L / V.
 #
-# A plane's n is (normal.D) / ahead, and the ray's test has t = ahead / (normal.d) with the same ahead. Roundings: 3 for
-# the product of normal and direction, 2 for the division by ahead, 3 for the sum over 1, x and y, 1 of h and v and 5 of
-# the ray; in the test 3 for the product and 1 for the division. All terms together are at most L / ahead.
+# The n of a plane is (normal.D) / ahead, where ahead is its distance from the eye, and the ray's test computes
+# t = ahead / (normal.d) with the same number. The roundings are 3 for the product of normal and direction, 2 for the
+# division by ahead, 3 for the sum over 1, x and y, 1 for the pixel's steps and 5 for the ray, and in the test 3 for
+# the product and 1 for the division. All terms together are at most L / ahead.
 #
-# T_ROUNDINGS: src/raster/edge_functions.rs says how often each error counts. `across` is the error of a sheared corner, in
-# R: its own subtraction, the factor, the depth and their product, and the difference; |x| + 3 |z| <= sqrt(10) R, and
-# the difference is at most sqrt(2) R. A weight is off by 4 E_x E_y, and Z / A <= 32 / (E_x + E_y); as
-# E_x E_y / (E_x + E_y) <= (E_x + E_y) / 4 and E_x + E_y <= 4 sqrt(2) R, three weights move the depth by 3 * 32 * that.
-# A ray is sqrt(3) times as long as its longest axis, at most.
+# T_ROUNDINGS: src/raster/edge_functions.rs lists the errors. `across` is the error of a sheared corner in units of
+# u R: that of its own subtraction, the factor, the depth and their product, and the difference. |x| + 3 |z| is at
+# most sqrt(10) R, and the difference is at most sqrt(2) R. The error of a weight is 4 u E_x E_y, and
+# Z / A <= 32 / (E_x + E_y). Since E_x E_y / (E_x + E_y) <= (E_x + E_y) / 4 and E_x + E_y <= 4 sqrt(2) R, three weights
+# move the depth by at most 3 * 32 times that. A ray is at most sqrt(3) times as long as its longest axis.
 u = 1b-53;
 INV_DEPTH_ROUNDINGS = 64.0;
 VOLUME_ROUNDINGS = 10.0;

@@ -95,7 +95,7 @@ const fn power_of_two(exponent: i64) -> f64 {
 /// triangle. G is at most 32, or 38 with the error of the area. This makes 304 u M + 133 u Z, and the rest of
 /// the formula adds 15 u (M + Z). This derivation has not been checked by machine.
 #[inline(always)]
-pub fn is_well_seen([a, b, c]: [DVec3; 3], area: f64) -> bool {
+pub fn is_interpolation_accurate([a, b, c]: [DVec3; 3], area: f64) -> bool {
     // Taken axis by axis, because glam's own min and max of vectors compile to four times as many
     // instructions.
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
@@ -155,14 +155,14 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_is_well_seen_up_to_a_steepness() {
+    fn interpolation_is_accurate_up_to_a_steepness() {
         for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 0.5)] {
             let steepest = 32.0 * x * y / (x + y);
             for from in [DVec3::ZERO, DVec3::new(-0.3, -0.2, 40.0), DVec3::new(0.0, 0.0, -7.0)] {
                 let corners = |z: f64| [from, from + DVec3::new(x, 0.0, -z), from + DVec3::new(0.0, y, 0.0)];
                 for area in [x * y, -x * y] {
-                    assert!(is_well_seen(corners(0.99 * steepest), area), "{x} {y} {from}");
-                    assert!(!is_well_seen(corners(1.01 * steepest), area), "{x} {y} {from}");
+                    assert!(is_interpolation_accurate(corners(0.99 * steepest), area), "{x} {y} {from}");
+                    assert!(!is_interpolation_accurate(corners(1.01 * steepest), area), "{x} {y} {from}");
                 }
             }
         }

@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn t_and_normal_are_the_worlds() {
+    fn t_and_normal_are_those_of_world_space() {
         let e = squashed();
         let ray = Ray::new(DVec3::new(1.0, 12.0, 3.0), DVec3::NEG_Y);
         assert_eq!(e.intersect(&ray), Some(9.5));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn half_axes_are_at_right_angles_and_span_the_same_ellipsoid() {
+    fn half_axes_are_orthogonal_and_span_the_same_ellipsoid() {
         let m = DMat3::from_cols(DVec3::X, DVec3::new(1e3, 1.0, 0.0), DVec3::new(0.0, 2.0, 1.0));
         let axes = half_axes(m);
         for (p, q) in [(axes.x_axis, axes.y_axis), (axes.y_axis, axes.z_axis), (axes.z_axis, axes.x_axis)] {
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_without_a_length_or_with_too_much_of_it_miss() {
+    fn rays_of_zero_or_excessive_length_miss() {
         let e = squashed();
         for (origin, direction) in [
             (DVec3::new(1.0, 12.0, 3.0), DVec3::ZERO),
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn where_a_line_misses_by_rounding_the_surface_nearby_is_given() {
+    fn a_line_that_misses_by_rounding_gets_the_surface_nearby() {
         let ray = Ray::new(DVec3::new(1.0, 12.0, 4.0 + 1e-12), DVec3::NEG_Y);
         let (normal, point) = squashed().surface(&ray, 10.0);
         assert!((normal - DVec3::Z).length() < 1e-11 && (point - DVec3::new(1.0, 2.0, 4.0)).length() < 1e-11);

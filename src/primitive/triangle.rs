@@ -12,7 +12,7 @@ use crate::math::predicate::{
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
-use crate::primitive::edge_functions::{Sides, edge_functions, is_well_seen, sides};
+use crate::primitive::edge_functions::{Sides, edge_functions, is_interpolation_accurate, sides};
 use glam::DVec3;
 
 /// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
@@ -89,7 +89,7 @@ impl<'r> Shear<'r> {
         let sum = u + v + w;
         // In this form another order of the vertices changes t by little more than its rounding error.
         let t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
-        if is_well_seen([a, b, c], sum) && t.is_finite() {
+        if is_interpolation_accurate([a, b, c], sum) && t.is_finite() {
             return Some((t, weights));
         }
         self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_picture_stays_even_up_to_the_borders() {
+    fn a_uniform_picture_stays_uniform_up_to_the_borders() {
         for filter in [
             Filter::Box { radius: 1.7 },
             Filter::Tent { radius: 3.0 },
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_box_averages_what_lies_within_cropped_at_the_border() {
+    fn a_wide_box_averages_the_samples_within_the_picture() {
         let picture = filtered(Filter::Box { radius: 1.0 }, [4, 3], |x, y| Color::splat((x * 10 + y) as f64));
         assert_eq!(picture[0][0].x, (0.0 + 10.0 + 1.0 + 11.0) / 4.0);
         assert_eq!(picture[1][2].x, 21.0);

@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn supports_as_the_courses_pictures_show() {
+    fn supports_are_those_of_the_courses_pictures() {
         let supports = |f: fn(f64) -> Filter| [0.3, 0.5, 1.0, 1.5, 1.7, 2.3].map(|r| f(r).support());
         assert_eq!(supports(|radius| Filter::Box { radius }), [0, 0, 1, 1, 2, 2]);
         assert_eq!(supports(|radius| Filter::Tent { radius }), [0, 0, 1, 1, 2, 2]);

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_not_whole_are_told_from_negative_ones() {
+    fn fractional_and_negative_numbers_have_different_errors() {
         let rule = |word| match Reader::new(word).whole("x").unwrap_err().problem {
             Problem::BadValue { rule, .. } => rule,
             _ => "",
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vector_s_hint_is_its_own_only_where_there_is_no_other() {
+    fn a_vector_keeps_the_hint_of_its_number_if_there_is_one() {
         let hint = |text| Reader::new(text).vector("center").unwrap_err().hint.unwrap();
         assert_eq!(hint("1 2 }"), "`center` takes three numbers");
         assert!(hint("1 2#3").contains("comment"));

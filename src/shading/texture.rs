@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn parity_is_mathematical_also_below_zero() {
+    fn parity_is_right_below_zero() {
         let t = texture(Pattern::Checkerboard, [0, 1]);
         for (point, first) in [
             (DVec3::new(0.5, 0.5, 0.5), 1.0),
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_of_a_checkerboard_is_its_material_itself() {
+    fn a_square_of_a_checkerboard_borrows_its_material() {
         let phong = |diffuse| Material::Phong(Phong { diffuse, ..Phong::default() });
         let board = Material::Texture(texture(Pattern::Checkerboard, [0, 1]));
         let materials = [phong(Color::X), phong(Color::Y), board];

@@ -159,7 +159,7 @@ fn errors(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
     ([1, !textbook as u64, wrong as u64, !bent as u64, lost as u64], error)
 }
 
-/// The largest error of t that samples may have. `is_well_seen` has a derivation for 320.
+/// The largest error of t that samples may have. `is_interpolation_accurate` has a derivation for 320.
 const MOST_ROUNDINGS: f64 = 16.0;
 
 #[test]

@@ -1,4 +1,4 @@
-//! The fast reader against the full one.
+//! Compares the fast parser with the full one.
 
 use super::*;
 use crate::scene::mesh::{Mesh, parse_obj_fully};
@@ -7,7 +7,7 @@ fn read(text: &str) -> Option<Mesh> {
     parse(text.as_bytes()).map(|(vertices, triangles)| Mesh { vertices, triangles })
 }
 
-/// That two meshes have the same triangles, bit by bit, and no more vertices than one another.
+/// Asserts that two meshes have the same triangles, bit by bit, and as many vertices.
 fn assert_same(one: &Mesh, other: &Mesh, text: &str) {
     let bits = |m: &Mesh| {
         let corners = m.triangles.as_flattened().iter().map(|&corner| m.vertices[corner as usize]);
@@ -17,18 +17,18 @@ fn assert_same(one: &Mesh, other: &Mesh, text: &str) {
 }
 
 #[test]
-fn agrees_with_the_full_reader() {
+fn agrees_with_the_full_parser() {
     let texts = [
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_owned(),
         "# a comment\r\nv -0.1 .5 1.\r\nv 1e-3 2E5 -1.25e+2 \r\n\r\nv 0 1 0\r\nf 3 2 1\r\nf  1 2 3"
             .to_owned(),
         "v 0.1234567890123456789 12345678901234567890 0.000001\nv 1 -0 3\nv 3 4 5\nf 2 3 1".to_owned(),
-        // Around the largest value that is exact, and the most digits.
+        // Numbers around the largest exact value, and with the largest number of digits.
         "v 9007199254740992 9007199254740993 900719925474.0993\nv 0.1234567890123456 0.9007199254740993 -0\n\
          v 0.000000000000000001 0.0000000000000000001 12345678.12345678\nf 1 2 3"
             .to_owned(),
         "f 1 2 3\nv 1 2 3\nv 2 3 4\nv 9 9 9\nv 3 4 5\nf 4 2 1".to_owned(),
-        // Some vertices unused: between others and at both ends.
+        // Some vertices are unused, between others and at both ends.
         "v 9 9 9\nv 1 2 3\nv 8 8 8\nv 2 3 4\nv 3 4 5\nv 7 7 7\nf 5 2 4".to_owned(),
         "v 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\nv 5 0 0\nf 2 3 1\nf 5 5 2".to_owned(),
     ];
@@ -38,7 +38,7 @@ fn agrees_with_the_full_reader() {
 }
 
 #[test]
-fn leaves_to_the_full_reader_what_it_does_not_know() {
+fn rejects_what_only_the_full_parser_reads() {
     const GOOD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     assert!(parse(GOOD.as_bytes()).is_some());
     for line in [
@@ -90,7 +90,7 @@ fn chunks_end_with_lines_and_are_no_longer_than_needed() {
 }
 
 #[test]
-fn a_chunk_is_a_share_of_the_text_within_bounds() {
+fn the_size_of_chunks_is_proportional_to_the_text_within_bounds() {
     let size = |threads, length| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| chunk_size(length))
@@ -114,12 +114,12 @@ fn a_text_of_many_chunks_is_read_whole() {
 #[test]
 fn runs_of_digits_of_every_length() {
     let all = b"12345678901234567890123";
-    for behind in [&b""[..], b" ", b".", b" 2345678901"] {
+    for after in [&b""[..], b" ", b".", b" 2345678901"] {
         for length in 0..=19 {
-            let text = [&all[..length], behind].concat();
+            let text = [&all[..length], after].concat();
             let value = all[..length].iter().fold(0, |sum: u64, digit| 10 * sum + u64::from(digit - b'0'));
-            assert_eq!(digits(&text, 0), (value, length, behind));
-            assert_eq!(many_digits(&text, 0), (value, length, behind));
+            assert_eq!(digits(&text, 0), (value, length, after));
+            assert_eq!(many_digits(&text, 0), (value, length, after));
         }
     }
     assert_eq!(digits(b"345 7 9 1", 12).0, 12345);
