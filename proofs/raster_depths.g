@@ -12,7 +12,8 @@
 # times its error bound, so the true V is at least 1 - 1 / VOLUME_CLEARANCE, whose inverse is `ratio`. The part of
 # the bound that is proportional to n covers the error of V; it is multiplied by the computed n, which differs from
 # the true one by a fraction of 1 / VOLUME_CLEARANCE. VOLUME_ROUNDINGS exceeds the 8 roundings of V by a larger
-# fraction, as the second line of the goal shows. The inverse of V has one more rounding, r, relative to n <= 3 R^2 L / V.
+# fraction, as the second line of the goal shows. The inverse of V has one more rounding, r, relative to
+# n <= 3 R^2 L / V.
 #
 # The n of a plane is (normal.D) / ahead, where ahead is its distance from the eye, and the ray's test computes
 # t = ahead / (normal.d) with the same number. The roundings are 3 for the product of normal and direction, 2 for the

@@ -124,8 +124,8 @@ fn the_filter_is_never_wrong() {
         let mut block: Block = bytemuck::Zeroable::zeroed();
         let all_within = frame.holds(&world.bounds);
         block.fill(&world, &frame, all_within, &std::array::from_fn(|lane| lane as u32));
-        let mut without_margin = block;
-        without_margin.error_bounds = FilterErrorBounds { edge: 0.0, depth: 0.0 };
+        let mut without_bounds = block;
+        without_bounds.error_bounds = FilterErrorBounds { edge: 0.0, depth: 0.0 };
         let mut counts = [0; 4];
         for k in 0..RAYS_PER_BLOCK {
             let lane = rng.below(LANES);
@@ -144,15 +144,15 @@ fn the_filter_is_never_wrong() {
                 counts[1] += u64::from(verdict.possible.count_ones());
                 failures.note(wrong != 0, || format!("seed {SEED}, block {index}, ray {k}: {wrong} lanes"));
             }
-            let textbook = filter::test(Instructions::Portable, &without_margin, &single);
-            counts[2] += wrong_lanes(&textbook, &without_margin, &hits) as u64;
+            let textbook = filter::test(Instructions::Portable, &without_bounds, &single);
+            counts[2] += wrong_lanes(&textbook, &without_bounds, &hits) as u64;
             counts[3] += hits.iter().flatten().count() as u64;
         }
         (counts, [])
     };
-    let [wrong, open, textbook, hits] = measure::<4, 0>(blocks, one).0;
+    let [wrong, unsure, textbook, hits] = measure::<4, 0>(blocks, one).0;
     let pairs = blocks * RAYS_PER_BLOCK * LANES as u64;
-    println!("{pairs} pairs, {hits} hits, {open} left open; wrong: {wrong}, without a margin {textbook}");
+    println!("{pairs} pairs, {hits} hits, {unsure} unsure; wrong: {wrong}, without error bounds {textbook}");
     assert_eq!(wrong, 0);
     assert!(textbook > 0 && hits > pairs / 100, "the test tests nothing");
 }
@@ -245,7 +245,7 @@ fn case_19_no_rejection_is_wrong() {
         name: "no hit is rejected before the exact test",
         inputs: format!("{pairs} pairs of a ray at an edge or vertex and a triangle, {hits} of which hit"),
         measure: "hits that are lost",
-        textbook: format!("filtered by the same test in f32 without a margin: {textbook}"),
+        textbook: format!("filtered by the same test in f32 without error bounds: {textbook}"),
         ours: ours.to_string(),
         target: "0",
     }

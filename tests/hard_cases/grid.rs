@@ -81,7 +81,7 @@ pub fn conclude(case: u32, name: &str, n: u64, [ours, in_f64, in_f32, hits]: Cou
         inputs: format!("{n} rays, {hits} of which hit"),
         measure: "rays whose hit differs from brute force",
         textbook: format!(
-            "march without padding that ends in the first cell with a hit, on a fifth of the rays: {in_f64} in \
+            "DDA without padding that ends in the first cell with a hit, on a fifth of the rays: {in_f64} in \
              f64, {in_f32} in f32"
         ),
         ours: ours.to_string(),

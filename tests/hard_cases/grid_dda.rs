@@ -77,7 +77,7 @@ fn case_26_the_cells_along_a_ray() {
         let margin = margin(&Lattice::new(boxes[0], cells));
         ours.push(format!("{:.1e} of {margin:.1e} at {side}", errors[0]));
         theirs.push(format!(
-            "{:.1}% of rays beyond the margin at {side}, by up to {:.1e}, in f64 {:.1e}",
+            "{:.1}% of rays beyond the error bound at {side}, by up to {:.1e}, in f64 {:.1e}",
             100.0 * counts[2] as f64 / counts[0] as f64,
             errors[1],
             errors[2]
@@ -91,10 +91,10 @@ fn case_26_the_cells_along_a_ray() {
         basis: Basis::Proved,
         name: "cells along a ray, 64 to 4096 a side",
         inputs: format!("{inputs} rays"),
-        measure: "how far a cell is from where the ray is, in cells",
+        measure: "largest distance of a cell from the ray at the same t, in cells",
         textbook: format!("f32 accumulated: {}", theirs.join("; ")),
         ours: ours.join(", "),
-        target: "below the margin by which cells are widened",
+        target: "below the error bound by which cells are padded",
     }
     .write();
 }

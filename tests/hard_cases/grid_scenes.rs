@@ -138,8 +138,8 @@ fn rays_from_far_away_without_a_grid() {
 #[test]
 fn rays_from_far_away_into_flat_cells() {
     const SEED: u64 = 2031;
-    // The number of cells for which the product of the rounded cell size and its rounded inverse differs most
-    // from 1.
+    // The number of cells for which the product of the rounded cell size and its rounded inverse most exceeds
+    // 1.
     let cells = (80..130).map(|n| [1, 1, n]).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
     let cells = cells.expect("some number");
     let (world, targets) = pairs_at_faces(cells);

@@ -409,7 +409,7 @@ fn case_46_mirror_hall() {
         basis: Basis::Sampled,
         name: "two parallel mirrors, 10000 bounces",
         inputs: format!("{} bounces", inputs * BOUNCES),
-        measure: "largest drift, the mirrors being 1 apart; over the path's length for all slopes up to 45 degrees",
+        measure: "largest error, in units of the mirrors' distance; relative to the path's length for all slopes up to 45 degrees",
         textbook: format!("f32 with an offset of 1e-4 along the ray: {textbook:.1e}"),
         ours: format!("{ours:.1e}; {relative:.1e}"),
         target: "<= 1e-10",

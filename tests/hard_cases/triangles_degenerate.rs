@@ -351,7 +351,7 @@ fn case_18_the_order_of_the_vertices() {
         basis: Basis::Sampled,
         name: "vertices in all six orders",
         inputs: format!("{n} rays"),
-        measure: "hits that change; how far t moves, in units in the last place",
+        measure: "hits that change; largest change of t, in units in the last place",
         textbook: format!("Moeller-Trumbore f64: {textbook} hits change on a fifth of the rays"),
         ours: format!("{changed}; {apart}"),
         target: "0; 4",
