@@ -18,6 +18,7 @@ pub mod sampling;
 pub mod picture;
 pub mod render;
 pub mod image_io;
+pub mod compare;
 pub mod scene_io;
 pub mod renderer;
 pub mod cli;

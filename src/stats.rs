@@ -116,7 +116,7 @@ pub struct Report {
     pub threads: usize,
 }
 
-const RULE: &str = "********************************************";
+pub(crate) const RULE: &str = "********************************************";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -1,0 +1,237 @@
+//! The measures of a difference, and the block that shows them.
+
+use super::edges::EdgeMap;
+use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference};
+use crate::picture::Picture;
+use crate::stats::RULE;
+use std::fmt;
+
+/// How A differs from B. `Display` prints a block like that of the statistics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The first pixel with the largest difference, rows from the top; none if the pictures are equal.
+    pub largest: Option<LargestDifference>,
+    /// In levels, over all channels of all pixels.
+    pub root_mean_square_error: f64,
+    /// The mean error of LDR-FLIP, from 0 to 1.
+    pub mean_flip: f64,
+    /// How many of the pixels that differ lie on an edge of B or beside one.
+    pub differing_near_edges: u64,
+    /// How many pixels have this number of levels as the largest difference of a channel.
+    pixels_by_levels: [u64; 256],
+}
+
+/// A pixel whose difference no other pixel exceeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LargestDifference {
+    /// Column and row from the top left.
+    pub at: [u32; 2],
+    /// The largest difference of a channel.
+    pub levels: u8,
+    /// The pixel's red, green and blue in A.
+    pub a: [u8; 3],
+    /// The pixel's red, green and blue in B.
+    pub b: [u8; 3],
+}
+
+impl Comparison {
+    /// Compares picture `a` with the reference `b`. Different sizes are an error.
+    pub fn new(a: &Picture, b: &Picture) -> Result<Self, CompareError> {
+        let mean_flip = Flip::default().mean(a, b)?;
+        let mut comparison = Self { mean_flip, ..Self::of_equals(common_size(a, b)?) };
+        let edges = EdgeMap::new(b);
+        let mut squares = 0;
+        for (index, (&a, &b)) in colors(a).iter().zip(colors(b)).enumerate().filter(|(_, (a, b))| a != b) {
+            squares += sum_of_squares(a, b);
+            comparison.add(index, a, b, &edges);
+        }
+        comparison.pixels_by_levels[0] = comparison.pixels() - comparison.pixels_that_differ();
+        comparison.root_mean_square_error = (squares as f64 / (3 * comparison.pixels()) as f64).sqrt();
+        Ok(comparison)
+    }
+
+    fn of_equals(size: [u32; 2]) -> Self {
+        Self {
+            size,
+            largest: None,
+            root_mean_square_error: 0.0,
+            mean_flip: 0.0,
+            differing_near_edges: 0,
+            pixels_by_levels: [0; 256],
+        }
+    }
+
+    /// Counts a pixel that differs.
+    fn add(&mut self, index: usize, a: Rgb, b: Rgb, edges: &EdgeMap) {
+        let width = self.size[0] as usize;
+        let [x, y] = [index % width, index / width];
+        let levels = largest_channel_difference(a, b);
+        self.pixels_by_levels[usize::from(levels)] += 1;
+        self.differing_near_edges += u64::from(edges.is_near_edge(x, y));
+        if self.largest.is_none_or(|largest| largest.levels < levels) {
+            self.largest = Some(LargestDifference { at: [x as u32, y as u32], levels, a, b });
+        }
+    }
+
+    /// In each picture.
+    pub fn pixels(&self) -> u64 {
+        self.size.map(u64::from).into_iter().product()
+    }
+
+    /// Those that differ at all.
+    pub fn pixels_that_differ(&self) -> u64 {
+        self.pixels_differing_by_more_than(0)
+    }
+
+    /// Those with a channel that differs by more than `levels`.
+    pub fn pixels_differing_by_more_than(&self, levels: u8) -> u64 {
+        self.pixels_by_levels.iter().skip(usize::from(levels) + 1).sum()
+    }
+
+    /// The peak signal-to-noise ratio in dB; infinite if the pictures are equal.
+    pub fn psnr(&self) -> f64 {
+        20.0 * libm::log10(255.0 / self.root_mean_square_error)
+    }
+}
+
+fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
+    a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.size;
+        let counted = |count| format!("{count} ({})", percent(count, self.pixels()));
+        let differing = self.pixels_that_differ();
+        let lines = [
+            ("size", format!("{width}x{height}")),
+            ("pixels that differ", counted(differing)),
+            ("by more than one level", counted(self.pixels_differing_by_more_than(1))),
+            ("largest difference", self.largest.map_or("0".into(), |largest| largest.to_string())),
+            ("root mean square error", format!("{:.6} levels", self.root_mean_square_error)),
+            ("PSNR", format!("{:.2} dB", self.psnr())),
+            ("mean FLIP", format!("{:.6}", self.mean_flip)),
+            ("differing beside an edge", percent(self.differing_near_edges, differing)),
+        ];
+        writeln!(f, "{RULE}\nPICTURE COMPARISON")?;
+        lines.into_iter().try_for_each(|(label, value)| writeln!(f, "  {label:<27}{value}"))?;
+        writeln!(f, "{RULE}")
+    }
+}
+
+impl fmt::Display for LargestDifference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at: [x, y], levels, a, b } = self;
+        let color = |[red, green, blue]: &Rgb| format!("({red}, {green}, {blue})");
+        write!(f, "{levels} at ({x}, {y}): {} against {}", color(a), color(b))
+    }
+}
+
+/// Four decimals, so that one pixel in a million shows; `NULL` of nothing, as in the statistics.
+fn percent(part: u64, whole: u64) -> String {
+    match whole {
+        0 => "NULL".to_owned(),
+        _ => format!("{:.4}%", 100.0 * part as f64 / whole as f64),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 5 by 4 pixels: grey on the left, white in the last column.
+    fn reference() -> Picture {
+        let rows = [[100; 12].as_slice(), &[255; 3]].concat().repeat(4);
+        Picture::from_rgb(5, 4, rows)
+    }
+
+    fn changed(changes: &[(usize, usize, Rgb)]) -> Picture {
+        let mut bytes = reference().pixels().to_vec();
+        for &(x, y, color) in changes {
+            bytes[(y * 5 + x) * 3..][..3].copy_from_slice(&color);
+        }
+        Picture::from_rgb(5, 4, bytes)
+    }
+
+    fn comparison(changes: &[(usize, usize, Rgb)]) -> Comparison {
+        Comparison::new(&changed(changes), &reference()).unwrap()
+    }
+
+    #[test]
+    fn pixels_are_counted_by_their_largest_channel() {
+        let found = comparison(&[(0, 0, [101, 99, 100]), (1, 0, [100, 98, 101]), (2, 0, [90, 100, 110])]);
+        let counts = [0, 1, 2, 9, 10, 255].map(|levels| found.pixels_differing_by_more_than(levels));
+        assert_eq!(counts, [3, 2, 1, 1, 0, 0]);
+        assert_eq!((found.pixels(), found.pixels_that_differ()), (20, 3));
+        assert_eq!(found.pixels_by_levels.iter().sum::<u64>(), 20);
+    }
+
+    #[test]
+    fn of_equally_large_differences_the_first_from_the_top_left_is_named() {
+        let found = comparison(&[(3, 1, [100, 130, 100]), (0, 2, [70, 100, 100]), (1, 0, [100, 100, 129])]);
+        let expected = LargestDifference { at: [3, 1], levels: 30, a: [100, 130, 100], b: [100; 3] };
+        assert_eq!(found.largest, Some(expected));
+    }
+
+    #[test]
+    fn the_error_is_over_all_channels() {
+        let found = comparison(&[(1, 1, [103, 96, 100])]);
+        assert_eq!(found.root_mean_square_error, (25.0_f64 / 60.0).sqrt());
+        let mean_square = found.root_mean_square_error.powi(2);
+        assert!((found.psnr() - 10.0 * (255.0_f64.powi(2) / mean_square).log10()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn edges_are_those_of_the_reference() {
+        // The edge is between columns 3 and 4; columns 2 to 4 are within one pixel of it.
+        let found = comparison(&[(0, 0, [0; 3]), (1, 0, [99; 3]), (2, 0, [99; 3]), (4, 3, [0; 3])]);
+        assert_eq!(found.differing_near_edges, 2);
+    }
+
+    #[test]
+    fn sizes_that_differ_are_named() {
+        let error = Comparison::new(&Picture::new(7, 3).unwrap(), &reference()).unwrap_err();
+        assert_eq!(error.to_string(), "the pictures differ in size: 7 x 3 pixels against 5 x 4");
+        assert!(Comparison::new(&Picture::new(4, 5).unwrap(), &reference()).is_err());
+    }
+
+    #[test]
+    fn the_block_of_a_difference() {
+        let found = comparison(&[(1, 2, [140, 100, 70]), (3, 3, [100, 101, 100])]);
+        let found = Comparison { mean_flip: 0.0123456, ..found };
+        let expected = "\
+********************************************
+PICTURE COMPARISON
+  size                       5x4
+  pixels that differ         2 (10.0000%)
+  by more than one level     1 (5.0000%)
+  largest difference         40 at (1, 2): (140, 100, 70) against (100, 100, 100)
+  root mean square error     6.456263 levels
+  PSNR                       31.93 dB
+  mean FLIP                  0.012346
+  differing beside an edge   50.0000%
+********************************************
+";
+        assert_eq!(found.to_string(), expected);
+    }
+
+    #[test]
+    fn the_block_of_equal_pictures() {
+        let expected = "\
+********************************************
+PICTURE COMPARISON
+  size                       5x4
+  pixels that differ         0 (0.0000%)
+  by more than one level     0 (0.0000%)
+  largest difference         0
+  root mean square error     0.000000 levels
+  PSNR                       inf dB
+  mean FLIP                  0.000000
+  differing beside an edge   NULL
+********************************************
+";
+        assert_eq!(comparison(&[]).to_string(), expected);
+    }
+}

@@ -1,0 +1,128 @@
+//! The colour spaces of FLIP.
+
+use glam::{DMat3, DVec3};
+
+/// From linear sRGB to CIE XYZ under the illuminant D65, as in the reference implementation.
+const TO_XYZ: [[f64; 3]; 3] = [
+    [10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0],
+    [2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0],
+    [1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0],
+];
+
+/// Conversions from sRGB to YCxCz, in which the eye's blur is applied, and on to a space in which
+/// distances are perceived differences.
+#[derive(Clone, Debug)]
+pub struct ColorSpace {
+    /// The linear value of each byte of sRGB.
+    linear: [f64; 256],
+    /// From linear sRGB to XYZ, relative to the white of the illuminant.
+    to_relative_xyz: DMat3,
+    from_relative_xyz: DMat3,
+}
+
+impl Default for ColorSpace {
+    fn default() -> Self {
+        let to_xyz = DMat3::from_cols_array_2d(&TO_XYZ).transpose();
+        let white = to_xyz * DVec3::ONE;
+        let to_relative_xyz = DMat3::from_diagonal(white.recip()) * to_xyz;
+        Self {
+            linear: std::array::from_fn(|byte| linear(byte as f64 / 255.0)),
+            to_relative_xyz,
+            from_relative_xyz: to_relative_xyz.inverse(),
+        }
+    }
+}
+
+impl ColorSpace {
+    /// Achromatic, red-green and blue-yellow, all of them linear in the light.
+    pub fn to_ycxcz(&self, rgb: [u8; 3]) -> DVec3 {
+        opponent(self.to_relative_xyz * DVec3::from_array(rgb.map(|byte| self.linear[usize::from(byte)])))
+    }
+
+    /// From YCxCz to L*a*b*, whose chroma is then scaled by the lightness (the Hunt effect: colours
+    /// look more vivid in bright light). Colours beyond those of sRGB are clamped to it.
+    pub fn to_perceived(&self, ycxcz: DVec3) -> DVec3 {
+        let rgb = self.from_relative_xyz * relative_xyz(ycxcz);
+        self.linear_to_perceived(rgb.clamp(DVec3::ZERO, DVec3::ONE))
+    }
+
+    fn linear_to_perceived(&self, rgb: DVec3) -> DVec3 {
+        let xyz = self.to_relative_xyz * rgb;
+        let lab = opponent(DVec3::from_array(xyz.to_array().map(compressed)));
+        DVec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
+    }
+
+    /// Between green and blue, the two colours of sRGB that are farthest apart.
+    pub fn largest_difference(&self) -> f64 {
+        distance(self.linear_to_perceived(DVec3::Y), self.linear_to_perceived(DVec3::Z))
+    }
+}
+
+/// The HyAB distance: city block between lightness and chroma, Euclidean within chroma.
+pub fn distance(a: DVec3, b: DVec3) -> f64 {
+    let difference = a - b;
+    difference.x.abs() + (difference.y * difference.y + difference.z * difference.z).sqrt()
+}
+
+/// The transfer function of sRGB.
+fn linear(encoded: f64) -> f64 {
+    match encoded <= 0.04045 {
+        true => encoded / 12.92,
+        false => libm::pow((encoded + 0.055) / 1.055, 2.4),
+    }
+}
+
+/// The axes of L*a*b* from X, Y and Z; without the compression, those of YCxCz.
+fn opponent(xyz: DVec3) -> DVec3 {
+    DVec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
+}
+
+/// The inverse of [`opponent`].
+fn relative_xyz(axes: DVec3) -> DVec3 {
+    let y = (axes.x + 16.0) / 116.0;
+    DVec3::new(y + axes.y / 500.0, y, y - axes.z / 200.0)
+}
+
+/// The cube root of L*a*b*, with its linear part near black.
+fn compressed(value: f64) -> f64 {
+    const DELTA: f64 = 6.0 / 29.0;
+    match value > DELTA * DELTA * DELTA {
+        true => libm::cbrt(value),
+        false => value / (3.0 * DELTA * DELTA) + 4.0 / 29.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn greys_have_no_chroma() {
+        let space = ColorSpace::default();
+        for byte in [0, 1, 10, 11, 128, 255] {
+            let perceived = space.to_perceived(space.to_ycxcz([byte; 3]));
+            assert!(perceived.y.abs() < 1e-9 && perceived.z.abs() < 1e-9, "{byte}: {perceived}");
+        }
+        let white = space.to_perceived(space.to_ycxcz([255; 3]));
+        assert!((white.x - 100.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_two_corners_of_the_cube_are_farther_apart_than_green_and_blue() {
+        let space = ColorSpace::default();
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: u8| {
+            let rgb = [0, 1, 2].map(|channel| if corner >> channel & 1 == 1 { 255 } else { 0 });
+            space.to_perceived(space.to_ycxcz(rgb))
+        });
+        for a in corners {
+            assert!(corners.iter().all(|&b| distance(a, b) <= space.largest_difference() + 1e-9));
+        }
+    }
+
+    #[test]
+    fn the_compression_is_continuous_with_a_continuous_slope() {
+        let joint = (6.0_f64 / 29.0).powi(3);
+        let [below, at, above] = [-1e-6, 0.0, 1e-6].map(|step| compressed(joint + step));
+        assert!((above - 2.0 * at + below).abs() < 1e-9);
+    }
+}

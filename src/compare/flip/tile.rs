@@ -1,0 +1,142 @@
+//! Parts of a picture that fit into a core's cache.
+
+use super::Flip;
+use super::filter::{Kernel, LANES};
+use glam::{DVec2, DVec3};
+
+/// Pixels per side of the largest tile, a multiple of [`LANES`]. The filters read a border around each tile, which makes
+/// smaller ones slow; larger ones leave less to skip where pictures are equal.
+const LARGEST: usize = 64;
+
+/// A rectangle of a picture, from its top left.
+#[derive(Clone, Copy, Debug)]
+pub struct Tile {
+    x: usize,
+    y: usize,
+    pub width: usize,
+    pub height: usize,
+}
+
+/// Nearly equal tiles that cover a picture, row by row.
+pub fn tiles(width: usize, height: usize) -> impl Iterator<Item = Tile> {
+    parts(height)
+        .flat_map(move |(y, height)| parts(width).map(move |(x, width)| Tile { x, y, width, height }))
+}
+
+/// Start and length of each part of a side. Parts start at multiples of the number of SIMD lanes, so
+/// that all but the last have no rest.
+fn parts(side: usize) -> impl Iterator<Item = (usize, usize)> {
+    let count = side.div_ceil(LARGEST);
+    let start =
+        move |part: usize| if part < count { (side * part / count).next_multiple_of(LANES) } else { side };
+    (0..count).map(move |part| (start(part), start(part + 1) - start(part)))
+}
+
+/// A tile and the pixels within a radius around it; beyond the picture, its outermost pixels repeat.
+#[derive(Debug, PartialEq)]
+pub struct Window {
+    radius: usize,
+    width: usize,
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Tile {
+    /// The tile's part of a picture of this width.
+    pub fn window(&self, picture_width: usize, pixels: &[[u8; 3]], radius: usize) -> Window {
+        let around = |start: usize, length: usize, side: usize| {
+            (start..start + length + 2 * radius).map(move |at| at.saturating_sub(radius).min(side - 1))
+        };
+        let rows = around(self.y, self.height, pixels.len() / picture_width);
+        let pixels = rows.flat_map(|y| {
+            let row = &pixels[y * picture_width..][..picture_width];
+            around(self.x, self.width, picture_width).map(|x| row[x])
+        });
+        Window { radius, width: self.width + 2 * radius, pixels: pixels.collect() }
+    }
+}
+
+/// What the eye makes of a tile: planes of one number per pixel.
+pub struct FilteredTile {
+    /// Y and Cx, and the two parts that add up to Cz.
+    colors: [Vec<f64>; 4],
+    /// Horizontal and vertical derivative, of the first order and of the second.
+    derivatives: [[Vec<f64>; 2]; 2],
+}
+
+impl FilteredTile {
+    /// In YCxCz.
+    pub fn color(&self, pixel: usize) -> DVec3 {
+        let [y, cx, cz, more_cz] = self.colors.each_ref().map(|plane| plane[pixel]);
+        DVec3::new(y, cx, cz + more_cz)
+    }
+
+    /// How much of an edge and of a point the pixel is.
+    pub fn features(&self, pixel: usize) -> DVec2 {
+        let magnitude = |[across, down]: &[Vec<f64>; 2]| DVec2::new(across[pixel], down[pixel]).length();
+        DVec2::from_array(self.derivatives.each_ref().map(magnitude))
+    }
+}
+
+impl Flip {
+    /// Filters the middle of a window.
+    pub fn filtered(&self, window: &Window, tile: &Tile) -> FilteredTile {
+        let colors: Vec<DVec3> = window.pixels.iter().map(|&rgb| self.colors.to_ycxcz(rgb)).collect();
+        let plane = |value: fn(&DVec3) -> f64| colors.iter().map(value).collect::<Vec<f64>>();
+        let [y, cx, cz] = [plane(|color| color.x), plane(|color| color.y), plane(|color| color.z)];
+        let luminance = plane(|color| (color.x + 16.0) / 116.0);
+        let filtered =
+            |plane: &[f64], across: &Kernel, down: &Kernel| separable(plane, window, tile, [across, down]);
+        let ([for_y, for_cx], [for_cz, for_more_cz]) = (&self.spatial.gaussians, &self.spatial.blue_yellow);
+        let gaussian = &self.features.gaussian;
+        FilteredTile {
+            colors: [(&y, for_y), (&cx, for_cx), (&cz, for_cz), (&cz, for_more_cz)]
+                .map(|(plane, kernel)| filtered(plane, kernel, kernel)),
+            derivatives: self.features.derivatives.each_ref().map(|derivative| {
+                [filtered(&luminance, derivative, gaussian), filtered(&luminance, gaussian, derivative)]
+            }),
+        }
+    }
+}
+
+/// The tile's pixels after a filter along rows and one along columns.
+fn separable(plane: &[f64], window: &Window, tile: &Tile, [across, down]: [&Kernel; 2]) -> Vec<f64> {
+    let [left, top] = [across, down].map(|kernel| window.radius - kernel.radius());
+    let mut rows = vec![0.0; tile.width * (tile.height + 2 * down.radius())];
+    let windows = plane[top * window.width..].chunks_exact(window.width);
+    for (row, values) in rows.chunks_exact_mut(tile.width).zip(windows) {
+        across.convolve(&values[left..], 1, row);
+    }
+    let mut filtered = vec![0.0; tile.width * tile.height];
+    for (row, y) in filtered.chunks_exact_mut(tile.width).zip(0..) {
+        down.convolve(&rows[y * tile.width..], tile.width, row);
+    }
+    filtered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_each_pixel_once() {
+        for (width, height) in [(1, 1), (64, 65), (200, 3), (129, 130)] {
+            let mut covered = vec![0; width * height];
+            for tile in tiles(width, height) {
+                assert!(tile.width <= LARGEST && tile.height <= LARGEST);
+                let rows = tile.y..tile.y + tile.height;
+                rows.for_each(|y| {
+                    covered[y * width + tile.x..][..tile.width].iter_mut().for_each(|n| *n += 1)
+                });
+            }
+            assert!(covered.iter().all(|&times| times == 1), "{width} x {height}");
+        }
+    }
+
+    #[test]
+    fn a_window_repeats_the_outermost_pixels() {
+        let pixels: Vec<[u8; 3]> = (0..6).map(|i| [i; 3]).collect();
+        let window = Tile { x: 1, y: 0, width: 2, height: 1 }.window(3, &pixels, 1);
+        let levels: Vec<u8> = window.pixels.iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(levels, [0, 1, 2, 2, 0, 1, 2, 2, 3, 4, 5, 5]);
+    }
+}
