@@ -1,6 +1,7 @@
 //! What can go wrong with a picture.
 
 use crate::escape::{escape, quoted};
+use crate::picture::BadSize;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
@@ -44,6 +45,39 @@ pub enum ImageError {
         /// In pixels.
         height: usize,
     },
+    /// A picture to read is a folder, a pipe or a device.
+    NotAFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file ends before its picture's size is known.
+    NoHeader {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot hold, or does not hold, as many pixels as it says.
+    Short {
+        /// The file.
+        path: PathBuf,
+        /// In pixels.
+        width: u32,
+        /// In pixels.
+        height: u32,
+    },
+    /// A TGA file of a type that is not in use.
+    TgaType {
+        /// The file.
+        path: PathBuf,
+        /// The third byte of the file.
+        image_type: u8,
+    },
+    /// A picture to read is larger than there is memory for.
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// The picture's size.
+        size: BadSize,
+    },
 }
 
 impl ImageError {
@@ -72,6 +106,15 @@ impl fmt::Display for ImageError {
             Self::Sides { path, width, height } => {
                 write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
             }
+            Self::NotAFile { path } => write!(f, "cannot read {}: it is not a regular file", shown(path)),
+            Self::NoHeader { path } => write!(f, "cannot read {}: it ends within its header", shown(path)),
+            Self::Short { path, width, height } => {
+                write!(f, "cannot read {}: it is too short for {width} x {height} pixels", shown(path))
+            }
+            Self::TgaType { path, image_type } => {
+                write!(f, "cannot read {}: TGA of type {image_type} is not supported", shown(path))
+            }
+            Self::Memory { path, size } => write!(f, "cannot read {}: {size}", shown(path)),
         }
     }
 }

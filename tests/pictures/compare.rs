@@ -21,7 +21,8 @@ pub fn files(expected: &Path, actual: &Path, name: &str) -> Result<(), String> {
     if fs::read(expected).is_ok_and(|wanted| wanted == made) {
         return Ok(());
     }
-    let read = |path| image_io::read(path).map_err(|error| format!("{name}: {error} (BLESS=1 writes it)"));
+    let read =
+        |path| image_io::read_picture(path).map_err(|error| format!("{name}: {error} (BLESS=1 writes it)"));
     let (expected, actual) = (read(expected)?, read(actual)?);
     let shown = failure_folder().join(Path::new(name).with_extension("png"));
     show(&side_by_side(&expected, &actual), &shown)?;
@@ -145,7 +146,7 @@ mod tests {
         let expected = "self_test.tga: 2 pixels differ, at worst by 99, at column 0, row 0 from the top left";
         assert!(why.starts_with(expected), "{why}");
         let shown = failure_folder().join("self_test.png");
-        assert_eq!(image_io::read(&shown).unwrap().width(), 20);
+        assert_eq!(image_io::read_picture(&shown).unwrap().width(), 20);
         fs::remove_file(shown).unwrap();
         assert!(files(&path("none.tga"), &path("a.tga"), "none.tga").unwrap_err().contains("BLESS=1"));
         assert!(files(&path("a.tga"), &path("none.tga"), "none.tga").unwrap_err().contains("not written"));

@@ -1,6 +1,6 @@
 //! Picture files: their bytes, and what is left on disk when writing them succeeds or fails.
 
-use raytracer::image_io::{Format, ImageError, OutputFile, read};
+use raytracer::image_io::{Format, ImageError, OutputFile, read_picture};
 use raytracer::picture::Picture;
 use std::fs;
 use std::path::Path;
@@ -61,9 +61,9 @@ fn both_formats_come_back_as_written() {
     for name in ["a.tga", "a.png", "B.TGA", "b.Png"] {
         let path = folder.path().join(name);
         write(&path, &sample()).unwrap();
-        assert_eq!(read(&path).unwrap(), sample(), "{name}");
+        assert_eq!(read_picture(&path).unwrap(), sample(), "{name}");
     }
-    assert_eq!(read(&folder.path().join("a.png")).unwrap().get(0, 0), Some([255, 0, 0]));
+    assert_eq!(read_picture(&folder.path().join("a.png")).unwrap().get(0, 0), Some([255, 0, 0]));
     assert_eq!(fs::read(folder.path().join("a.png")).unwrap()[..4], *b"\x89PNG");
 }
 
@@ -96,7 +96,7 @@ fn a_failed_write_leaves_the_old_picture_and_no_other_file() {
     let expected = format!("cannot write `{}`: 65536 x 1 is above 65535 pixels a side", path.display());
     assert_eq!(error.to_string(), expected);
     assert_eq!(names(&folder), ["a.tga"]);
-    assert_eq!(read(&path).unwrap(), sample());
+    assert_eq!(read_picture(&path).unwrap(), sample());
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn unreadable_pictures_are_one_line() {
     let bytes = fs::read(folder.path().join("cut.tga")).unwrap();
     fs::write(folder.path().join("cut.tga"), &bytes[..30]).unwrap();
     for name in ["text.png", "short.tga", "cut.tga", "missing.tga", "a.jpg"] {
-        let shown = read(&folder.path().join(name)).unwrap_err().to_string();
+        let shown = read_picture(&folder.path().join(name)).unwrap_err().to_string();
         assert!(shown.contains(name) && shown.lines().count() == 1, "{shown}");
     }
 }
@@ -177,7 +177,7 @@ mod unix {
         for _ in 0..2 {
             write(&link, &sample()).unwrap();
             assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-            assert_eq!(read(&link).unwrap(), sample());
+            assert_eq!(read_picture(&link).unwrap(), sample());
         }
         assert_eq!((names(&folder), names(&other)), (vec!["a.tga".into()], vec!["b".into()]));
     }
@@ -237,5 +237,20 @@ mod unix {
         write(&path, &sample()).unwrap();
         assert_eq!(reader.join().unwrap().len(), 18 + 18);
         assert!(!fs::metadata(&path).unwrap().is_file());
+    }
+    #[test]
+    fn a_pipe_is_not_read() {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("a.tga");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        // A reader that opens the pipe regardless finds its end rather than waiting for ever.
+        let writer = std::thread::spawn({
+            let path = path.clone();
+            move || fs::write(path, "").unwrap()
+        });
+        assert!(matches!(read_picture(&path), Err(ImageError::NotAFile { .. })));
+        fs::read(&path).unwrap();
+        writer.join().unwrap();
     }
 }

@@ -38,8 +38,8 @@ fn the_first_command_renders_the_front_picture() {
         |word: &str| if word.starts_with("scenes/") { root.join(word).into() } else { OsString::from(word) };
     finish(&mut program(folder.path(), line.split_whitespace().map(full))).ok();
     let made = line.split_whitespace().find(|word| word.ends_with(".png")).expect("a picture");
-    let [expected, actual] =
-        [root.join(front), folder.path().join(made)].map(|path| image_io::read(&path).expect("a picture"));
+    let [expected, actual] = [root.join(front), folder.path().join(made)]
+        .map(|path| image_io::read_picture(&path).expect("a picture"));
     assert!(expected == actual, "{front} is not what `{line}` renders");
 }
 

@@ -151,7 +151,7 @@ fn png_and_tga_hold_the_same_pixels() {
     folder.run("-input s.txt -size 9 7 -output a.png -normals n.tga").ok();
     for name in ["a", "n"] {
         let [tga, png] = ["tga", "png"].map(|end| folder.path().join(name).with_extension(end));
-        assert_eq!(image_io::read(&tga).unwrap(), image_io::read(&png).unwrap());
+        assert_eq!(image_io::read_picture(&tga).unwrap(), image_io::read_picture(&png).unwrap());
     }
 }
 
