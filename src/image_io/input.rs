@@ -12,6 +12,9 @@ use std::path::Path;
 
 /// The most bytes that a decoded picture may take.
 const MOST_BYTES: u64 = 1 << 29;
+/// The most bytes for a row of a PNG file and what else it holds, such as a colour profile, which may
+/// be deflated.
+const MOST_PNG_EXTRA_BYTES: u64 = 1 << 26;
 /// A byte of a deflated stream stands for no more than 1032 bytes, and a byte of these for no more
 /// than eight pixels.
 const MOST_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
@@ -53,7 +56,7 @@ struct InputFile<'a> {
 impl InputFile<'_> {
     fn read_png(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
         let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(MOST_BYTES);
+        limits.max_alloc = Some(MOST_PNG_EXTRA_BYTES);
         let decoder = PngDecoder::with_limits(reader, limits).map_err(|error| self.coding(error))?;
         self.decode(decoder, self.length.saturating_mul(MOST_PNG_PIXELS_PER_BYTE))
     }

@@ -130,9 +130,8 @@ fn sizes_that_the_file_cannot_hold_are_found_before_there_is_memory_for_them() {
     }
     let file = png([65535, 65535], 8, 2, &[], &[&[0; 100]]);
     assert_eq!(folder.complaint("a.png", &file), expected("a.png"));
-    assert!(
-        folder.complaint("a.png", &png([i32::MAX as u32; 2], 16, 6, &[], &[])).starts_with("cannot read")
-    );
+    let wide = folder.complaint("a.png", &png([i32::MAX as u32, 1], 16, 6, &[], &[]));
+    assert!(wide.contains("limit"), "{wide}");
 }
 
 #[test]
