@@ -44,7 +44,7 @@ fn amplification(largest: u8) -> u8 {
 /// A black picture with room for the panels and the gaps.
 fn canvas([width, height]: [u32; 2]) -> Result<Picture, BadSize> {
     let total = width.checked_mul(3).and_then(|panels| panels.checked_add(2 * GAP as u32));
-    Picture::new(total.ok_or(BadSize { width: u32::MAX, height })?, height)
+    Picture::new(total.ok_or(BadSize { width: usize::MAX, height: height as usize })?, height)
 }
 
 /// One row of the canvas from the rows of A and B.

@@ -80,7 +80,10 @@ impl InputFile<'_> {
             return Err(self.short(width, height));
         }
         let bytes = Some(decoder.total_bytes()).filter(|&bytes| bytes <= MOST_BYTES);
-        let too_large = || ImageError::Memory { path: self.path.to_owned(), size: BadSize { width, height } };
+        let too_large = || ImageError::Memory {
+            path: self.path.to_owned(),
+            size: BadSize { width: width as usize, height: height as usize },
+        };
         let mut samples = bytes.and_then(zeros).ok_or_else(too_large)?;
         decoder.read_image(&mut samples).map_err(|error| match is_end_of_file(&error) {
             true => self.short(width, height),
