@@ -1,17 +1,58 @@
-//! A ray tracer that mirrors the one of MIT's 6.837 graphics course.
+//! A ray tracer that mirrors the one of MIT's 6.837 graphics course: it reads the course's scenes, and renders and
+//! counts as the course's program does, but exactly and in milliseconds.
+//!
+//! A [`Renderer`](renderer::Renderer) opens a scene once. It is prepared once for each grid, and then renders as often
+//! as one likes: other layers, other effects, a moved camera, or a window of the picture.
+//!
+//! ```
+//! use raytracer::grid::options::Resolution;
+//! use raytracer::mode::Fast;
+//! use raytracer::render::{Layer, Request, Window};
+//! use raytracer::renderer::Renderer;
+//! use raytracer::trace::{Effects, Shadows};
+//! use std::path::Path;
+//!
+//! let renderer = Renderer::open(Path::new("scenes/scene6_04_bunny_mesh_200.txt"))?;
+//! let size = [80, 60];
+//! // Chooses a grid that suits the scene and the number of camera rays.
+//! let prepared = renderer.prepare::<Fast>(Some(Resolution::Auto), size[0] * size[1])?;
+//!
+//! let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
+//! let layers = vec![Layer::Color, Layer::Normals];
+//! let request = Request { effects, layers, ..Request::new(size) };
+//! let pictures = prepared.render(&request)?;
+//! assert_eq!(pictures[0].size, size);
+//!
+//! // The colours of a window are those of the whole picture.
+//! let window = Window { x: 30, y: 20, width: 8, height: 5 };
+//! let part = prepared.render(&Request { window: Some(window), ..request })?;
+//! assert_eq!(part[0].colors[..8], pictures[0].colors[20 * 80 + 30..][..8]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
+//! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA and
+//! PNG files and reads pictures, and [`compare`] measures how two pictures differ.
 //!
 //! Data flows one way, and a module imports only from those before it in this list.
 
+#[doc(hidden)]
 pub mod escape;
+#[doc(hidden)]
 pub mod math;
 pub mod scene;
 pub mod mode;
 pub mod stats;
+#[doc(hidden)]
 pub mod primitive;
+#[doc(hidden)]
 pub mod world;
 pub mod grid;
+#[doc(hidden)]
 pub mod shading;
+#[doc(hidden)]
 pub mod camera;
+#[doc(hidden)]
 pub mod raster;
 pub mod trace;
 pub mod sampling;
@@ -21,4 +62,5 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+#[doc(hidden)]
 pub mod cli;

@@ -78,8 +78,13 @@ pub enum CliError {
         /// The flag.
         flag: &'static str,
     },
-    /// A command line without `-input`.
+    /// A command line without `-input` that does not compare two pictures either.
     InputNeeded,
+    /// A flag about a comparison, without a picture to compare.
+    ComparisonNeeded {
+        /// The flag.
+        flag: &'static str,
+    },
     /// Two flags that name the same output file.
     SameFile {
         /// The flag.
@@ -160,6 +165,9 @@ impl CliError {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
             Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
+            Self::ComparisonNeeded { flag } => {
+                format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
+            }
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
             }

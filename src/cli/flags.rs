@@ -10,6 +10,7 @@ pub(super) enum Section {
     Shading,
     Sampling,
     Grid,
+    Comparison,
     Statistics,
     Preview,
     Other,
@@ -17,11 +18,12 @@ pub(super) enum Section {
 
 impl Section {
     /// All sections, in the order of the help.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Pictures,
         Self::Shading,
         Self::Sampling,
         Self::Grid,
+        Self::Comparison,
         Self::Statistics,
         Self::Preview,
         Self::Other,
@@ -33,6 +35,7 @@ impl Section {
             Self::Shading => "Shading",
             Self::Sampling => "Sampling",
             Self::Grid => "Grid",
+            Self::Comparison => "Comparison",
             Self::Statistics => "Statistics",
             Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
             Self::Other => "Other",
@@ -116,6 +119,10 @@ pub(super) const FLAGS: &[&Flag] = &[
     &RENDER_FILTER,
     &GRID,
     &VISUALIZE_GRID,
+    &COMPARE,
+    &REFERENCE,
+    &DIFFERENCE,
+    &TOLERANCE,
     &STATS,
     &THREADS,
     &GUI,
@@ -125,8 +132,12 @@ pub(super) const FLAGS: &[&Flag] = &[
     &VERSION,
 ];
 
-pub(super) const INPUT: Flag =
-    Flag::new(Section::Pictures, "input", &["file"], "The scene, a file that ends in .txt. Required.");
+pub(super) const INPUT: Flag = Flag::new(
+    Section::Pictures,
+    "input",
+    &["file"],
+    "The scene, a file that ends in .txt. Required, unless two pictures are compared.",
+);
 pub(super) const OUTPUT: Flag =
     Flag::new(Section::Pictures, "output", &["file"], "Writes the picture as .tga or .png.");
 pub(super) const SIZE: Flag = Flag::new(
@@ -255,6 +266,31 @@ pub(super) const VISUALIZE_GRID: Flag = Flag::new(
     "visualize_grid",
     &[],
     "Draws the grid's occupied cells instead of the scene. Needs -grid.",
+);
+
+pub(super) const COMPARE: Flag = Flag::new(
+    Section::Comparison,
+    "compare",
+    &["file"],
+    "Compares this picture, .tga or .png, with the reference. Default: the rendered picture.",
+);
+pub(super) const REFERENCE: Flag = Flag::new(
+    Section::Comparison,
+    "reference",
+    &["file"],
+    "The picture to compare with. Default: the rendered picture.",
+);
+pub(super) const DIFFERENCE: Flag = Flag::new(
+    Section::Comparison,
+    "difference",
+    &["file"],
+    "Draws the picture, the reference and their amplified difference side by side.",
+);
+pub(super) const TOLERANCE: Flag = Flag::new(
+    Section::Comparison,
+    "tolerance",
+    &["levels", "n"],
+    "Ends with status 3 if more than n pixels differ by more than this many levels.",
 );
 
 pub(super) const STATS: Flag =

@@ -22,7 +22,8 @@ Examples:
             -depth 8 20 depth.tga -normals normals.tga
 
 The exit status is 1 for a file that cannot be read or written and for an error
-in the scene, and 2 for an error in the command line.
+in the scene, 2 for an error in the command line, and 3 for a difference above
+the tolerance.
 ";
 
 /// The text that `-help` prints.

@@ -13,7 +13,7 @@ mod options;
 mod raw;
 
 pub use error::{CliError, Problem};
-pub use options::{Options, Output};
+pub use options::{Comparison, Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 

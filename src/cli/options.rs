@@ -3,6 +3,7 @@
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
+use crate::compare::Tolerance;
 use crate::grid::options::Resolution;
 use crate::image_io::Format;
 use crate::render::{Layer, Request};
@@ -17,7 +18,9 @@ use std::path::{Path, PathBuf, absolute};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The scene file, whose name ends in `.txt`.
-    pub input: PathBuf,
+    ///
+    /// It is none only if two pictures are compared that need no scene.
+    pub input: Option<PathBuf>,
     /// The pictures to write, in the order of the help. No two name the same file.
     pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
@@ -32,12 +35,34 @@ pub struct Options {
     pub grid: Option<Resolution>,
     /// Whether the grid's cells are drawn instead of the scene. There is a grid if so.
     pub visualize_grid: bool,
+    /// The comparison of two pictures.
+    pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
     /// Whether the command line requests the course's preview, which this program does not have.
     pub preview: bool,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
+}
+
+/// A comparison of two pictures. One that has no file is the rendered colour picture, and not both are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Comparison {
+    /// The picture in question.
+    pub picture: Option<PathBuf>,
+    /// The picture to compare it with.
+    pub reference: Option<PathBuf>,
+    /// The file of the picture that shows the difference.
+    pub difference: Option<PathBuf>,
+    /// The difference that still passes; none if any passes.
+    pub tolerance: Option<Tolerance>,
+}
+
+impl Comparison {
+    /// Whether one of the pictures is to be rendered.
+    pub fn needs_scene(&self) -> bool {
+        self.picture.is_none() || self.reference.is_none()
+    }
 }
 
 /// A picture to write.
@@ -79,7 +104,7 @@ impl Options {
     /// Checks each flag in the order of the help, then the combination of the flags.
     pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
         let options = Self {
-            input: scene(raw)?.ok_or(CliError::InputNeeded)?,
+            input: scene(raw)?,
             outputs: outputs(raw)?,
             size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
             effects: Effects {
@@ -92,6 +117,7 @@ impl Options {
             filter: filter(raw)?,
             grid: grid(raw)?,
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
+            comparison: comparison(raw)?,
             stats: raw.given(&flags::STATS),
             preview: preview(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
@@ -101,6 +127,9 @@ impl Options {
     }
 
     fn check_together(&self) -> Result<(), CliError> {
+        if self.input.is_none() && self.comparison.as_ref().is_none_or(Comparison::needs_scene) {
+            return Err(CliError::InputNeeded);
+        }
         if self.visualize_grid && self.grid.is_none() {
             return Err(CliError::GridNeeded);
         }
@@ -110,7 +139,14 @@ impl Options {
                 return Err(CliError::EnlargedTooMuch { flag: output.flag().name });
             }
         }
-        distinct(&self.outputs)
+        distinct(&self.files())
+    }
+
+    /// The files to write, each with the flag that names it.
+    fn files(&self) -> Vec<(&'static Flag, &Path)> {
+        let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
+        let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
+        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).collect()
     }
 
     /// What the renderer is asked for.
@@ -128,15 +164,35 @@ impl Options {
 }
 
 /// Compares full paths, not the file system: links that lead to one file pass.
-fn distinct(outputs: &[Output]) -> Result<(), CliError> {
+fn distinct(files: &[(&'static Flag, &Path)]) -> Result<(), CliError> {
     let full = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
-    for (i, one) in outputs.iter().enumerate() {
-        if let Some(other) = outputs[i + 1..].iter().find(|later| full(&later.file) == full(&one.file)) {
-            let (flag, other) = (one.flag().name, other.flag().name);
-            return Err(CliError::SameFile { flag, other, file: one.file.clone() });
+    for (i, &(flag, file)) in files.iter().enumerate() {
+        if let Some((other, _)) = files[i + 1..].iter().find(|(_, later)| full(later) == full(file)) {
+            return Err(CliError::SameFile { flag: flag.name, other: other.name, file: file.to_owned() });
         }
     }
     Ok(())
+}
+
+fn comparison(raw: &Raw) -> Result<Option<Comparison>, CliError> {
+    let file = |flag| raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose();
+    let (picture, reference) = (file(&flags::COMPARE)?, file(&flags::REFERENCE)?);
+    let (difference, tolerance) = (file(&flags::DIFFERENCE)?, tolerance(raw)?);
+    if picture.is_some() || reference.is_some() {
+        return Ok(Some(Comparison { picture, reference, difference, tolerance }));
+    }
+    match (difference, tolerance) {
+        (None, None) => Ok(None),
+        (Some(_), _) => Err(CliError::ComparisonNeeded { flag: flags::DIFFERENCE.name }),
+        (None, Some(_)) => Err(CliError::ComparisonNeeded { flag: flags::TOLERANCE.name }),
+    }
+}
+
+fn tolerance(raw: &Raw) -> Result<Option<Tolerance>, CliError> {
+    let Some([levels, pixels]) = raw.values(&flags::TOLERANCE)? else { return Ok(None) };
+    let number = |word, range| whole(word, range).map_err(|problem| bad(&flags::TOLERANCE, word, problem));
+    let levels = number(levels, (0, u32::from(u8::MAX)))?;
+    Ok(Some(Tolerance { levels: levels as u8, pixels: number(pixels, (0, u32::MAX))?.into() }))
 }
 
 fn bad(flag: &Flag, word: &OsStr, problem: Problem) -> CliError {

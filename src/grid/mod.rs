@@ -1,13 +1,17 @@
 //! What a ray hits: the planes are always tested, then the cells of the grid or, without a grid, every primitive.
 
 mod allowance;
+#[doc(hidden)]
 pub mod budget;
 mod build;
+#[doc(hidden)]
 pub mod cell_lists;
 mod cell_table;
 mod cell_contents;
+#[doc(hidden)]
 pub mod dda;
 pub(crate) mod dda4;
+#[doc(hidden)]
 pub mod filter;
 mod fitting;
 mod fixed_t;
@@ -16,9 +20,12 @@ pub mod options;
 mod prim_set;
 mod query;
 pub(crate) mod ray_aabb;
+#[doc(hidden)]
 pub mod packet;
 mod traverse;
+#[doc(hidden)]
 pub mod triangle8;
+#[doc(hidden)]
 pub mod voxelize;
 
 #[cfg(target_arch = "x86_64")]

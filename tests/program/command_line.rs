@@ -1,6 +1,7 @@
 //! Tables of command lines: what each means, or the exact line that says why it means nothing.
 
-use raytracer::cli::{CliError, Command, Options, Output, parse};
+use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
+use raytracer::compare::Tolerance;
 use raytracer::grid::options::Resolution;
 use raytracer::render::Layer;
 use raytracer::sampling::drand48::Drand48;
@@ -33,7 +34,7 @@ fn with_shadows(shadows: Shadows) -> Options {
 /// The options of `-input s.txt` alone.
 fn plain() -> Options {
     Options {
-        input: PathBuf::from("s.txt"),
+        input: Some("s.txt".into()),
         outputs: vec![],
         size: [100, 100],
         effects: none(),
@@ -41,6 +42,7 @@ fn plain() -> Options {
         filter: Filter::Box { radius: 0.5 },
         grid: None,
         visualize_grid: false,
+        comparison: None,
         stats: false,
         preview: false,
         threads: None,
@@ -101,6 +103,25 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });
+}
+
+#[test]
+fn comparisons() {
+    let file = |name: &str| Some(PathBuf::from(name));
+    let mine = Comparison { picture: file("a.tga"), reference: None, difference: None, tolerance: None };
+    accepts("-input s.txt -compare a.tga", Options { comparison: Some(mine.clone()), ..plain() });
+    let both = Comparison {
+        reference: file("b.PNG"),
+        difference: file("d.png"),
+        tolerance: Some(Tolerance { levels: 2, pixels: 4294967295 }),
+        ..mine
+    };
+    accepts(
+        "-tolerance 2 4294967295 -difference d.png -reference b.PNG -compare a.tga",
+        Options { input: None, comparison: Some(both), ..plain() },
+    );
+    let theirs = Comparison { picture: None, reference: file("b.tga"), difference: None, tolerance: None };
+    accepts("-input s.txt -reference b.tga", Options { comparison: Some(theirs), ..plain() });
 }
 
 #[test]
@@ -377,6 +398,18 @@ const FAULTS: &[(&str, &str)] = &[
     (
         "-input s.txt -render_samples a.tga 4 -render_filter ./a.tga 4",
         "`-render_samples` and `-render_filter` both write `a.tga`",
+    ),
+    ("-compare a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
+    ("-compare a.jpg -reference b.tga", "`-compare`: `a.jpg` ends in neither .tga nor .png"),
+    ("-input s.txt -compare", "`-compare` needs a value"),
+    ("-input s.txt -difference d.png", "`-difference` needs a picture: `-compare file` or `-reference file`"),
+    ("-input s.txt -tolerance 1 2", "`-tolerance` needs a picture: `-compare file` or `-reference file`"),
+    ("-compare a.tga -reference b.tga -tolerance 1", "`-tolerance` takes 2 values, 1 given"),
+    ("-compare a.tga -reference b.tga -tolerance 256 0", "`-tolerance`: `256` is not between 0 and 255"),
+    ("-compare a.tga -reference b.tga -tolerance 0 -1", "`-tolerance`: `-1` is not between 0 and 4294967295"),
+    (
+        "-input s.txt -output d.tga -compare a.tga -difference ./d.tga",
+        "`-output` and `-difference` both write `d.tga`",
     ),
     ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
     ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),

@@ -2,6 +2,7 @@
 //! what the README says.
 
 mod command_line;
+mod comparison;
 mod course;
 mod image_files;
 mod proofs;

@@ -1,0 +1,123 @@
+//! `-compare` and `-reference`: two pictures, or one and what a scene shows.
+
+use crate::support::{Folder, Run};
+use raytracer::image_io::OutputFile;
+use raytracer::picture::Picture;
+
+const SCENE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }
+    Background { color 0 0 0 ambientLight 1 1 1 }
+    Materials { numMaterials 1 Material { diffuseColor 1 .5 .25 } }
+    Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }";
+
+/// A folder with the scene, and with its picture as `o.tga` and `o.png`.
+fn folder() -> Folder {
+    let folder = Folder::with_scene(SCENE);
+    folder.run("-input s.txt -size 40 30 -output o.tga").ok();
+    folder.run("-input s.txt -size 40 30 -output o.png").ok();
+    folder
+}
+
+/// Writes a picture that differs from `o.tga` by `levels` in `pixels` pixels from the top left.
+fn write_changed(folder: &Folder, name: &str, levels: u8, pixels: usize) {
+    let original = folder.tga("o.tga");
+    let mut bytes = original.pixels.concat();
+    bytes[..3 * pixels].iter_mut().for_each(|byte| *byte += levels);
+    let picture = Picture::from_rgb(original.width as u32, original.height as u32, bytes);
+    OutputFile::prepare(&folder.path().join(name)).unwrap().write(&picture).unwrap();
+}
+
+/// The value of a line in the block.
+fn value<'t>(run: &'t Run, label: &str) -> &'t str {
+    let line = run.stdout.lines().find(|line| line.trim_start().starts_with(label));
+    line.unwrap_or_else(|| panic!("no {label}: {}", run.stdout)).trim_start()[label.len()..].trim()
+}
+
+#[test]
+fn two_pictures_need_no_scene() {
+    let folder = folder();
+    write_changed(&folder, "a.tga", 3, 5);
+    let run = folder.run("-compare a.tga -reference o.png").ok();
+    assert!(run.stdout.starts_with("****"), "{}", run.stdout);
+    assert_eq!(value(&run, "size"), "40x30");
+    assert_eq!(value(&run, "pixels that differ"), "5 (0.4167%)");
+    assert_eq!(value(&run, "largest difference"), "3 at (0, 0): (3, 3, 3) against (0, 0, 0)");
+    assert_eq!(folder.names(), ["a.tga", "o.png", "o.tga", "s.txt"]);
+}
+
+#[test]
+fn a_missing_picture_is_the_rendered_one() {
+    let folder = folder();
+    write_changed(&folder, "a.tga", 3, 5);
+    for (flags, largest) in [
+        ("-compare a.tga", "3 at (0, 0): (3, 3, 3) against (0, 0, 0)"),
+        ("-reference a.tga", "3 at (0, 0): (0, 0, 0) against (3, 3, 3)"),
+        ("-compare o.tga", "0"),
+        ("-reference o.png -output again.tga -normals n.tga", "0"),
+    ] {
+        let run = folder.run(&format!("-input s.txt -size 40 30 {flags}")).ok();
+        assert_eq!(value(&run, "largest difference"), largest, "{flags}");
+    }
+    assert_eq!(folder.read("again.tga"), folder.read("o.tga"));
+}
+
+#[test]
+fn the_statistics_come_first() {
+    let run = folder().run("-input s.txt -size 40 30 -stats -compare o.tga").ok();
+    let places =
+        ["RAY TRACING STATISTICS", "threads", "PICTURE COMPARISON"].map(|text| run.stdout.find(text));
+    assert!(places.is_sorted() && places[0].is_some(), "{}", run.stdout);
+}
+
+#[test]
+fn a_tolerance_makes_it_a_check() {
+    let folder = folder();
+    write_changed(&folder, "a.tga", 3, 5);
+    for (tolerance, status) in [("", 0), ("0 4", 3), ("0 5", 0), ("2 4", 3), ("3 0", 0), ("255 0", 0)] {
+        let flag = if tolerance.is_empty() { String::new() } else { format!("-tolerance {tolerance}") };
+        let run = folder.run(&format!("-compare a.tga -reference o.tga {flag}"));
+        assert_eq!((run.status, run.stderr.as_str()), (Some(status), ""), "{tolerance}");
+        assert!(run.stdout.contains("PICTURE COMPARISON"));
+    }
+}
+
+#[test]
+fn the_difference_is_drawn_beside_the_pictures() {
+    let folder = folder();
+    write_changed(&folder, "a.tga", 3, 5);
+    folder.run("-compare a.tga -reference o.tga -difference d.tga").ok();
+    let (drawn, original) = (folder.tga("d.tga"), folder.tga("o.tga"));
+    assert_eq!((drawn.width, drawn.height), (3 * 40 + 8, 30));
+    assert_eq!((drawn.at(0, 0), drawn.at(44, 0), drawn.at(88, 0)), ([3; 3], [0; 3], [192; 3]));
+    assert_eq!((drawn.at(64, 15), drawn.at(108, 15)), (original.at(20, 15), [0; 3]));
+}
+
+#[test]
+fn pictures_of_other_sizes_are_an_error_that_names_both() {
+    let folder = folder();
+    folder.run("-input s.txt -size 40 31 -output other.png").ok();
+    assert_eq!(
+        folder.run("-compare other.png -reference o.tga").message(1),
+        "error: cannot compare `other.png` with `o.tga`: the pictures differ in size: 40 x 31 pixels against \
+         40 x 30\n"
+    );
+    assert_eq!(
+        folder.run("-input s.txt -size 3 3 -compare o.tga").message(1),
+        "error: cannot compare `o.tga` with the rendered picture: the pictures differ in size: 40 x 30 pixels \
+         against 3 x 3\n"
+    );
+}
+
+#[test]
+fn a_picture_that_cannot_be_read_ends_the_run_before_it_renders() {
+    let folder = folder();
+    folder.write("broken.tga", "no picture");
+    for (flags, message) in [
+        ("-compare missing.tga", "missing.tga"),
+        ("-reference broken.tga", "broken.tga"),
+        ("-compare o.tga -difference missing/d.png", "missing/d.png"),
+    ] {
+        let stderr = folder.run(&format!("-input s.txt -size 40 30 -output new.tga {flags}")).message(1);
+        assert!(stderr.starts_with("error: ") && stderr.contains(message), "{stderr}");
+    }
+    assert!(!folder.names().contains(&"new.tga".into()));
+}
