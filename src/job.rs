@@ -1,14 +1,16 @@
 //! One run of the program: a scene is rendered, written and compared as the options ask for.
 
 use crate::failed;
+use crate::products::Products;
 use rayon::ThreadPool;
 use raytracer::cli::{self, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
-use raytracer::image_io::{ImageError, OutputFile, PictureWriter, read_picture};
+use raytracer::explain::CostReport;
+use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::mode::{Course, Fast, Mode};
-use raytracer::picture::{CHANNELS, Picture, RED_FIRST, cut_to_bytes};
-use raytracer::render::{Layer, Request};
+use raytracer::picture::Picture;
+use raytracer::render::Layer;
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
@@ -55,12 +57,8 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     let mut rendered = None;
     if let Some(input) = &options.input {
         let keeps = wanted.is_some_and(cli::Comparison::needs_scene);
-        let render = if options.stats { render::<Course, Counts> } else { render::<Fast, Quiet> };
-        let (report, picture) = render(options, input, &threads, keeps, tell)?;
-        rendered = picture;
-        if options.stats {
-            outcome.text += &report.to_string();
-        }
+        let render = if options.counts() { render::<Course, Counts> } else { render::<Fast, Quiet> };
+        (outcome.text, rendered) = render(options, input, &threads, keeps, tell)?;
     }
     let Some(wanted) = wanted else { return Ok(outcome) };
     let (Some(a), Some(b)) =
@@ -84,14 +82,14 @@ fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {
     failed(format!("cannot compare {} with {}: {error}", name(&wanted.picture), name(&wanted.reference)))
 }
 
-/// Reads, prepares, renders and writes. Returns the colour picture if `keeps` is true.
+/// Reads, prepares, renders and writes. Returns what there is to print, and the colour picture if `keeps` is true.
 fn render<M: Mode, P: Probe>(
     options: &Options,
     input: &Path,
     threads: &Arc<ThreadPool>,
     keeps: bool,
     tell: &dyn Fn(&str),
-) -> Result<(Report, Option<Picture>), String> {
+) -> Result<(String, Option<Picture>), String> {
     let files = options.outputs.iter().map(|output| OutputFile::prepare(&output.file));
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
 
@@ -108,22 +106,21 @@ fn render<M: Mode, P: Probe>(
     let building = clock.lap();
 
     let mut request = options.request();
-    let mut written = Written::begin(files, &request)?;
+    let mut products = Products::begin(files, &request)?;
     if keeps {
         request.layers.push(Layer::Color);
-        written.kept = Some(Vec::new());
+        products.keep();
     }
-    let mut take_row = |layer: usize, row: &[Color]| written.take_row(layer, row);
+    let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     let goes_on = |_| ControlFlow::Continue(());
     let probe: P = prepared.render_rows(&request, &goes_on, &mut take_row).map_err(failed)?;
-    let rendering = clock.lap() - written.encoding;
+    let encoding = products.encoding;
+    let rendering = clock.lap() - encoding;
 
-    let encoding = written.encoding;
-    let (kept, nans) = written.finish()?;
-    if nans > 0 {
-        tell(&format!("warning: the colours of {nans} pixels are not numbers; they are black"));
+    let finished = products.finish(options.size)?;
+    if finished.nans > 0 {
+        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
     }
-    let [width, height] = options.size.map(|n| n as u32);
     let report = Report {
         size: options.size,
         bounds: renderer.bounds(),
@@ -132,8 +129,15 @@ fn render<M: Mode, P: Probe>(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: threads.current_num_threads(),
     };
-    Ok((report, kept.map(|bytes| Picture::from_rgb(width, height, bytes))))
+    let mut text = if options.stats { report.to_string() } else { String::new() };
+    if let Some(costs) = finished.costs {
+        text += &CostReport { map: &costs, cells: prepared.fullness(FULLEST) }.to_string();
+    }
+    Ok((text, finished.kept))
 }
+
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
 
 fn prepare<'r, M: Mode>(options: &Options, renderer: &'r Renderer) -> Result<Prepared<'r, M>, String> {
     let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
@@ -142,42 +146,6 @@ fn prepare<'r, M: Mode>(options: &Options, renderer: &'r Renderer) -> Result<Pre
         grid => renderer.prepare(grid, rays),
     };
     prepared.map_err(failed)
-}
-
-/// Where the rows of the layers go: one file for each, and the bytes of one more layer that is kept.
-struct Written {
-    writers: Vec<PictureWriter>,
-    kept: Option<Vec<u8>>,
-    /// The time that it took.
-    encoding: Duration,
-}
-
-impl Written {
-    fn begin(files: Vec<OutputFile>, request: &Request) -> Result<Self, String> {
-        let sizes = request.layers.iter().map(|layer| layer.size(request.window_size()));
-        let writers = files.into_iter().zip(sizes).map(|(file, size)| file.begin(size));
-        let writers = writers.collect::<Result<_, _>>().map_err(failed)?;
-        Ok(Self { writers, kept: None, encoding: Duration::ZERO })
-    }
-
-    fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {
-        let start = Instant::now();
-        if let Some(writer) = self.writers.get_mut(layer) {
-            writer.row(row)?;
-        } else if let Some(kept) = &mut self.kept {
-            let before = kept.len();
-            kept.resize(before + row.len() * CHANNELS, 0);
-            cut_to_bytes::<RED_FIRST>(row, &mut kept[before..]);
-        }
-        self.encoding += start.elapsed();
-        Ok(())
-    }
-
-    /// The kept bytes, and how many of the colours in the files are not numbers.
-    fn finish(self) -> Result<(Option<Vec<u8>>, u64), String> {
-        let nans = self.writers.into_iter().map(PictureWriter::finish).sum::<Result<_, _>>();
-        Ok((self.kept, nans.map_err(failed)?))
-    }
 }
 
 /// Measures one stage after the other.

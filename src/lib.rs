@@ -62,5 +62,6 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+pub mod explain;
 #[doc(hidden)]
 pub mod cli;

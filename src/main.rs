@@ -3,6 +3,7 @@
 mod job;
 #[cfg(target_os = "linux")]
 mod pages;
+mod products;
 
 use raytracer::cli::{self, Command};
 use std::fmt::Display;

@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::grid::cell_lists::GridTooLarge;
 use crate::grid::options::{GridOptions, Resolution};
-use crate::grid::{Caster, Instructions};
+use crate::grid::{Caster, Fullness, Instructions};
 use crate::math::aabb::Aabb;
 use crate::mode::Mode;
 use crate::picture::{BadSize, FloatPicture};
@@ -127,6 +127,11 @@ impl<M: Mode> Prepared<'_, M> {
     /// The cells of the grid along each axis.
     pub fn cells(&self) -> Option<[usize; 3]> {
         self.cells
+    }
+
+    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
+    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
+        self.caster.fullness(fullest)
     }
 
     /// Renders the layers of a request into memory, in the order in which it names them. A picture without pixels, or

@@ -123,6 +123,8 @@ pub enum Problem {
     NotPicture,
     /// It is outside the range of filter sizes.
     NotFilterSize,
+    /// It is no kind of cost.
+    NotCost,
 }
 
 impl fmt::Display for Problem {
@@ -134,6 +136,7 @@ impl fmt::Display for Problem {
             Self::Negative => f.write_str("is negative"),
             Self::NotScene => f.write_str("does not end in .txt"),
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
+            Self::NotCost => f.write_str("is none of rays, tests and cells"),
             Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
         }
     }

@@ -124,6 +124,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &DIFFERENCE,
     &TOLERANCE,
     &STATS,
+    &COST_MAP,
     &THREADS,
     &GUI,
     &TESSELLATION,
@@ -301,6 +302,13 @@ pub(super) const TESSELLATION: Flag =
     Flag::new(Section::Preview, "tessellation", &["a", "b"], "The number of faces of its spheres.");
 pub(super) const GOURAUD: Flag =
     Flag::new(Section::Preview, "gouraud", &[], "Smooth shading of its spheres.");
+
+pub(super) const COST_MAP: Flag = Flag::new(
+    Section::Statistics,
+    "cost_map",
+    &["kind", "file"],
+    "Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.",
+);
 
 pub(super) const THREADS: Flag = Flag::new(
     Section::Other,

@@ -6,7 +6,7 @@ use super::raw::Raw;
 use crate::compare::Tolerance;
 use crate::grid::options::Resolution;
 use crate::image_io::Format;
-use crate::render::{Layer, Request};
+use crate::render::{Cost, Layer, Request};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
@@ -82,6 +82,7 @@ impl Output {
             Layer::Depth { .. } => &flags::DEPTH,
             Layer::Normals => &flags::NORMALS,
             Layer::Samples { .. } => &flags::RENDER_SAMPLES,
+            Layer::Cost(_) => &flags::COST_MAP,
             Layer::Filter { .. } => &flags::RENDER_FILTER,
         }
     }
@@ -147,6 +148,11 @@ impl Options {
         let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
         pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).collect()
+    }
+
+    /// Whether counters are needed.
+    pub fn counts(&self) -> bool {
+        self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)))
     }
 
     /// What the renderer is asked for.
@@ -218,6 +224,7 @@ fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {
         picture(raw, &flags::NORMALS, Layer::Normals)?,
         enlarged(raw, &flags::RENDER_SAMPLES, |zoom| Layer::Samples { zoom })?,
         enlarged(raw, &flags::RENDER_FILTER, |zoom| Layer::Filter { zoom })?,
+        cost_map(raw)?,
     ];
     Ok(outputs.into_iter().flatten().collect())
 }
@@ -245,6 +252,17 @@ fn depth(raw: &Raw) -> Result<Option<Output>, CliError> {
         return Err(CliError::DepthRange);
     }
     Ok(Some(Output { layer: Layer::Depth { near, far }, file: picture_name(&flags::DEPTH, file)? }))
+}
+
+fn cost_map(raw: &Raw) -> Result<Option<Output>, CliError> {
+    let Some([kind, file]) = raw.values(&flags::COST_MAP)? else { return Ok(None) };
+    let cost = match kind.to_str() {
+        Some("rays") => Cost::Rays,
+        Some("tests") => Cost::Tests,
+        Some("cells") => Cost::Cells,
+        _ => return Err(bad(&flags::COST_MAP, kind, Problem::NotCost)),
+    };
+    Ok(Some(Output { layer: Layer::Cost(cost), file: picture_name(&flags::COST_MAP, file)? }))
 }
 
 fn shadows(raw: &Raw) -> Shadows {

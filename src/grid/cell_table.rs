@@ -39,6 +39,11 @@ impl CellTable {
         Ok(Self { lattice, entries: entries.into_boxed_slice() })
     }
 
+    /// The entry at an index of the lattice.
+    pub fn entry(&self, index: usize) -> u32 {
+        self.entries[index]
+    }
+
     /// The lattice of the cells.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice

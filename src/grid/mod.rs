@@ -15,6 +15,7 @@ pub(crate) mod dda4;
 pub mod filter;
 mod fitting;
 mod fixed_t;
+mod fullness;
 mod lattice;
 pub mod options;
 mod prim_set;
@@ -38,6 +39,7 @@ use crate::world::World;
 use build::AccelerationStructure;
 pub use build::StructureSize;
 use cell_lists::GridTooLarge;
+pub use fullness::Fullness;
 use glam::DVec2;
 pub use lattice::Lattice;
 use options::GridOptions;
@@ -94,6 +96,11 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// The cells along each axis of the grid. An automatic grid may have fewer than its options ask for.
     pub fn cells(&self) -> Option<[usize; 3]> {
         Some(self.structure.as_ref()?.table.as_ref()?.lattice().cells())
+    }
+
+    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
+    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
+        self.structure.as_ref()?.fullness(self.world, fullest)
     }
 
     /// The size of the acceleration structure, for tests.

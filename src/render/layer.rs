@@ -1,5 +1,7 @@
 //! The layers of a render: each is one picture that shows something else of the same scene.
 
+use crate::stats::Counts;
+
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layer {
@@ -20,6 +22,8 @@ pub enum Layer {
         /// The side of the square that shows one pixel, at least 1.
         zoom: usize,
     },
+    /// What each pixel costs, as its probe counts it: zeros where the probe counts nothing.
+    Cost(Cost),
     /// The weights of the filter around the middle pixel, with lines between the pixels.
     Filter {
         /// The side of the square that shows one pixel, at least 1.
@@ -27,11 +31,33 @@ pub enum Layer {
     },
 }
 
+/// What a pixel costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Rays of every kind.
+    Rays,
+    /// Tests of a ray against a primitive.
+    Tests,
+    /// Steps from one cell of the grid to the next.
+    Cells,
+}
+
+impl Cost {
+    /// How much of it has been counted.
+    pub fn of(self, counts: &Counts) -> u64 {
+        match self {
+            Self::Rays => counts.non_shadow_rays + counts.shadow_rays,
+            Self::Tests => counts.intersections,
+            Self::Cells => counts.cells_traversed,
+        }
+    }
+}
+
 impl Layer {
     /// Width and height of the layer's picture, for a window of so many pixels.
     pub fn size(self, window: [usize; 2]) -> [usize; 2] {
         match self {
-            Self::Color | Self::Depth { .. } | Self::Normals => window,
+            Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => window,
             Self::Samples { zoom } => window.map(|n| n * zoom),
             Self::Filter { zoom } => window.map(|n| n * zoom + 1),
         }
@@ -40,7 +66,7 @@ impl Layer {
     /// How many numbers of one row of pixels are kept until the row is written.
     pub(super) fn colors_per_row(self, width: usize) -> usize {
         match self {
-            Self::Color | Self::Depth { .. } | Self::Normals => width,
+            Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => width,
             Self::Samples { zoom } => width * zoom * zoom,
             Self::Filter { .. } => 0,
         }

@@ -7,7 +7,7 @@ mod row;
 mod sample_packet;
 mod strip;
 
-pub use layer::Layer;
+pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
 
 use crate::camera::Camera;

@@ -98,6 +98,11 @@ impl Request {
         self.layers.contains(&Layer::Color)
     }
 
+    /// Whether it is counted what each pixel costs.
+    pub(super) fn has_costs(&self) -> bool {
+        self.layers.iter().any(|layer| matches!(layer, Layer::Cost(_)))
+    }
+
     /// How many pixels around the window are sampled for it.
     pub(super) fn support(&self) -> usize {
         if self.has_colors() { self.filter.support() } else { 0 }

@@ -12,7 +12,7 @@ use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
 use crate::shading::light::incident;
-use crate::stats::Probe;
+use crate::stats::{Counts, Probe};
 use crate::trace::{Pending, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
@@ -62,7 +62,7 @@ impl<M: Mode> Setting<'_, M> {
     pub fn row<P: Probe>(&self, visibility: Option<&VisibilityBuffer>, j: usize, is_shown: bool) -> Row<P> {
         let Setting { request, .. } = *self;
         let shown = request.columns();
-        let mut painter = Painter {
+        let mut painter: Painter<M, P> = Painter {
             setting: *self,
             visibility,
             is_shown,
@@ -76,8 +76,14 @@ impl<M: Mode> Setting<'_, M> {
         let support = request.support();
         let columns = shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0]);
         let mut packet = SamplePacket::default();
-        for first in columns.clone().step_by(SamplePacket::SIZE) {
-            painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
+        // What a pixel costs is counted one pixel after the other.
+        let step = if request.has_costs() { 1 } else { SamplePacket::SIZE };
+        for first in columns.clone().step_by(step) {
+            let before = painter.row.probe.counts();
+            painter.paint(first..columns.end.min(first + step), &mut packet);
+            if request.has_costs() {
+                painter.enter_costs(first, &before);
+            }
         }
         painter.row
     }
@@ -138,6 +144,19 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         if colors && !sampler.is_center() {
             columns.for_each(|column| self.take_samples(column, packet));
             self.color_samples(packet);
+        }
+    }
+
+    /// Enters what a pixel has cost since `before`.
+    fn enter_costs(&mut self, column: usize, before: &Counts) {
+        if !self.is_shown || !self.shown.contains(&column) {
+            return;
+        }
+        let after = self.row.probe.counts();
+        for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
+            if let Layer::Cost(cost) = layer {
+                colors.push(Color::splat((cost.of(&after) - cost.of(before)) as f64));
+            }
         }
     }
 
@@ -238,7 +257,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
                 Layer::Normals => {
                     colors.push(center.surface.map_or(DVec3::ZERO, |surface| surface.normal).abs());
                 }
-                Layer::Color | Layer::Samples { .. } | Layer::Filter { .. } => {}
+                Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
             }
         }
     }

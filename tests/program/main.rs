@@ -3,6 +3,7 @@
 
 mod command_line;
 mod comparison;
+mod cost_map;
 mod course;
 mod image_files;
 mod proofs;

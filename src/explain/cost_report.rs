@@ -1,0 +1,42 @@
+//! What a cost map says in words.
+
+use super::CostMap;
+use crate::grid::Fullness;
+use crate::render::Cost;
+use crate::stats::RULE;
+use std::fmt;
+
+/// A cost map in words. `Display` prints a block like that of the statistics.
+#[derive(Clone, Debug)]
+pub struct CostReport<'m> {
+    /// The map.
+    pub map: &'m CostMap,
+    /// How full the grid's cells are; none without a grid.
+    pub cells: Option<Fullness>,
+}
+
+impl fmt::Display for CostReport<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{RULE}\nCOST MAP")?;
+        let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
+        let name = match self.map.cost {
+            Cost::Rays => "rays",
+            Cost::Tests => "tests",
+            Cost::Cells => "cells",
+        };
+        let ([x, y], most) = self.map.most_expensive();
+        let pixels = self.map.counts.len().max(1);
+        let total = self.map.total();
+        line("cost", name.into())?;
+        line("total", total.to_string())?;
+        line("per pixel", format!("{:.1}", total as f64 / pixels as f64))?;
+        line("most expensive pixel", format!("{most} at ({x}, {y})"))?;
+        if let Some(Fullness { fullest, empty, cells }) = &self.cells {
+            line("empty cells", format!("{:.1}%", 100.0 * *empty as f64 / (*cells).max(1) as f64))?;
+            for ([i, j, k], primitives) in fullest {
+                line("full cell", format!("{primitives} primitives at ({i}, {j}, {k})"))?;
+            }
+        }
+        writeln!(f, "{RULE}")
+    }
+}

@@ -1,0 +1,98 @@
+//! How the primitives are spread over the cells of a grid.
+
+use super::build::AccelerationStructure;
+use super::cell_contents::{CellContents, NESTED};
+use super::cell_table::EMPTY;
+use super::triangle8::NONE;
+use crate::world::World;
+
+/// How full the cells of a grid are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fullness {
+    /// The fullest cells, by their indices along the axes, each with its number of primitives. Of equally full cells
+    /// those with the smaller indices come first, along z before y before x.
+    pub fullest: Vec<([usize; 3], usize)>,
+    /// Cells without a primitive.
+    pub empty: usize,
+    /// All cells.
+    pub cells: usize,
+}
+
+impl AccelerationStructure {
+    /// The fullness of the outermost grid's cells; none of a list. A cell with a nested grid holds what the nested grid
+    /// holds.
+    pub fn fullness(&self, world: &World, fullest: usize) -> Option<Fullness> {
+        let table = self.table.as_ref()?;
+        let lattice = table.lattice();
+        let [nx, ny, nz] = lattice.cells();
+        let mut fullness = Fullness { fullest: vec![], empty: 0, cells: nx * ny * nz };
+        for cell in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
+            let count = self.primitives_in(world, table.entry(lattice.index(cell)));
+            if count == 0 {
+                fullness.empty += 1;
+            } else {
+                let place = fullness.fullest.partition_point(|&(_, other)| other >= count);
+                fullness.fullest.insert(place, (cell, count));
+                fullness.fullest.truncate(fullest);
+            }
+        }
+        Some(fullness)
+    }
+
+    fn primitives_in(&self, world: &World, entry: u32) -> usize {
+        if entry == EMPTY {
+            return 0;
+        }
+        if let Some(nested) = entry.checked_sub(NESTED).and_then(|index| self.nested.get(index as usize)) {
+            let structures = nested.spanning.iter().chain([&nested.grid]);
+            return structures.map(|structure| structure.prims.count(world)).sum();
+        }
+        let blocks = CellContents::blocks_of(&self.cells.blocks, entry);
+        let triangles = blocks.iter().flat_map(|block| block.ids).filter(|&id| id != NONE).count();
+        let others = blocks.last().map_or(0, |last| last.non_triangles[1] - last.non_triangles[0]);
+        triangles + others as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::{CellRule, GridOptions};
+    use crate::grid::{Caster, Instructions};
+    use crate::scene::parser::parse;
+
+    /// Three crossed triangles near the origin and one triangle far away, with a small sphere beside it.
+    fn world() -> World {
+        let triangle =
+            |p: &str, q: &str, r: &str| format!("Triangle {{ vertex0 {p} vertex1 {q} vertex2 {r} }}");
+        let objects = [
+            triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.4 0.1"),
+            triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.1 0.4"),
+            triangle("0.1 0.1 0.1", "0.1 0.4 0.1", "0.1 0.1 0.4"),
+            triangle("3.6 3.6 3.6", "3.9 3.6 3.6", "3.6 3.9 3.9"),
+            "Sphere { center 3.8 3.8 3.8 radius 0.1 }".into(),
+        ];
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 5 }}
+             Materials {{ numMaterials 1 Material {{ }} }}
+             Group {{ numObjects 5 MaterialIndex 0 {} }}",
+            objects.join(" ")
+        );
+        World::new(&parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    #[test]
+    fn the_fullest_cells_come_first() {
+        let world = world();
+        let of = |caster: &Caster, most| caster.fullness(most).unwrap();
+        let uniform = Caster::new(&world, Some([4, 4, 4])).unwrap();
+        let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
+        assert_eq!(of(&uniform, 5), expected);
+        assert_eq!(of(&uniform, 1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
+        let rule = CellRule::Nested { max_per_cell: 1 };
+        let options = GridOptions { cells: Some([4, 4, 4]), rule };
+        let nested = Caster::with(&world, options, Instructions::Portable).unwrap();
+        assert_eq!(of(&nested, 5), expected);
+        assert_eq!(Caster::new(&world, None).unwrap().fullness(5), None);
+    }
+}
