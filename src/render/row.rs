@@ -12,7 +12,7 @@ use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
 use crate::shading::light::incident;
-use crate::stats::{Counts, Probe};
+use crate::stats::Probe;
 use crate::trace::{Pending, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
@@ -76,14 +76,12 @@ impl<M: Mode> Setting<'_, M> {
         let support = request.support();
         let columns = shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0]);
         let mut packet = SamplePacket::default();
-        // What a pixel costs is counted one pixel after the other.
-        let step = if request.has_costs() { 1 } else { SamplePacket::SIZE };
-        for first in columns.clone().step_by(step) {
-            let before = painter.row.probe.counts();
-            painter.paint(first..columns.end.min(first + step), &mut packet);
-            if request.has_costs() {
-                painter.enter_costs(first, &before);
-            }
+        if request.has_costs() {
+            columns.for_each(|column| painter.paint_and_count(column, &mut packet));
+            return painter.row;
+        }
+        for first in columns.clone().step_by(SamplePacket::SIZE) {
+            painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
         }
         painter.row
     }
@@ -147,15 +145,18 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Enters what a pixel has cost since `before`.
-    fn enter_costs(&mut self, column: usize, before: &Counts) {
+    /// Paints one pixel by itself, and enters what it costs.
+    #[cold]
+    fn paint_and_count(&mut self, column: usize, packet: &mut SamplePacket) {
+        let before = self.row.probe.counts();
+        self.paint(column..column + 1, packet);
         if !self.is_shown || !self.shown.contains(&column) {
             return;
         }
         let after = self.row.probe.counts();
         for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
             if let Layer::Cost(cost) = layer {
-                colors.push(Color::splat((cost.of(&after) - cost.of(before)) as f64));
+                colors.push(Color::splat((cost.of(&after) - cost.of(&before)) as f64));
             }
         }
     }
