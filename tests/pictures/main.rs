@@ -10,6 +10,7 @@
 mod commands;
 mod compare;
 mod invariance;
+mod renderer;
 
 use commands::{Command, references, scenes};
 use raytracer::image_io;
