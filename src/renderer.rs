@@ -1,9 +1,8 @@
 //! The front door: a scene is opened once, prepared once for each grid, and rendered as often as one likes.
 
 use crate::camera::Camera;
-use crate::grid::cell_lists::GridTooLarge;
 use crate::grid::options::{GridOptions, Resolution};
-use crate::grid::{Caster, Fullness, Instructions};
+use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
 use crate::mode::Mode;
 use crate::picture::{BadSize, FloatPicture};

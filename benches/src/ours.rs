@@ -1,10 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::grid::cell_lists::GridTooLarge;
 use raytracer::grid::options::GridOptions;
 use raytracer::grid::packet::{PACKET_SIZE, PacketRay};
-use raytracer::grid::{Caster, Instructions};
+use raytracer::grid::{Caster, GridTooLarge, Instructions};
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::stats::Quiet;
 use raytracer::world::World;

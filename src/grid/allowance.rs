@@ -21,7 +21,7 @@
 //! per primitive for 1,000,000, since the grid then has two levels from the start. Meshes need 2 to 6
 //! references and a cost of 30 to 100.
 
-use crate::grid::budget::REFERENCE_COST;
+use super::budget::REFERENCE_COST;
 
 /// References allowed for each primitive of an automatic grid that is not nested in another one.
 const REFERENCES_PER_PRIMITIVE: f64 = 16.0;

@@ -1,7 +1,7 @@
 //! Lists of the cells that shapes touch, with a budget for finding them. [`super::voxelize`] fills the lists,
 //! and `super::allowance` says how large the budget of an automatic grid is.
 
-use super::cell_lists::GridTooLarge;
+use super::error::GridTooLarge;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The cost of inserting a shape into a cell, relative to testing a cell: a reference takes memory and is

@@ -3,16 +3,17 @@
 //! each primitive ([`super::fitting`]), then the contents of each cell ([`super::cell_contents`]).
 
 use super::allowance::{Allowance, separates};
+use super::budget::{Budget, REFERENCE_COST};
 use super::cell_contents::CellContents;
+use super::cell_lists::{CellLists, widened};
 use super::cell_table::CellTable;
+use super::error::GridTooLarge;
 use super::fitting::{FittedLattice, bounds_of, cell_lists, padding};
+use super::lattice::Lattice;
+use super::options::{CellRule, GridOptions, cubic};
 use super::prim_set::PrimSet;
+use super::ray_aabb::SimdAabb;
 use super::triangle8::Frame;
-use crate::grid::Lattice;
-use crate::grid::budget::{Budget, REFERENCE_COST};
-use crate::grid::cell_lists::{CellLists, GridTooLarge, widened};
-use crate::grid::options::{CellRule, GridOptions, cubic};
-use crate::grid::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
 use crate::world::World;
 use glam::DVec3;

@@ -2,11 +2,12 @@
 //! eight triangles, and a list of the few primitives that are not triangles. They are built from the
 //! [`CellLists`] by a counting sort in two passes, count and fill.
 
+use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
+use super::error::GridTooLarge;
+use super::lattice::Lattice;
 use super::prim_set::PrimSet;
 use super::triangle8::{Block, Frame, LANES, NONE};
-use crate::grid::Lattice;
-use crate::grid::cell_lists::{CellLists, GridTooLarge, filled_with, with_room_for};
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! The cells of each primitive: the result of insertion, before the primitives are laid out by cell.
 
-use super::Lattice;
 use super::budget::{Budget, TouchedCells};
+use super::error::GridTooLarge;
+use super::lattice::Lattice;
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,18 +27,6 @@ struct Chunk {
 
 /// The number of primitives that one task inserts.
 const PRIMS_PER_CHUNK: usize = 4096;
-
-/// The error of building a grid: its cells or their contents do not fit into memory, or exceed a budget.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GridTooLarge;
-
-impl std::fmt::Display for GridTooLarge {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "the grid does not fit into memory: use fewer cells")
-    }
-}
-
-impl std::error::Error for GridTooLarge {}
 
 impl CellLists {
     /// The lists of primitives 0 to `count`, excluding `count`; `cells_of` appends the cells of one of them.

@@ -1,11 +1,11 @@
 //! One 32-bit entry for each cell of a lattice, and cursors that read the entries along a ray without bounds
 //! tests. What an entry means is decided in [`super::cell_contents`].
 
-use crate::grid::Lattice;
-use crate::grid::cell_lists::GridTooLarge;
-use crate::grid::dda::Dda;
-use crate::grid::dda4::Dda4;
-use crate::grid::ray_aabb::RayInterval;
+use super::dda::Dda;
+use super::dda4::Dda4;
+use super::error::GridTooLarge;
+use super::lattice::Lattice;
+use super::ray_aabb::RayInterval;
 use crate::math::f64x4::F64x4;
 
 /// The entry of an empty cell.

@@ -15,7 +15,7 @@
 //! its best hit cannot miss a nearer one.
 
 use super::fixed_t::FixedT;
-use super::lattice::{DdaTables, Lattice};
+use super::lattice::{DdaTables, Lattice, LatticeLanes};
 use super::ray_aabb::{RayInterval, intersect_aabb};
 use crate::math::extremes::max;
 use crate::math::f64x4::{F64x4, ROUND_TO_INTEGER, Scalar};
@@ -55,17 +55,6 @@ pub struct Dda<'l> {
     entry: f64,
     /// Fixed-point units per unit of t.
     fixed_per_t: f64,
-}
-
-/// What the set-up needs of the lattice: all axes for one ray, or one axis for four rays.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LatticeLanes<F> {
-    /// The lower corner of the bounds.
-    pub min: F,
-    pub cell_size: F,
-    pub cells_per_unit: F,
-    /// The coordinate of the last cell.
-    pub last_cell: F,
 }
 
 /// The initial state of the DDA: all axes for one ray, or one axis for four rays.

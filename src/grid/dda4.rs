@@ -1,7 +1,7 @@
 //! The set-up of the [`Dda`] for a packet of four rays at once, with the same results as for each ray alone.
 
-use super::Lattice;
 use super::dda::{Dda, DdaSetup, MIN_INTERVAL, T_ONE};
+use super::lattice::Lattice;
 use super::ray_aabb::RayIntervals;
 use crate::math::f64x4::F64x4;
 use crate::math::ray_lanes::RayPacket4;

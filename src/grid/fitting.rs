@@ -2,13 +2,14 @@
 //! primitives and rules of insertion to [`super::voxelize`], which knows only shapes.
 
 use super::allowance::{Allowance, coarser};
+use super::budget::{Budget, TouchedCells};
+use super::cell_lists::{CellLists, widened};
+use super::dda::face_error_bound;
+use super::error::GridTooLarge;
+use super::lattice::Lattice;
 use super::options::CellRule;
 use super::prim_set::PrimSet;
-use crate::grid::Lattice;
-use crate::grid::budget::{Budget, TouchedCells};
-use crate::grid::cell_lists::{CellLists, GridTooLarge, widened};
-use crate::grid::dda::face_error_bound;
-use crate::grid::voxelize;
+use super::voxelize;
 use crate::math::aabb::Aabb;
 use crate::world::{Primitive, World};
 

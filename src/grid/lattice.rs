@@ -1,8 +1,7 @@
 //! The lattice of a uniform grid: how a box is divided into cells, and how the cells are indexed. Insertion
 //! and traversal are built on it; it knows nothing of primitives.
 
-use super::cell_lists::GridTooLarge;
-use super::dda::LatticeLanes;
+use super::error::GridTooLarge;
 use super::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
 use crate::math::f64x4::F64x4;
@@ -40,6 +39,17 @@ pub(super) struct DdaTables {
     /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has
     /// no effect.
     pub step_offsets: [[isize; 16]; 8],
+}
+
+/// What the set-up of a DDA needs of the lattice: all axes for one ray, or one axis for four rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LatticeLanes<F> {
+    /// The lower corner of the bounds.
+    pub min: F,
+    pub cell_size: F,
+    pub cells_per_unit: F,
+    /// The coordinate of the last cell.
+    pub last_cell: F,
 }
 
 impl DdaTables {

@@ -1,207 +1,41 @@
-//! What a ray hits: the planes are always tested, then the cells of the grid or, without a grid, every primitive.
+//! What a ray hits: the uniform grid, from its lattice of cells to the traversal.
+//!
+//! Each file is one step, and a module imports only from those before it in this list.
 
-mod allowance;
+mod error;
 #[doc(hidden)]
 pub mod budget;
-mod build;
-#[doc(hidden)]
-pub mod cell_lists;
-mod cell_table;
-mod cell_contents;
+pub(crate) mod ray_aabb;
+mod lattice;
+mod fixed_t;
 #[doc(hidden)]
 pub mod dda;
 pub(crate) mod dda4;
 #[doc(hidden)]
-pub mod filter;
-mod fitting;
-mod fixed_t;
-mod fullness;
-mod lattice;
-pub mod options;
-mod prim_set;
-mod query;
-pub(crate) mod ray_aabb;
+pub mod voxelize;
 #[doc(hidden)]
-pub mod packet;
-mod traverse;
+pub mod cell_lists;
+mod prim_set;
+pub mod options;
+mod allowance;
+mod fitting;
 #[doc(hidden)]
 pub mod triangle8;
 #[doc(hidden)]
-pub mod voxelize;
-
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Portable;
-use crate::math::ray::{Hit, Ray, Visible};
-use crate::mode::{Fast, Mode};
-use crate::stats::Probe;
-use crate::world::World;
-use build::AccelerationStructure;
-pub use build::StructureSize;
-use cell_lists::GridTooLarge;
-pub use fullness::Fullness;
-use glam::DVec2;
-pub use lattice::Lattice;
-use options::GridOptions;
-use query::RayQuery;
-use std::marker::PhantomData;
-use std::sync::Arc;
-use traverse::{Entry, TraversalKernel};
+pub mod filter;
+mod cell_table;
+mod cell_contents;
+mod build;
+mod fullness;
+mod query;
+mod traverse;
+mod caster;
+#[doc(hidden)]
+pub mod packet;
 
 pub use crate::math::instructions::Instructions;
-
-/// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
-#[derive(Clone, Debug)]
-pub struct Caster<'w, M = Fast> {
-    /// What rays are cast into.
-    pub world: &'w World,
-    instructions: Instructions,
-    /// Holds every finite primitive; none where the world has no finite primitive.
-    structure: Option<Arc<AccelerationStructure>>,
-    mode: PhantomData<M>,
-}
-
-impl<'w> Caster<'w> {
-    /// A caster with a grid of so many cells along each axis, or without a grid.
-    pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
-        let options = cells.map_or(GridOptions::NONE, GridOptions::uniform);
-        Self::with(world, options, Instructions::available()[0])
-    }
-
-    /// A caster with this acceleration structure that uses these instructions.
-    pub fn with(
-        world: &'w World,
-        options: GridOptions,
-        instructions: Instructions,
-    ) -> Result<Self, GridTooLarge> {
-        let finite = world.finite_count() > 0;
-        let structure =
-            finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
-        Ok(Self { world, instructions, structure, mode: PhantomData })
-    }
-}
-
-impl<'w, M: Mode> Caster<'w, M> {
-    /// The same caster in another mode.
-    pub fn in_mode<N: Mode>(&self) -> Caster<'w, N> {
-        let Self { world, instructions, ref structure, .. } = *self;
-        Caster { world, instructions, structure: structure.clone(), mode: PhantomData }
-    }
-
-    /// Whether a ray is tested against only a few of the primitives.
-    pub fn has_grid(&self) -> bool {
-        self.structure.as_ref().is_some_and(|structure| structure.table.is_some())
-    }
-
-    /// The cells along each axis of the grid. An automatic grid may have fewer than its options ask for.
-    pub fn cells(&self) -> Option<[usize; 3]> {
-        Some(self.structure.as_ref()?.table.as_ref()?.lattice().cells())
-    }
-
-    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
-    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.structure.as_ref()?.fullness(self.world, fullest)
-    }
-
-    /// The size of the acceleration structure, for tests.
-    pub fn size(&self) -> StructureSize {
-        self.structure.as_ref().map_or(StructureSize::default(), |structure| structure.size())
-    }
-
-    /// The nearest hit on the ray.
-    #[inline]
-    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.nearest(ray, None, probe).map(|visible| self.world.hit(ray, visible))
-    }
-
-    /// The primitive that the ray meets first, decided exactly.
-    ///
-    /// `exclude` is the triangle that the ray leaves. The ray does not meet it again, so that it need not be tested.
-    #[inline]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> Option<Visible> {
-        self.run::<P, false>(ray, exclude, probe)
-    }
-
-    /// Whether the ray meets anything.
-    #[inline]
-    pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.any_from(ray, None, probe)
-    }
-
-    /// The same for a ray that leaves the triangle `exclude`, as in [`nearest`](Self::nearest).
-    #[inline]
-    pub fn any_from<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> bool {
-        if M::AS_COURSE {
-            // The course's program looks for the nearest hit even where any hit would do.
-            return self.nearest(ray, exclude, probe).is_some();
-        }
-        self.run::<P, true>(ray, exclude, probe).is_some()
-    }
-
-    #[inline(always)]
-    fn run<P: Probe, const ANY: bool>(
-        &self,
-        ray: &Ray,
-        exclude: Option<u32>,
-        probe: &mut P,
-    ) -> Option<Visible> {
-        let exclude = exclude.unwrap_or(triangle8::NONE);
-        let best = match self.instructions {
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(avx2) => {
-                let [a, b, c, d] = ray.pairs();
-                // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                unsafe { run_avx2::<M, P, ANY>(avx2, self, a, b, c, d, exclude, probe) }
-            }
-            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, exclude, probe),
-        };
-        (best.primitive != triangle8::NONE).then_some(best)
-    }
-
-    /// The nearest primitive, or [`triangle8::NONE`], which unlike an option is returned in registers.
-    #[inline(always)]
-    fn run_with<K: TraversalKernel, P: Probe, const ANY: bool>(
-        &self,
-        kernel: K,
-        ray: Ray,
-        exclude: u32,
-        probe: &mut P,
-    ) -> Visible {
-        let structure = self.structure.as_deref();
-        let ray_entry = structure
-            .map_or(Entry::Misses, |structure| structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max));
-        // Most rays that hit nothing end here.
-        if !M::AS_COURSE && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
-            return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
-        }
-        // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
-        let stored = ray;
-        let mut query = RayQuery::new(self.world, &stored, exclude);
-        query.test_planes(&ray, probe);
-        if ANY && query.visible().is_some() {
-            return query.best;
-        }
-        if let Some(structure) = structure {
-            structure.run::<K, M, P, ANY>(kernel, &ray_entry, &mut query, probe);
-        }
-        query.best
-    }
-}
-
-/// The query compiled for AVX2, along the ray of these four pairs. The proof takes no register.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-#[allow(clippy::too_many_arguments)]
-fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
-    avx2: Avx2,
-    caster: &Caster<M>,
-    a: DVec2,
-    b: DVec2,
-    c: DVec2,
-    d: DVec2,
-    exclude: u32,
-    probe: &mut P,
-) -> Visible {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), exclude, probe)
-}
+pub use build::StructureSize;
+pub use caster::Caster;
+pub use error::GridTooLarge;
+pub use fullness::Fullness;
+pub use lattice::Lattice;

@@ -2,19 +2,19 @@
 //! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
 
 use super::build::AccelerationStructure;
+use super::caster::Caster;
 use super::cell_contents::CellContents;
 use super::cell_table::{BORDER, CellCursor, CellTable};
+use super::dda4::Dda4;
+use super::lattice::Lattice;
 use super::query::{FilterState, RayQuery, lanes, to_frame};
+use super::ray_aabb::intersect_aabb4;
 use super::traverse::TraversalKernel;
 use super::triangle8::NONE;
-use super::{Caster, Instructions};
-use crate::grid::Lattice;
-use crate::grid::dda4::Dda4;
-use crate::grid::ray_aabb::intersect_aabb4;
 use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::Portable;
+use crate::math::instructions::{Instructions, Portable};
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayPacket4;

@@ -2,8 +2,8 @@
 
 use super::cell_contents::CellContents;
 use super::filter::{FilterRay, Kernel, MAX_DEPTH, Verdict};
+use super::ray_aabb::RayInterval;
 use super::triangle8::{Block, Frame, NONE};
-use crate::grid::ray_aabb::RayInterval;
 use crate::math::f64x4::F64x4;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;

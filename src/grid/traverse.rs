@@ -6,8 +6,8 @@ use super::cell_contents::{CellContents, NESTED};
 use super::cell_table::{BORDER, CellCursor, EMPTY};
 use super::filter::Kernel;
 use super::query::{FilterState, RayQuery};
+use super::ray_aabb::{RayInterval, intersect_aabb};
 use super::triangle8::Block;
-use crate::grid::ray_aabb::{RayInterval, intersect_aabb};
 use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;

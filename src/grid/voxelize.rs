@@ -3,9 +3,9 @@
 
 mod triangle;
 
-use super::Lattice;
 use super::budget::TouchedCells;
-use super::cell_lists::GridTooLarge;
+use super::error::GridTooLarge;
+use super::lattice::Lattice;
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 pub use triangle::of_triangle;

@@ -5,9 +5,9 @@
 //! here.
 
 use crate::grid::budget::{Budget, TouchedCells};
-use crate::grid::cell_lists::{GridTooLarge, filled_with};
+use crate::grid::cell_lists::filled_with;
 use crate::grid::dda::Dda;
-use crate::grid::{Lattice, voxelize};
+use crate::grid::{GridTooLarge, Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
