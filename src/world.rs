@@ -1,51 +1,54 @@
-//! Flattening: the object tree times its matrices becomes lists of world-space primitives.
+//! Flattening: the object tree with its transforms becomes lists of primitives in world space.
 //!
-//! After this only true ellipsoids keep a matrix. Primitives are numbered through the lists in one
-//! order: triangles, spheres, ellipsoids, planes.
+//! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one range
+//! of ids, in the order triangles, spheres, ellipsoids, planes.
 
 mod builder;
+mod placement;
 
 use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
-use crate::scene::error::{Problem, SceneError};
+use crate::scene::error::SceneError;
 use crate::scene::limits;
 use crate::scene::mesh::Mesh;
-use crate::scene::{Color, Light, MaterialId, Object, ObjectId, Position, Scene, material::Material};
+use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
-/// What the tracer works on.
+pub use placement::{Placement, course_sphere_box, placements};
+
+/// A scene in world space, as it is traced.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The triangles' corners.
+    /// The vertices of the triangles.
     pub vertices: Vec<DVec3>,
     /// Indices into `vertices`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The spheres, numbered after the triangles.
+    /// The spheres, whose ids follow those of the triangles.
     pub spheres: Vec<Sphere>,
-    /// The ellipsoids, numbered after the spheres.
+    /// The ellipsoids, whose ids follow those of the spheres.
     pub ellipsoids: Vec<Ellipsoid>,
-    /// The planes, numbered last.
+    /// The planes, which have the last ids.
     pub planes: Vec<Plane>,
     /// The scene's materials.
     pub materials: Vec<Material>,
-    /// Directions are unit vectors.
+    /// The lights; the directions of directional ones are unit vectors.
     pub lights: Vec<Light>,
-    /// Seen where a ray meets nothing.
+    /// The colour of a ray that hits nothing.
     pub background: Color,
-    /// The light that reaches every surface.
+    /// The ambient light, which reaches every surface.
     pub ambient: Color,
-    /// The box of the finite primitives by the course's rule, which is not tight around a rotated
-    /// sphere; empty where there are none.
+    /// The bounds of the finite primitives, computed as in the course's program, so that they are not tight around a
+    /// rotated sphere. They are empty if there are none.
     pub bounds: Aabb,
-    /// The largest absolute coordinate of a finite primitive: the scale of its rounding.
+    /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of positions.
     pub max_abs_coord: f64,
-    /// The material from each primitive's number on, up to the next entry's.
+    /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
 }
 
@@ -65,74 +68,24 @@ pub enum Primitive {
 /// The surface at a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// On the surface within a few roundings of its coordinates and the primitive's.
+    /// The point, which is on the surface to within a few rounding errors of its coordinates and the primitive's.
     pub position: DVec3,
-    /// Outward unit normal, not turned towards the ray.
+    /// The outward unit normal, which is not turned towards the ray.
     pub normal: DVec3,
-    /// What the surface is made of.
+    /// The material of the surface.
     pub material: MaterialId,
-    /// The triangle's number, if it is on one: what leaves a triangle never meets it again.
+    /// The id of the triangle, if the point is on one. A ray that leaves a triangle does not hit it again, so that
+    /// this triangle is excluded from the tests of secondary rays.
     pub triangle: Option<u32>,
 }
 
-/// A leaf of the object tree with the matrix that takes it to the world.
-#[derive(Clone, Copy, Debug)]
-pub struct Placement<'s> {
-    /// The leaf.
-    pub object: &'s Object,
-    /// From the object's space to the world's.
-    pub matrix: DAffine3,
-    /// The innermost transform around the object; None at the top.
-    pub transform: Option<Position>,
-}
-
-impl Placement<'_> {
-    /// A point of the object in the world.
-    fn place(&self, point: DVec3) -> DVec3 {
-        if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
-    }
-
-    /// An error at the transform, or at the start of the text where there is none.
-    fn error(&self, problem: Problem) -> SceneError {
-        SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)
-    }
-}
-
-/// The leaves of a scene's tree in the order of its text. Walks with a stack of its own, so that
-/// depth costs memory and nothing else.
-pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
-    let mut stack: Vec<(ObjectId, DAffine3, Option<Position>)> = vec![(scene.root, DAffine3::IDENTITY, None)];
-    std::iter::from_fn(move || {
-        loop {
-            let (id, matrix, transform) = stack.pop()?;
-            match &scene.objects[id] {
-                Object::Group(children) => {
-                    stack.extend(children.iter().rev().map(|&c| (c, matrix, transform)))
-                }
-                Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
-                object => return Some(Placement { object, matrix, transform }),
-            }
-        }
-    })
-}
-
-/// The box by which the course's program bounds a placed sphere: tight where it stands untransformed,
-/// else around the transformed corners of its box.
-pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> Aabb {
-    let tight = Sphere { center, radius }.bounds();
-    match placement.transform {
-        None => tight,
-        Some(_) => Aabb::around(tight.corners().map(|p| placement.matrix.transform_point3(p))),
-    }
-}
-
 impl World {
-    /// `meshes` are those that the scene names, in its order.
+    /// The world of a scene. `meshes` are those that the scene names, in its order.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
         Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
     }
 
-    /// As [`World::new`], but without copying a mesh that can be taken over.
+    /// The same as [`World::new`], but a mesh that can be taken over is not copied.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
         Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
     }
@@ -154,7 +107,7 @@ impl World {
             materials: scene.materials.clone(),
             lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),
             background: scene.background.color,
-            // The course's rule: a scene without lights is lit evenly, which shows flat colours.
+            // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
@@ -162,12 +115,12 @@ impl World {
         }
     }
 
-    /// How many primitives have a box: all but the planes.
+    /// The number of primitives with finite bounds: all but the planes.
     pub fn finite_count(&self) -> usize {
         self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
     }
 
-    /// The primitive of a number.
+    /// The primitive with this id.
     pub fn primitive(&self, id: u32) -> Primitive {
         let i = id as usize;
         let first_ellipsoid = self.triangles.len() + self.spheres.len();
@@ -182,18 +135,17 @@ impl World {
         }
     }
 
-    /// The number of the first plane; planes come last.
+    /// The id of the first plane. Planes have the last ids.
     pub fn first_plane(&self) -> u32 {
         self.finite_count() as u32
     }
 
-    /// The tight boxes of the finite primitives behind the triangles, in the order of their numbers.
-    /// The triangles are within `bounds`.
+    /// The tight bounds of the spheres and ellipsoids, in the order of their ids.
     pub fn boxes(&self) -> impl Iterator<Item = Aabb> + '_ {
         self.spheres.iter().map(Sphere::bounds).chain(self.ellipsoids.iter().map(Ellipsoid::bounds))
     }
 
-    /// The tight box of a finite primitive; nothing's of a plane.
+    /// The tight bounds of a primitive, which are empty for a plane.
     pub fn box_of(&self, id: u32) -> Aabb {
         match self.primitive(id) {
             Primitive::Triangle(i) => Aabb::around(self.corners(i)),
@@ -203,22 +155,22 @@ impl World {
         }
     }
 
-    /// The corners of a triangle.
+    /// The vertices of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        // Written out: a mapped array goes through memory, and waits for it.
+        // Written out, because a mapped array would be stored to memory and loaded again.
         let [a, b, c] = self.corners_in_place(triangle);
         [*a, *b, *c]
     }
 
-    /// The same without a copy, for what reads their coordinates in an order of its own.
+    /// The same by reference, for callers that read the coordinates in another order.
     #[inline(always)]
     pub fn corners_in_place(&self, triangle: usize) -> [&DVec3; 3] {
         let [a, b, c] = self.triangles[triangle];
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
-    /// Asks for the corners of a triangle whose surface will be wanted soon.
+    /// Prefetches the vertices of a triangle whose surface will be computed soon. Other primitives are not prefetched.
     #[inline(always)]
     pub fn prefetch(&self, primitive: u32) {
         if let Some(corners) = self.triangles.get(primitive as usize) {
@@ -226,30 +178,30 @@ impl World {
         }
     }
 
-    /// Whether the primitive `one`, which a ray meets at `t`, hides `other`, which the ray meets at `other_t`.
+    /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer one does. Of two at the same t it is the one that [`comes_first`](Self::comes_first), so that
-    /// the answer depends neither on the grid, nor on the order of tests, nor on that of a mesh's faces.
+    /// The nearer hit precedes. If both t are equal, the primitive does that [`comes_first`](Self::comes_first), so
+    /// that the result depends neither on the grid, nor on the order of tests, nor on the order of a mesh's faces.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Orders triangles by their corners' coordinates. Other primitives, and triangles with the same corners, are
-    /// ordered by their ids.
+    /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same vertices,
+    /// are ordered by their ids.
     #[cold]
     fn comes_first(&self, one: u32, other: u32) -> bool {
-        let by_place = match (self.primitive(one), self.primitive(other)) {
+        let by_coordinates = match (self.primitive(one), self.primitive(other)) {
             (Primitive::Triangle(i), Primitive::Triangle(j)) => {
                 let coordinates = |k| self.corners(k).into_iter().flat_map(|v| v.to_array());
                 coordinates(i).partial_cmp(coordinates(j)).unwrap_or(Ordering::Equal)
             }
             _ => Ordering::Equal,
         };
-        by_place.then(one.cmp(&other)).is_lt()
+        by_coordinates.then(one.cmp(&other)).is_lt()
     }
 
-    /// Where `ray` meets the primitive that it sees.
+    /// The hit of a ray, computed from the primitive that the ray hits first.
     pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
         let crossing = match self.primitive(primitive) {
             Primitive::Triangle(i) => triangle::Shear::new(ray).hit(self.corners_in_place(i)),
@@ -259,7 +211,8 @@ impl World {
         Hit { t, primitive, weights }
     }
 
-    /// The surface that `ray` sees. The t of a triangle's hit is not needed for it, and not computed.
+    /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric weights suffice
+    /// for its surface.
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
         let weights = |i| triangle::Shear::new(ray).weights(self.corners_in_place(i));
         self.surface_with(ray, t_bound, primitive, weights)
@@ -270,7 +223,7 @@ impl World {
         self.surface_with(ray, hit.t, hit.primitive, |_| hit.weights)
     }
 
-    /// The surface of a primitive at `t`; `weights` are those of a triangle's corners there.
+    /// The surface of a primitive at `t`. `weights` computes the barycentric weights of a triangle's hit.
     #[inline(always)]
     fn surface_with(
         &self,
@@ -290,7 +243,8 @@ impl World {
         SurfacePoint { position, normal, material: self.material_of(primitive), triangle }
     }
 
-    /// The point of the weights lies on the triangle to within rounding, unlike one that is `along` the ray.
+    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the one
+    /// `along` the ray has a rounding error that grows with the distance from its origin.
     #[inline(always)]
     fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {
         let corners = self.corners(i);
@@ -317,7 +271,7 @@ mod tests {
     use super::*;
     use crate::scene::parser::parse;
 
-    /// Two of each kind, one kind between the other, each with a material of its own, in the order of the text.
+    /// Twelve objects of four kinds in mixed order, each with a material of its own.
     fn world() -> World {
         let kinds = [
             "Plane { normal 0 1 0 offset 1 }",
@@ -339,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn every_number_is_that_of_one_primitive_and_its_material() {
+    fn every_id_is_that_of_one_primitive_and_its_material() {
         use Primitive::*;
         let world = world();
         let kinds: Vec<Primitive> = (0..12).map(|id| world.primitive(id)).collect();
@@ -355,12 +309,12 @@ mod tests {
     }
 
     #[test]
-    fn of_two_hits_the_nearer_is_seen_and_else_the_one_whose_place_is_first() {
+    fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_smaller_coordinates() {
         let world = world();
         let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
         for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
             assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
-            // Triangles 1 and 4 stand before the others, whose places are the same.
+            // Triangles 1 and 4 have smaller coordinates than the others, which are identical.
             let rank = |id| if id < 6 { (id % 3 != 1, id) } else { (true, id) };
             let expected = rank(one) < rank(other);
             let is_between_kinds = (one < 6) != (other < 6);

@@ -8,24 +8,25 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Ray {
-    /// Where t is 0.
+    /// The point at t = 0.
     pub origin: DVec3,
-    /// 0, or minus infinity for an orthographic camera, which also sees what is behind its plane.
+    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees what is behind its
+    /// plane.
     pub t_min: f64,
-    /// Need not be a unit vector: t counts in its length.
+    /// The direction, which need not be a unit vector: its length is the unit of t.
     pub direction: DVec3,
-    /// Where the ray ends; infinite where nothing ends it.
+    /// All hits have a t below this, which is infinite for a ray without an end.
     pub t_max: f64,
 }
 
 impl Ray {
-    /// A ray from `origin` that ends nowhere.
+    /// A ray from `origin` without an end.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// Its numbers two by two. A pair is handed to a function in registers, while a ray is handed over
-    /// in memory: written part by part and read as whole vectors there, for which the processor waits.
+    /// The ray's numbers in pairs. Pairs are passed to a function in registers. A ray is passed in memory, where it
+    /// is written in parts and then read as whole vectors, so that store forwarding fails and the processor stalls.
     #[inline(always)]
     pub fn pairs(&self) -> [DVec2; 4] {
         let (o, d) = (self.origin, self.direction);
@@ -49,24 +50,23 @@ impl Ray {
     }
 }
 
-/// The primitive that a ray meets first. Where the ray meets it is computed only when somebody needs it, by
-/// `World::hit`.
+/// The primitive that a ray hits first. The hit itself is computed by `World::hit`, only for callers that need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
     /// The primitive's id in its world.
     pub primitive: u32,
-    /// An upper bound on t. For every primitive but a triangle it is t itself.
+    /// An upper bound on t. For all primitives except triangles it is t itself.
     pub t_bound: f64,
 }
 
-/// Where a ray meets a primitive of the world.
+/// The hit of a ray on a primitive of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Right to within a few roundings.
+    /// The ray parameter, accurate to a few rounding errors.
     pub t: f64,
     /// The primitive's id in its world.
     pub primitive: u32,
-    /// The barycentric weights of a triangle's corners, up to a common factor; none for other primitives.
+    /// The barycentric weights of a triangle's vertices, up to a common factor; none for other primitives.
     pub weights: Option<[f64; 3]>,
 }
 
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_covers_its_beginning_and_not_its_end() {
+    fn a_ray_covers_its_start_and_not_its_end() {
         let covered = |ray: Ray, ts: [f64; 4]| ts.map(|t| ray.covers(t));
         assert_eq!(covered(ray(), [3.9, 4.0, 7.9, 8.0]), [false, true, true, false]);
         let endless = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray() };

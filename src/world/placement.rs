@@ -1,0 +1,59 @@
+//! The leaves of the object tree, each with the matrix of all transforms around it.
+
+use crate::math::aabb::Aabb;
+use crate::math::robust;
+use crate::primitive::sphere::Sphere;
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::{Object, ObjectId, Position, Scene};
+use glam::{DAffine3, DVec3};
+
+/// A leaf of the object tree with the matrix that takes it to world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement<'s> {
+    /// The leaf.
+    pub object: &'s Object,
+    /// From object space to world space.
+    pub matrix: DAffine3,
+    /// The innermost transform around the object; None at the top.
+    pub transform: Option<Position>,
+}
+
+impl Placement<'_> {
+    /// A point of the object in world space.
+    pub(super) fn to_world(&self, point: DVec3) -> DVec3 {
+        if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
+    }
+
+    /// An error at the transform, or at the start of the text where there is none.
+    pub(super) fn error(&self, problem: Problem) -> SceneError {
+        SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)
+    }
+}
+
+/// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that the
+/// depth of the tree is limited by nothing but memory.
+pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
+    let mut stack: Vec<(ObjectId, DAffine3, Option<Position>)> = vec![(scene.root, DAffine3::IDENTITY, None)];
+    std::iter::from_fn(move || {
+        loop {
+            let (id, matrix, transform) = stack.pop()?;
+            match &scene.objects[id] {
+                Object::Group(children) => {
+                    stack.extend(children.iter().rev().map(|&c| (c, matrix, transform)))
+                }
+                Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
+                object => return Some(Placement { object, matrix, transform }),
+            }
+        }
+    })
+}
+
+/// The box by which the course's program bounds a placed sphere: the tight one of a sphere without a transform,
+/// and otherwise the box around the transformed corners of that one.
+pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> Aabb {
+    let tight = Sphere { center, radius }.bounds();
+    match placement.transform {
+        None => tight,
+        Some(_) => Aabb::around(tight.corners().map(|p| placement.matrix.transform_point3(p))),
+    }
+}
