@@ -1,4 +1,5 @@
-//! One ray to one colour: local shading, shadows, reflection, refraction.
+//! The colour along a ray: local shading, shadows, reflection and refraction (Whitted, "An Improved
+//! Illumination Model for Shaded Display", CACM 23(6), 1980).
 
 use crate::grid::Caster;
 use crate::math::ray::Ray;
@@ -13,71 +14,71 @@ use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
-/// What casts shadows.
+/// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadows {
-    /// Nothing.
+    /// No object.
     #[default]
     None,
-    /// Everything, transparent or not.
+    /// Every object, whether transparent or not.
     Opaque,
-    /// Transparent things filter the light by the way it goes inside them.
+    /// Every object, but transparent ones only filter the light, by the length of its path inside them.
     Transparent,
 }
 
-/// What is modelled.
+/// The effects that are modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effects {
-    /// What casts shadows.
+    /// Which objects cast shadows.
     pub shadows: Shadows,
-    /// Light surfaces also from within; without it their inside is black.
+    /// Whether surfaces are also lit on their inside. Otherwise it is black.
     pub shade_back: bool,
-    /// How many times a ray may be reflected or refracted.
+    /// The maximum number of times that a ray is reflected or refracted.
     pub bounces: u32,
-    /// A secondary ray is followed when it weighs more than this.
+    /// A secondary ray is traced if its weight is above this.
     pub min_weight: f64,
 }
 
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, M = Fast> {
-    /// Finds what rays hit.
+    /// Finds the hits of rays.
     pub caster: &'a Caster<'a, M>,
-    /// What is modelled.
+    /// The effects that are modelled.
     pub effects: Effects,
 }
 
-/// How a ray came to be where it runs.
+/// The history of a ray since it left the camera.
 #[derive(Clone, Copy, Debug)]
 struct Path {
-    /// What its colour is multiplied by on the way to the picture.
+    /// The factor by which its colour contributes to the picture.
     filter: Color,
-    /// The product of the filters' lengths, as the course weighs rays.
+    /// The product of the lengths of the colours along the path, which is the weight in the course's program.
     weight: f64,
     bounces: u32,
-    /// Index of refraction of what the ray runs through.
+    /// The index of refraction of the medium around the ray.
     index: f64,
 }
 
 impl Path {
-    /// Of a ray that starts at the camera.
+    /// The path of a camera ray.
     const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
 }
 
-/// A secondary ray that waits for its turn.
+/// A secondary ray that has not been traced yet.
 #[derive(Clone, Copy, Debug)]
 struct Branch {
     ray: Ray,
-    /// The triangle that it starts at.
+    /// The triangle that the ray leaves.
     exclude: Option<u32>,
     path: Path,
 }
 
-/// Secondary rays that wait, kept between rays so that no memory is asked for in the loop.
+/// The stack of secondary rays, kept from one camera ray to the next so that the loop allocates no memory.
 #[derive(Debug, Default)]
 pub struct Pending(Vec<Branch>);
 
-/// A hit with all that shading needs.
+/// A hit with everything that shading needs.
 struct Lit<'r> {
     ray: &'r Ray,
     surface: &'r SurfacePoint,
@@ -89,9 +90,10 @@ impl<M: Mode> Tracer<'_, M> {
         self.caster.world
     }
 
-    /// The colour seen along a camera ray, given the surface that it hits.
+    /// The colour along a camera ray, given the surface that it hits.
     ///
-    /// A stack instead of recursion: any number of bounces fits, and a mirror hall costs no stack.
+    /// Secondary rays are kept on an explicit stack instead of being traced by recursion, so that the number
+    /// of bounces is limited by nothing but memory.
     #[inline(always)]
     pub fn color<P: Probe>(
         &self,
@@ -104,7 +106,7 @@ impl<M: Mode> Tracer<'_, M> {
         if pending.0.is_empty() { color } else { self.with_pending(color, pending, probe) }
     }
 
-    /// Adds the colours of the secondary rays that wait, and of those that they leave in turn.
+    /// Adds the colours of the pending secondary rays, and of those that they cause in turn.
     #[cold]
     fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
         while let Some(Branch { ray, exclude, path }) = pending.0.pop() {
@@ -116,10 +118,10 @@ impl<M: Mode> Tracer<'_, M> {
         color
     }
 
-    /// The colour of one hit by itself; what it reflects and lets through goes to `pending`.
+    /// The local colour of a hit. Its reflected and refracted rays are pushed to `pending`.
     ///
-    /// Inlined, since a colour returned through memory is written in halves and read as one, for
-    /// which the processor waits.
+    /// This is inlined because a colour that is returned through memory would be written in two parts and
+    /// read as a whole, so that store forwarding fails and the processor stalls.
     #[inline(always)]
     fn follow<P: Probe>(
         &self,
@@ -139,25 +141,26 @@ impl<M: Mode> Tracer<'_, M> {
         self.shade(&lit, probe)
     }
 
-    /// Ambient light and the lights that are seen from the point.
+    /// The local colour: ambient light, and the lights that are visible from the point.
     fn shade<P: Probe>(&self, lit: &Lit, probe: &mut P) -> Color {
         let Lit { ray, surface, material } = *lit;
-        let from_within = surface.normal.dot(ray.direction) > 0.0;
-        if from_within && !self.effects.shade_back {
+        let is_inside = surface.normal.dot(ray.direction) > 0.0;
+        if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = if from_within { -surface.normal } else { surface.normal };
+        let normal = if is_inside { -surface.normal } else { surface.normal };
         let to_viewer = -ray.direction;
         let mut color = self.world().ambient * material.phong.diffuse;
         let is_black = material.is_black();
         for light in &self.world().lights {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
-            // The course's program casts the shadow ray first. It matters only where the light would show.
-            let shows = cosine > 0.0 && !is_black && light.color != Color::ZERO;
+            // The course's program casts the shadow ray first. Its result matters only where the light has an
+            // effect.
+            let has_effect = cosine > 0.0 && !is_black && light.color != Color::ZERO;
             let passed =
-                if shows || M::AS_COURSE { self.light_passed(lit, &light, probe) } else { Color::ZERO };
-            if shows && passed != Color::ZERO {
+                if has_effect || M::AS_COURSE { self.light_passed(lit, &light, probe) } else { Color::ZERO };
+            if has_effect && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
         }
@@ -171,7 +174,7 @@ impl<M: Mode> Tracer<'_, M> {
         }
         probe.shadow_ray();
         let mut ray = self.secondary(lit.surface, light.direction);
-        // A point light's distance is counted from where the shadow ray starts.
+        // The distance to a point light is measured from the origin of the shadow ray.
         ray.t_max = light.distance;
         match self.effects.shadows {
             Shadows::Transparent => self.filtered(ray, probe),
@@ -180,19 +183,19 @@ impl<M: Mode> Tracer<'_, M> {
         }
     }
 
-    /// What transparent things leave of light along a shadow ray: where it comes out of one, its
-    /// colour to the power of the distance since the last surface.
+    /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
+    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
     fn filtered<P: Probe>(&self, mut ray: Ray, probe: &mut P) -> Color {
         let mut passed = Color::ONE;
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, &hit);
             let material = material_at(&self.world().materials, surface.material, surface.position);
-            let tint = material.phong.transparent;
-            if tint == Color::ZERO {
+            let color = material.phong.transparent;
+            if color == Color::ZERO {
                 return Color::ZERO;
             }
             if surface.normal.dot(ray.direction) >= 0.0 {
-                passed = (passed * tint_over(tint, hit.t)).min(Color::splat(LARGEST));
+                passed = (passed * transmittance(color, hit.t)).min(Color::splat(LARGEST));
             }
             ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
         }
@@ -207,7 +210,9 @@ impl<M: Mode> Tracer<'_, M> {
     }
 
     fn reflect(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
-        let Some((filter, weight)) = self.passes(path, lit.material.phong.reflective) else { return };
+        let Some((filter, weight)) = self.filter_and_weight(path, lit.material.phong.reflective) else {
+            return;
+        };
         let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
         pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
@@ -215,7 +220,7 @@ impl<M: Mode> Tracer<'_, M> {
 
     fn refract(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
         let material = &lit.material.phong;
-        let Some((filter, weight)) = self.passes(path, material.transparent) else { return };
+        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else { return };
         let (d, n) = (lit.ray.direction, lit.surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
@@ -225,41 +230,42 @@ impl<M: Mode> Tracer<'_, M> {
         pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
     }
 
-    /// The filter and weight of a secondary ray, if it weighs enough to be followed.
-    fn passes(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
+    /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
+    fn filter_and_weight(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
         let weight = path.weight * color.length();
         let bound = Color::splat(BRIGHTEST);
         (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
     }
 }
 
-/// What is left of light after so long a way through a transparent thing: its colour to the power of the
-/// way. A negative colour lets nothing through, as it has no such power.
-fn tint_over(tint: Color, way: f64) -> Color {
-    Color::from_array(tint.to_array().map(|channel| libm::pow(channel.max(0.0), way)))
+/// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour
+/// to the power of the distance. A negative channel, which has no such power, transmits nothing.
+fn transmittance(color: Color, distance: f64) -> Color {
+    Color::from_array(color.to_array().map(|channel| libm::pow(channel.max(0.0), distance)))
 }
 
-/// The direction of a mirrored ray, a unit vector; the normal may point to either side.
+/// The direction of a reflected ray, as a unit vector. The normal may point to either side.
 pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - 2.0 * direction.dot(normal) * normal).normalize()
 }
 
-/// The direction of a refracted ray; none at total internal reflection. `ratio` is the index of
-/// refraction before the surface over the one behind it, `normal` points against `direction`.
+/// The direction of a refracted ray, as a unit vector; none at total internal reflection. `ratio` is the
+/// index of refraction in front of the surface over the one behind it, and `normal` points against
+/// `direction`.
 ///
-/// Split into its parts along the surface and into it, so that both keep their digits at grazing
-/// incidence, where a formula that subtracts cosines loses them. The square of the part inward is
-/// one less that of the part along, and also 1 - ratio^2 more than that of `ratio` times the cosine.
-/// The form that subtracts the smaller number loses the less.
+/// The direction is computed as the sum of its tangential and its normal component, because both are then
+/// accurate at grazing incidence, where a formula that subtracts cosines suffers from cancellation. The
+/// square of the normal component is 1 - |tangential|^2, or equivalently (1 - ratio^2) + (ratio * cosine)^2.
+/// Of these two the one that subtracts the smaller number has less cancellation.
 pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
     let cosine = direction.dot(normal);
-    let along = ratio * (direction - cosine * normal);
-    let inward = if ratio * ratio < 1.5 {
+    let tangential = ratio * (direction - cosine * normal);
+    let normal_squared = if ratio * ratio < 1.5 {
         (1.0 - ratio) * (1.0 + ratio) + (ratio * cosine) * (ratio * cosine)
     } else {
-        1.0 - along.length_squared()
+        1.0 - tangential.length_squared()
     };
-    (inward >= 0.0).then(|| (along - inward.sqrt() * normal).normalize())
+    (normal_squared >= 0.0).then(|| (tangential - normal_squared.sqrt() * normal).normalize())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Flattening: the object tree with its transforms becomes lists of primitives in world space.
 //!
-//! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one range
-//! of ids, in the order triangles, spheres, ellipsoids, planes.
+//! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one
+//! range of ids, in the order triangles, spheres, ellipsoids, planes.
 
 mod builder;
 mod placement;
@@ -43,10 +43,11 @@ pub struct World {
     pub background: Color,
     /// The ambient light, which reaches every surface.
     pub ambient: Color,
-    /// The bounds of the finite primitives, computed as in the course's program, so that they are not tight around a
-    /// rotated sphere. They are empty if there are none.
+    /// The bounds of the finite primitives, computed as in the course's program, so that they are not tight
+    /// around a rotated sphere. They are empty if there are none.
     pub bounds: Aabb,
-    /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of positions.
+    /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of
+    /// positions.
     pub max_abs_coord: f64,
     /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
@@ -68,14 +69,15 @@ pub enum Primitive {
 /// The surface at a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// The point, which is on the surface to within a few rounding errors of its coordinates and the primitive's.
+    /// The point, which is on the surface to within a few rounding errors of its coordinates and the
+    /// primitive's.
     pub position: DVec3,
     /// The outward unit normal, which is not turned towards the ray.
     pub normal: DVec3,
     /// The material of the surface.
     pub material: MaterialId,
-    /// The id of the triangle, if the point is on one. A ray that leaves a triangle does not hit it again, so that
-    /// this triangle is excluded from the tests of secondary rays.
+    /// The id of the triangle, if the point is on one. A ray that leaves a triangle does not hit it again, so
+    /// that this triangle is excluded from the tests of secondary rays.
     pub triangle: Option<u32>,
 }
 
@@ -170,7 +172,8 @@ impl World {
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
-    /// Prefetches the vertices of a triangle whose surface will be computed soon. Other primitives are not prefetched.
+    /// Prefetches the vertices of a triangle whose surface will be computed soon. Other primitives are not
+    /// prefetched.
     #[inline(always)]
     pub fn prefetch(&self, primitive: u32) {
         if let Some(corners) = self.triangles.get(primitive as usize) {
@@ -180,15 +183,16 @@ impl World {
 
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer hit precedes. If both t are equal, the primitive does that [`comes_first`](Self::comes_first), so
-    /// that the result depends neither on the grid, nor on the order of tests, nor on the order of a mesh's faces.
+    /// The nearer hit precedes. If both t are equal, the primitive does that
+    /// [`comes_first`](Self::comes_first), so that the result depends neither on the grid, nor on the order
+    /// of tests, nor on the order of a mesh's faces.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same vertices,
-    /// are ordered by their ids.
+    /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same
+    /// vertices, are ordered by their ids.
     #[cold]
     fn comes_first(&self, one: u32, other: u32) -> bool {
         let by_coordinates = match (self.primitive(one), self.primitive(other)) {
@@ -211,8 +215,8 @@ impl World {
         Hit { t, primitive, weights }
     }
 
-    /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric weights suffice
-    /// for its surface.
+    /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric
+    /// weights suffice for its surface.
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
         let weights = |i| triangle::Shear::new(ray).weights(self.corners_in_place(i));
         self.surface_with(ray, t_bound, primitive, weights)
@@ -243,7 +247,8 @@ impl World {
         SurfacePoint { position, normal, material: self.material_of(primitive), triangle }
     }
 
-    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the one
+    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the
+    /// one
     /// `along` the ray has a rounding error that grows with the distance from its origin.
     #[inline(always)]
     fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {

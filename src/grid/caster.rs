@@ -1,4 +1,5 @@
-//! What a ray hits: the planes are always tested, then the cells of the grid or, without a grid, every primitive.
+//! Casts single rays: the planes are tested first, and then the cells of the grid or, without a grid, every
+//! primitive.
 
 use super::build::{AccelerationStructure, StructureSize};
 use super::error::GridTooLarge;
@@ -21,16 +22,16 @@ use std::sync::Arc;
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
 pub struct Caster<'w, M = Fast> {
-    /// What rays are cast into.
+    /// The world into which rays are cast.
     pub world: &'w World,
     pub(super) instructions: Instructions,
-    /// Holds every finite primitive; none where the world has no finite primitive.
+    /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
     mode: PhantomData<M>,
 }
 
 impl<'w> Caster<'w> {
-    /// A caster with a grid of so many cells along each axis, or without a grid.
+    /// A caster with a grid of this number of cells along each axis, or without a grid.
     pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
         let options = cells.map_or(GridOptions::NONE, GridOptions::uniform);
         Self::with(world, options, Instructions::available()[0])
@@ -82,15 +83,15 @@ impl<'w, M: Mode> Caster<'w, M> {
         self.nearest(ray, None, probe).map(|visible| self.world.hit(ray, visible))
     }
 
-    /// The primitive that the ray meets first, decided exactly.
+    /// The primitive that the ray hits first, decided exactly.
     ///
-    /// `exclude` is the triangle that the ray leaves. The ray does not meet it again, so that it need not be tested.
+    /// `exclude` is the triangle that the ray leaves. It is not tested, because the ray cannot hit it again.
     #[inline]
     pub fn nearest<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> Option<Visible> {
         self.run::<P, false>(ray, exclude, probe)
     }
 
-    /// Whether the ray meets anything.
+    /// Whether the ray hits anything.
     #[inline]
     pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         self.any_from(ray, None, probe)
@@ -126,7 +127,8 @@ impl<'w, M: Mode> Caster<'w, M> {
         (best.primitive != triangle8::NONE).then_some(best)
     }
 
-    /// The nearest primitive, or [`triangle8::NONE`], which unlike an option is returned in registers.
+    /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
+    /// not.
     #[inline(always)]
     fn run_with<K: TraversalKernel, P: Probe, const ANY: bool>(
         &self,
@@ -156,7 +158,8 @@ impl<'w, M: Mode> Caster<'w, M> {
     }
 }
 
-/// The query compiled for AVX2, along the ray of these four pairs. The proof takes no register.
+/// The query compiled for AVX2, for the ray of these four pairs. The proof `avx2` has no size, and so takes
+/// no register.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]

@@ -1,6 +1,7 @@
-//! What a ray hits: the uniform grid, from its lattice of cells to the traversal.
+//! Ray casting with a uniform grid, in whose crowded cells there are nested grids.
 //!
-//! Each file is one step, and a module imports only from those before it in this list.
+//! Each module is one step of building or traversing the grid, and imports only from the modules before it in
+//! this list.
 
 mod error;
 #[doc(hidden)]

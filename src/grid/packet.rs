@@ -1,5 +1,6 @@
-//! Rays that are cast together. Their ways into the grid are computed four at a time; then each goes on to
-//! its first cell that is not empty, whose triangles the memory is asked for while the others do the same.
+//! Packets: rays that are cast together. They are set up four at a time, and then each ray advances to its
+//! first cell that is not empty and prefetches the triangles there, so that memory latency overlaps with the
+//! work for the others.
 
 use super::build::AccelerationStructure;
 use super::caster::Caster;
@@ -21,29 +22,31 @@ use crate::math::ray_lanes::RayPacket4;
 use crate::mode::Mode;
 use crate::stats::Probe;
 
-/// So many rays go together: enough that the memory has answered when it is the first one's turn, and few
-/// enough to stay near.
+/// The number of rays in a packet: so many that the triangles of the first ray have been loaded when it is
+/// tested, and so few that they all stay in the cache.
 pub const PACKET_SIZE: usize = 16;
 
-/// A ray of a packet, and where its result goes.
+/// A ray of a packet, and the destination of its result.
 pub trait PacketRay {
     /// The ray.
     fn ray(&self) -> &Ray;
-    /// Takes what [`Caster::nearest`] returns for the ray. It is called at least once, and the last call counts.
+    /// Receives the result that [`Caster::nearest`] has for the ray. It is called at least once, and the last
+    /// call counts.
     fn set_visible(&mut self, visible: Option<Visible>);
 }
 
-/// So many rays are set up together.
+/// The number of rays that are set up together, one in each SIMD lane.
 const GROUP: usize = 4;
 
-/// Four rays before their march through a grid.
+/// The set-up of up to four rays before they traverse a grid.
 #[derive(Clone, Copy, Debug, Default)]
 struct PacketSetup {
-    /// The rays that meet the grid, bit 0 for the first, and those that start too far from it.
+    /// The sets of the rays that hit the grid's bounds, and of those that start too far away for the error
+    /// bounds; bit 0 is the first ray.
     passing: u32,
     too_far: u32,
     dda4: Dda4,
-    /// The filter's rays, axis by axis, and its t, as in [`FilterState`].
+    /// The rays in the filter's coordinates, axis by axis. The other fields are as in [`FilterState`].
     origins: [[f32; 4]; 3],
     directions: [[f32; 4]; 3],
     entry: [f64; 4],
@@ -52,7 +55,7 @@ struct PacketSetup {
 }
 
 impl PacketSetup {
-    /// Of up to four rays.
+    /// The set-up of up to four rays.
     #[inline(always)]
     fn new<F: F64x4>(
         proof: F::Proof,
@@ -62,7 +65,7 @@ impl PacketSetup {
     ) -> Self {
         let splat = |x| F::splat(proof, x);
         let four = match rays {
-            // Four known places are faster than four looked for.
+            // Constant indices are faster than computed ones.
             [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
             _ => [0, 1, 2, 3].map(|i: usize| rays[i.min(rays.len() - 1)].ray()),
         };
@@ -109,11 +112,11 @@ impl PacketSetup {
 }
 
 impl<M: Mode> Caster<'_, M> {
-    /// Answers each query, of which there may be any number, as [`nearest`](Self::nearest) does.
+    /// Finds the same primitive as [`nearest`](Self::nearest) for each of any number of rays.
     pub fn nearest_of_packet<P: Probe>(&self, rays: &mut [impl PacketRay], probe: &mut P) {
         let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
         let Some((grid, table)) = grid.filter(|_| !M::AS_COURSE) else {
-            return rays.iter_mut().for_each(|one| self.cast_alone(one, probe));
+            return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
         };
         for rays in rays.chunks_mut(PACKET_SIZE) {
             match self.instructions {
@@ -127,13 +130,13 @@ impl<M: Mode> Caster<'_, M> {
         }
     }
 
-    /// Answers a query by itself.
-    fn cast_alone<P: Probe>(&self, one: &mut impl PacketRay, probe: &mut P) {
-        let visible = self.nearest(one.ray(), None, probe);
-        one.set_visible(visible);
+    /// Casts one of the rays by itself.
+    fn cast_alone<P: Probe>(&self, ray: &mut impl PacketRay, probe: &mut P) {
+        let visible = self.nearest(ray.ray(), None, probe);
+        ray.set_visible(visible);
     }
 
-    /// Answers up to [`PACKET_SIZE`] queries.
+    /// Casts up to [`PACKET_SIZE`] rays.
     #[inline(always)]
     fn trace_packet<K: TraversalKernel, Q: PacketRay, P: Probe>(
         &self,
@@ -151,10 +154,10 @@ impl<M: Mode> Caster<'_, M> {
             passing |= setup.passing << (GROUP * i);
             too_far |= setup.too_far << (GROUP * i);
         }
-        // All of them, since a loop over some would be guessed wrongly.
-        rays.iter_mut().for_each(|one| one.set_visible(None));
+        // All of them are reset, because the branches of a loop over some of them would be mispredicted.
+        rays.iter_mut().for_each(|ray| ray.set_visible(None));
         let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
-        let mut waiting = 0;
+        let mut pending = 0;
         for i in lanes(passing) {
             let mut cursor = table.cursor_of(&setups[i / GROUP].dda4, i % GROUP);
             cursor.skip();
@@ -164,17 +167,17 @@ impl<M: Mode> Caster<'_, M> {
                     prefetch(block);
                 }
                 cursors[i] = Some(cursor);
-                waiting |= 1 << i;
+                pending |= 1 << i;
             }
         }
         for i in lanes(too_far) {
             self.cast_alone(&mut rays[i], probe);
         }
         if !self.world.planes.is_empty() {
-            // Every ray may meet a plane.
-            waiting = ((1 << rays.len()) - 1) & !too_far;
+            // Every ray may hit a plane.
+            pending = ((1 << rays.len()) - 1) & !too_far;
         }
-        for i in lanes(waiting) {
+        for i in lanes(pending) {
             let ray = rays[i].ray();
             let mut query = RayQuery::new(self.world, ray, NONE);
             query.test_planes(ray, probe);
@@ -195,7 +198,7 @@ impl<M: Mode> Caster<'_, M> {
     }
 }
 
-/// A stream compiled for AVX2.
+/// The same compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]

@@ -1,4 +1,5 @@
-//! The best hit along one ray: eight triangles at a time, and exactly where the filter leaves a doubt.
+//! The query for one ray. The filter tests eight triangles at a time; those that it cannot decide are tested
+//! exactly, one by one.
 
 use super::cell_contents::CellContents;
 use super::filter::{FilterRay, Kernel, MAX_DEPTH, Verdict};
@@ -22,37 +23,39 @@ pub struct RayQuery<'a> {
     pub best: Visible,
     /// A lower bound on the t of `best`. It equals the upper bound where t is known.
     t_lower_bound: f64,
-    /// The primitives that were decided last, and where the next one is noted. The first is the one that the ray
-    /// leaves. A primitive that spans many cells, and that no filter rejects, would be decided in each of them.
+    /// The primitives that were tested exactly last, and the position at which the next one is recorded.
+    /// Without this a primitive that spans many cells, and that the filter does not reject, would be tested
+    /// in each of them. At first it holds the primitive to exclude.
     decided: [u32; DECIDED],
     next: usize,
 }
 
+/// The number of primitives in [`RayQuery::decided`].
 const DECIDED: usize = 4;
 
-/// A ray on its way through the structure, in the filter's coordinates.
+/// A ray in the filter's coordinates, up to the nearest hit so far.
 pub struct FilterState {
     ray: FilterRay,
-    /// t where the filter's ray begins, how much of the filter's t one unit of t is, and the inverse.
+    /// The t at which the filter's ray starts, the filter's units of t per unit of t, and the inverse.
     entry: f64,
     per_t: f64,
     unit: f64,
 }
 
-/// Where rays are at `entry`, in the coordinates of a frame with this centre and scale.
+/// The points of rays at t = `entry`, in the coordinates of a frame with this centre and scale.
 #[inline(always)]
 pub fn to_frame<F: F64x4>(ray_lanes: &RayLanes<F>, center: F, entry: F, scale: F) -> F {
     (ray_lanes.origin - center + entry * ray_lanes.direction) * scale
 }
 
 impl FilterState {
-    /// The ray on its passage, as far as `last`.
+    /// The ray on its interval in the bounds, up to t = `last`.
     #[inline(always)]
-    pub fn on<F: F64x4>(interval: &RayInterval<F>, frame: &Frame, last: f64) -> Self {
+    pub fn on_interval<F: F64x4>(interval: &RayInterval<F>, frame: &Frame, last: f64) -> Self {
         let RayInterval { entry, ray_lanes, .. } = interval;
         let (entry, RayLanes { direction, inv_direction, .. }) = (*entry, *ray_lanes);
         let largest = direction.abs().max3();
-        // One over the largest, without another division.
+        // The inverse of the largest component, without another division.
         let inv_largest = inv_direction.abs().min3();
         let scale = direction.broadcast(frame.scale);
         let center = F::new(direction.proof(), frame.center);
@@ -61,7 +64,8 @@ impl FilterState {
         Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
     }
 
-    /// With the filter's origin and direction, and what [`FilterState`] says of its t; as far as `last`.
+    /// A ray with this origin and direction in the filter's coordinates, up to t = `last`. The other
+    /// parameters are as in [`FilterState`].
     #[inline(always)]
     pub fn new([origin, direction]: [[f32; 4]; 2], entry: f64, per_t: f64, unit: f64, last: f64) -> Self {
         let ray = FilterRay { origin, direction, max_depth: 0.0 };
@@ -70,13 +74,13 @@ impl FilterState {
         filter_state
     }
 
-    /// The ray's own t of the filter's.
+    /// Converts the filter's t to the ray's.
     #[inline(always)]
     fn t(&self, depth: f32) -> f64 {
         self.entry + f64::from(depth) * self.unit
     }
 
-    /// Nothing beyond `last` counts.
+    /// Ends the ray at t = `last`.
     #[inline(always)]
     pub fn shorten(&mut self, last: f64) {
         let max_depth = (last - self.entry) * self.per_t;
@@ -110,8 +114,8 @@ impl<'a> RayQuery<'a> {
         }
     }
 
-    /// Tests a cell's blocks of triangles and its other primitives; returns whether the best primitive changed. An
-    /// any-hit query ends with the first primitive that it finds.
+    /// Tests a cell's blocks of triangles and its other primitives, and returns whether the best primitive
+    /// changed. An any-hit query ends with the first primitive that it finds.
     #[inline(always)]
     pub fn test_cell<K: Kernel, M: Mode, P: Probe, const ANY: bool>(
         &mut self,
@@ -153,17 +157,17 @@ impl<'a> RayQuery<'a> {
         changed
     }
 
-    /// Tests what is no triangle in the cell whose last block this is.
+    /// Tests the primitives other than triangles in a cell. `last` is the last block of the cell.
     #[inline(never)]
     fn test_non_triangles<P: Probe>(&mut self, cells: &CellContents, last: &Block, probe: &mut P) -> bool {
-        let [start, end] = last.non_triangles.map(|place| place as usize);
+        let [start, end] = last.non_triangles.map(|i| i as usize);
         let non_triangles = &cells.non_triangles[start..end];
         probe.intersections(non_triangles.len());
         non_triangles.iter().fold(false, |changed, &id| (self.is_new(id) && self.test(id)) | changed)
     }
 
-    /// Whether the primitive was not among the last to be decided; notes that it is now. What was decided
-    /// once is the best, or will never be.
+    /// Returns whether the primitive is not among those that were tested last, and records it. A primitive
+    /// that has been tested once is the best one already, or never becomes the best.
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
         let is_new = !self.decided.contains(&id);
@@ -174,21 +178,23 @@ impl<'a> RayQuery<'a> {
         is_new
     }
 
-    /// Whether the ray hits any of a block's lanes that the filter left open.
+    /// Whether the ray hits any of the lanes that the filter could not decide.
     #[inline(never)]
     fn decide_any(&mut self, block: &Block, possible: u32) -> bool {
         lanes(possible).any(|lane| self.decide(block.ids[lane]))
     }
 
-    /// Decides what the filter cannot, unless that was just done; says whether the best hit changed.
+    /// Tests a triangle exactly, unless it was one of the last to be tested, and returns whether the best
+    /// primitive changed.
     #[inline(never)]
     fn decide(&mut self, triangle: u32) -> bool {
         self.is_new(triangle) && self.test_triangle(triangle)
     }
 
-    /// Looks for a better hit among the lanes of a block that the filter did not reject; says whether
-    /// there is one. Only what the filter cannot tell apart is decided in double precision, since that
-    /// has to fetch the triangle; and everything where steps are counted, which depend on t.
+    /// Looks for a nearer hit among the lanes of a block that the filter did not reject, and returns whether
+    /// there is one. A triangle is tested in double precision, for which its vertices have to be loaded, only
+    /// if the filter's bounds on t do not decide. In the course's mode all are, because the steps that it
+    /// counts depend on t.
     #[inline(always)]
     fn decide_nearest<M: Mode>(
         &mut self,
@@ -219,7 +225,7 @@ impl<'a> RayQuery<'a> {
 
     #[inline(always)]
     fn test_triangle(&mut self, id: u32) -> bool {
-        // A copy, so that a new one is not written before it is read.
+        // Copied, because a reference to a new shear would force it through memory.
         let shear = match self.shear {
             Some(shear) => shear,
             None => *self.shear.insert(Shear::new(self.ray)),
@@ -230,7 +236,7 @@ impl<'a> RayQuery<'a> {
         }
     }
 
-    /// Tests any finite primitive; says whether the best hit changed.
+    /// Tests a primitive exactly, and returns whether the best primitive changed.
     pub fn test(&mut self, id: u32) -> bool {
         let t = match self.world.primitive(id) {
             Primitive::Triangle(_) => return self.test_triangle(id),
@@ -241,7 +247,7 @@ impl<'a> RayQuery<'a> {
         t.is_some_and(|t| self.offer(t, id))
     }
 
-    /// Keeps a primitive that the ray meets at `t` if it precedes the best one.
+    /// Keeps a primitive that the ray hits at `t` if it precedes the best one.
     #[inline(always)]
     fn offer(&mut self, t: f64, primitive: u32) -> bool {
         let better = t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive));
@@ -252,7 +258,7 @@ impl<'a> RayQuery<'a> {
         better
     }
 
-    /// Decides whether a primitive precedes the best one where the bounds on the latter's t do not tell.
+    /// Whether a primitive precedes the best one, for a t within the bounds on the latter's t.
     #[cold]
     fn precedes_best(&mut self, t: f64, primitive: u32) -> bool {
         if self.t_lower_bound < self.best.t_bound {

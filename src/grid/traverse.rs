@@ -1,5 +1,5 @@
-//! A ray's way through a structure: its cells in order, and grids within cells, until no nearer hit can
-//! follow.
+//! The traversal: the cells along a ray in order, with the nested grids in crowded cells, until no nearer hit
+//! can follow.
 
 use super::build::AccelerationStructure;
 use super::cell_contents::{CellContents, NESTED};
@@ -17,8 +17,8 @@ use crate::math::ray_lanes::RayLanes;
 use crate::mode::Mode;
 use crate::stats::Probe;
 
-/// A kernel that can search structures within structures. A function searches one of them and is
-/// called for each that a ray meets, so that the common case, a grid with nothing nested, keeps its
+/// A kernel that traverses nested structures. Each of them is traversed by a call of a function that is not
+/// inlined, so that in the common case, a grid without nested ones, the loop keeps its variables in
 /// registers.
 pub(crate) trait TraversalKernel: Kernel {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
@@ -67,17 +67,19 @@ fn traverse_avx2<M: Mode, P: Probe, const ANY: bool>(
     structure.traverse::<_, M, P, ANY>(avx2, query, probe);
 }
 
-/// How a ray comes upon a structure.
+/// How a ray enters a structure.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<F> {
+    /// The ray misses the bounds.
     Misses,
+    /// The ray is inside the bounds in this interval.
     Passes(RayInterval<F>),
-    /// From so far that the proofs of filter and march do not hold.
+    /// The origin is so far away that the error bounds of the filter and the DDA do not hold.
     TooFar,
 }
 
 impl AccelerationStructure {
-    /// Looks for a better hit than the search has, in the structure's cells.
+    /// Looks for a nearer hit in a structure.
     #[inline(always)]
     fn traverse<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
@@ -89,7 +91,7 @@ impl AccelerationStructure {
         self.run::<K, M, P, ANY>(kernel, &ray_entry, query, probe);
     }
 
-    /// How the ray, as far as `last`, comes upon the structure.
+    /// How the ray, up to t = `last`, enters the structure.
     #[inline(always)]
     pub fn ray_entry<F: F64x4>(&self, proof: F::Proof, ray: &Ray, last: f64) -> Entry<F> {
         let ray_lanes = RayLanes::<F>::all_axes(proof, ray);
@@ -99,7 +101,7 @@ impl AccelerationStructure {
         intersect_aabb(&self.simd_bounds, ray_lanes, ray.t_min, last).map_or(Entry::Misses, Entry::Passes)
     }
 
-    /// The same as [`query`](Self::search), for a search whose ray has this approach.
+    /// The same as [`traverse`](Self::traverse), for a ray that enters the structure in this way.
     #[inline(always)]
     pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
@@ -112,14 +114,14 @@ impl AccelerationStructure {
             Entry::TooFar => return self.run_all::<P, ANY>(query, probe),
             Entry::Passes(interval) if interval.entry <= query.best.t_bound => *interval,
             _ => {
-                // The course's program tests everything; what is outside the box misses.
+                // The course's program tests every primitive. A ray that misses their bounds misses them all.
                 let untested =
                     if M::AS_COURSE && self.table.is_none() { self.prims.count(query.world) } else { 0 };
                 return probe.intersections(untested);
             }
         };
         let blocks = self.cells.blocks.as_slice();
-        let mut filter_state = FilterState::on(&interval, &self.cells.frame, query.best.t_bound);
+        let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.best.t_bound);
         match &self.table {
             Some(table) => {
                 self.traverse_cells::<K, M, P, ANY>(
@@ -137,12 +139,12 @@ impl AccelerationStructure {
         }
     }
 
-    /// Whether the proofs of filter and march hold for the ray; not for one with a NaN.
+    /// Whether the error bounds of the filter and the DDA hold for the ray. They do not for one with a NaN.
     #[inline(always)]
     fn is_in_proven_range<F: F64x4>(&self, ray_lanes: &RayLanes<F>) -> bool {
         let origin = ray_lanes.origin;
-        let from_middle = origin - F::new(origin.proof(), self.cells.frame.center);
-        from_middle.abs().max3() <= self.max_origin_distance
+        let from_center = origin - F::new(origin.proof(), self.cells.frame.center);
+        from_center.abs().max3() <= self.max_origin_distance
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
@@ -182,14 +184,14 @@ impl AccelerationStructure {
             if last_t <= cursor.exit() {
                 return;
             }
-            let stays = cursor.step();
+            let unstepped = cursor.step();
             if P::COUNTS {
-                (stays.count_ones()..3).for_each(|_| probe.cell());
+                (unstepped.count_ones()..3).for_each(|_| probe.cell());
             }
         }
     }
 
-    /// Searches what a word names; says whether the best hit changed.
+    /// Traverses the nested structures of a cell, and returns whether the best primitive changed.
     #[inline(always)]
     fn test_nested<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
@@ -211,7 +213,8 @@ impl AccelerationStructure {
         query.best != before
     }
 
-    /// Without filter and march: every primitive by itself, unless the ray surely misses them all.
+    /// Tests every primitive exactly, without the filter and the DDA, unless the ray certainly misses their
+    /// bounds.
     #[cold]
     fn run_all<P: Probe, const ANY: bool>(&self, query: &mut RayQuery, probe: &mut P) {
         let count = self.prims.count(query.world);
@@ -227,7 +230,7 @@ impl AccelerationStructure {
     }
 }
 
-/// Marks the branch that calls it.
+/// Tells the compiler that the branch that calls it is rarely taken.
 #[inline(always)]
 #[cold]
 fn unlikely() {}

@@ -10,8 +10,8 @@ use glam::{DVec2, DVec3};
 pub struct Ray {
     /// The point at t = 0.
     pub origin: DVec3,
-    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees what is behind its
-    /// plane.
+    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees what is
+    /// behind its plane.
     pub t_min: f64,
     /// The direction, which need not be a unit vector: its length is the unit of t.
     pub direction: DVec3,
@@ -25,8 +25,9 @@ impl Ray {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// The ray's numbers in pairs. Pairs are passed to a function in registers. A ray is passed in memory, where it
-    /// is written in parts and then read as whole vectors, so that store forwarding fails and the processor stalls.
+    /// The ray's numbers in pairs. Pairs are passed to a function in registers. A ray is passed in memory,
+    /// where it is written in parts and then read as whole vectors, so that store forwarding fails and the
+    /// processor stalls.
     #[inline(always)]
     pub fn pairs(&self) -> [DVec2; 4] {
         let (o, d) = (self.origin, self.direction);
@@ -50,7 +51,8 @@ impl Ray {
     }
 }
 
-/// The primitive that a ray hits first. The hit itself is computed by `World::hit`, only for callers that need it.
+/// The primitive that a ray hits first. The hit itself is computed by `World::hit`, only for callers that
+/// need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
     /// The primitive's id in its world.

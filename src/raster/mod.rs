@@ -1,11 +1,12 @@
-//! What the camera sees first: the triangles and planes, projected onto the centres of the pixels.
+//! Primary visibility by rasterization: the triangles and planes are projected onto the centres of the
+//! pixels.
 //!
-//! Where one ray for each pixel leaves one eye, it is much cheaper to ask each triangle for its pixels
-//! than each ray for its triangle. The answer is the one that casting the ray gives, or none: where
-//! rounding leaves a doubt, the ray has to be cast.
+//! If all camera rays start at one eye, and one of them goes through each pixel's centre, it is much cheaper
+//! to find the pixels of each triangle than the triangle of each pixel. For each pixel the result is the one
+//! that casting the ray gives, or that rounding errors leave it undecided, and then the ray has to be cast.
+//! `proofs/raster_*.g` prove the error bounds.
 
 mod edge_functions;
-
 mod tile;
 mod triangle_bounds;
 #[cfg(test)]
@@ -24,41 +25,42 @@ use std::ops::Range;
 use tile::Tile;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
 
-/// What is known of the first primitive that a ray meets.
+/// What rasterization knows of the first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
-    /// The ray meets nothing.
+    /// The ray hits nothing.
     Nothing,
-    /// The ray meets this primitive first.
+    /// The ray hits this primitive first.
     Primitive(Visible),
-    /// Rounding leaves a doubt, so that the ray has to be cast.
+    /// Rounding errors leave it undecided, so that the ray has to be cast.
     Unsure,
 }
 
-/// What the rays through the centres of some rows of pixels hit first.
+/// The first hits of the rays through the centres of some rows of pixels.
 #[derive(Debug)]
 pub struct VisibilityBuffer {
-    /// From one row to the next.
+    /// The number of elements from one row to the next.
     stride: usize,
     first_row: usize,
-    /// A primitive's number for each pixel, or one of the two below.
+    /// For each pixel the id of the visible primitive, or [`NOTHING`] or [`UNSURE`].
     visible_ids: Vec<u32>,
 }
 
-/// The number of no primitive.
+/// The id of a pixel in which nothing is visible.
 const NOTHING: u32 = u32::MAX;
-/// The number of what only a ray can find out.
+/// The id of a pixel whose ray has to be cast.
 const UNSURE: u32 = u32::MAX - 1;
 
-/// Rows of pixels that are drawn at a time, by one thread, in memory that is close to it.
+/// The number of rows of pixels in a tile, which one thread draws. They are so few that they fit into its
+/// cache.
 const TILE_ROWS: usize = 32;
 
-/// How many pixels may be looked at for each ray that need not be cast.
+/// Upper bound on the average number of pixel tests for each ray that need not be cast.
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
-    /// What `caster` finds in a world of triangles and planes, for the rays through the pixels' centres in
-    /// these rows. None where the world has other things, or where casting the rays is less work.
+    /// The first hits in a world of triangles and planes, for the rays through the pixels' centres in these
+    /// rows. None if the world has other primitives, or if casting the rays is cheaper.
     pub fn new<M: Mode>(
         camera: &Camera,
         caster: &Caster<M>,
@@ -69,7 +71,8 @@ impl VisibilityBuffer {
         let pixels = width * rows.len();
         let is_possible =
             world.finite_count() == world.triangles.len() && width.max(height) <= triangle_bounds::MAX_PIXELS;
-        // Measured: a ray takes as long as 3/4 of a triangle where there is a grid, else as one in 64 of all.
+        // According to measurements casting a ray costs as much as rasterizing 3/4 of a triangle if there is
+        // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
         let count = world.triangles.len();
         let max_triangles =
             if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
@@ -99,7 +102,7 @@ impl VisibilityBuffer {
         Some(Self { stride, first_row: rows.start, visible_ids })
     }
 
-    /// What `ray`, the one through the centre of the pixel in column `i` of row `j`, sees.
+    /// The first hit of `ray`, which goes through the centre of the pixel in column `i` of row `j`.
     #[inline(always)]
     pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
         let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
@@ -117,28 +120,29 @@ impl VisibilityBuffer {
     }
 }
 
-/// What stands in one band.
+/// The triangles in one tile.
 #[derive(Clone, Default)]
 struct TileBin {
-    /// Fronts are drawn first: they hide most backs, which then need no drawing.
+    /// Front faces are drawn first: they hide most back faces, which then need not be drawn.
     sides: [Vec<TriangleBounds>; 2],
-    /// How many pixels they have.
+    /// The number of pixels in the bounds of the triangles whose first row is in this tile.
     pixels: usize,
 }
 
 const FRONTS: usize = 0;
 const BACKS: usize = 1;
 
-/// Piles for each band, from each part of the triangles.
+/// The bins of all tiles, for each part of the triangles separately, so that threads can fill them in
+/// parallel.
 fn bins(viewport: &Viewport, world: &World) -> Vec<Vec<TileBin>> {
-    const PART: usize = 1 << 14;
+    const TRIANGLES_PER_PART: usize = 1 << 14;
     let vertices: Vec<ScreenVertex> =
         world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
     let count = world.triangles.len();
-    let parts = (0..count.div_ceil(PART)).into_par_iter();
+    let parts = (0..count.div_ceil(TRIANGLES_PER_PART)).into_par_iter();
     let bins = parts.map(|part| {
         let mut bins = vec![TileBin::default(); viewport.rows.len().div_ceil(TILE_ROWS)];
-        for id in part * PART..count.min((part + 1) * PART) {
+        for id in part * TRIANGLES_PER_PART..count.min((part + 1) * TRIANGLES_PER_PART) {
             if let Some((triangle_bounds, is_front)) =
                 TriangleBounds::new(viewport, world, &vertices, id as u32)
             {
@@ -155,24 +159,25 @@ fn bins(viewport: &Viewport, world: &World) -> Vec<Vec<TileBin>> {
     bins.collect()
 }
 
-/// Where it is drawn.
+/// The projection onto the rows that are drawn.
 ///
-/// A pixel's ray runs along d + x h + y v, with x and y counted from the picture's middle in pixels.
+/// The direction of a pixel's ray is d + x h + y v, where x and y are in pixels from the centre of the
+/// picture.
 struct Viewport {
     eye: Eye,
-    /// A power of two that brings all finite things to within 1 of the eye.
+    /// A power of two that scales all finite primitives to within a distance of 1 from the eye.
     scale: f64,
-    /// What takes a point one unit in front of the eye to its x and its y.
+    /// The vectors whose dot products with a point at depth 1 are its x and y.
     axes: [DVec3; 2],
-    /// The most that d, x h and y v are long together.
+    /// Upper bound on |d| + |x h| + |y v|.
     max_direction_length: f64,
     width: usize,
     rows: Range<usize>,
 }
 
 impl Viewport {
-    /// None where numbers are too large or too small to compute with, or the view so narrow or so skew that
-    /// a place is off by more than a small part of a pixel.
+    /// None if numbers are too large or too small for the error bounds, or if the view is so narrow or so
+    /// skewed that the error of a projected vertex may exceed a small fraction of a pixel.
     fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>) -> Option<Self> {
         let distance = |corner: DVec3| (corner - eye.center).length();
         let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
@@ -188,19 +193,19 @@ impl Viewport {
         is_usual.then_some(Self { eye, scale, axes, max_direction_length, width, rows })
     }
 
-    /// A point as the eye sees it.
+    /// A point relative to the eye, scaled.
     fn eye_space(&self, point: DVec3) -> DVec3 {
         (point - self.eye.center) * self.scale
     }
 
-    /// `normal` times a pixel's direction.
+    /// The dot product of `normal` and a pixel's ray direction, as a function of the pixel.
     fn affine(&self, normal: DVec3) -> Affine {
         let Eye { direction, right, up, .. } = self.eye;
         Affine { constant: normal.dot(direction), per_x: normal.dot(right), per_y: normal.dot(up) }
     }
 }
 
-/// A function of a pixel's x and y.
+/// An affine function of a pixel's x and y.
 #[derive(Clone, Copy)]
 struct Affine {
     constant: f64,

@@ -1,14 +1,14 @@
-//! Scenes whose colours follow from the laws of optics by hand.
+//! Scenes whose colours can be computed by hand from the laws of optics.
 
 use super::*;
 use crate::mode::Course;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 
-/// As in the text of [`Setting::new`].
+/// The background colour in the text of [`Setting::new`].
 const BACKGROUND: Color = Color::new(0.25, 0.5, 1.0);
 
-/// A world of these parts of a scene's text, and what the rays in it model.
+/// A world with the effects that are modelled in it.
 struct Setting {
     world: World,
     effects: Effects,
@@ -43,8 +43,8 @@ impl Setting {
         color
     }
 
-    /// The colour that a point of a made-up surface shows to a ray along the negative z axis.
-    fn shown(&self, normal: DVec3) -> Color {
+    /// The colour of a surface with this normal for a ray along the negative z axis.
+    fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface = SurfacePoint { position: DVec3::ZERO, normal, material: 0, triangle: None };
         let tracer = Tracer { caster: &caster, effects: self.effects };
@@ -83,9 +83,9 @@ fn a_surface_shows_ambient_light_and_each_light_above_it_by_its_cosine() {
 fn a_light_in_the_plane_of_a_surface_leaves_no_highlight_on_it() {
     let material = "Material { diffuseColor 0 0 0 specularColor 1 1 1 } Sphere { center 9 9 9 radius 1 }";
     let beside = "DirectionalLight { direction -1 0 0 color 1 1 1 }";
-    assert_eq!(Setting::new(beside, material, Effects::default()).shown(DVec3::Z), Color::ZERO);
+    assert_eq!(Setting::new(beside, material, Effects::default()).color_of_surface(DVec3::Z), Color::ZERO);
     let slanting = "DirectionalLight { direction -1 0 -.001 color 1 1 1 }";
-    assert!(Setting::new(slanting, material, Effects::default()).shown(DVec3::Z).x > 0.7);
+    assert!(Setting::new(slanting, material, Effects::default()).color_of_surface(DVec3::Z).x > 0.7);
 }
 
 #[test]
@@ -96,12 +96,12 @@ fn the_inside_of_a_surface_is_black_unless_back_faces_are_lit() {
     let lit_from_within = Setting::new(SUN, sphere, back);
     assert_near(lit_from_within.seen([0.0; 3], DOWN), Color::splat(0.625));
     assert_near(lit_from_within.seen([0.0; 3], [0.0, 1.0, 0.0]), Color::splat(0.125));
-    // Edge on, a surface is seen from its outside.
-    assert_eq!(Setting::new(SUN, sphere, front).shown(DVec3::X), Color::splat(0.125));
+    // A surface that is seen edge on counts as seen from outside.
+    assert_eq!(Setting::new(SUN, sphere, front).color_of_surface(DVec3::X), Color::splat(0.125));
 }
 
 #[test]
-fn what_stands_between_casts_a_shadow_and_what_stands_behind_the_light_none() {
+fn an_object_before_the_light_casts_a_shadow_and_one_behind_it_casts_none() {
     let lamp = "PointLight { position 0 4 0 color 1 1 1 }";
     for (height, color) in [(2, 0.125), (6, 1.125)] {
         let ball = format!("{FLOOR} Sphere {{ center 0 {height} 0 radius .5 }}");
@@ -113,7 +113,7 @@ fn what_stands_between_casts_a_shadow_and_what_stands_behind_the_light_none() {
 }
 
 #[test]
-fn a_transparent_thing_tints_light_by_its_way_inside_up_to_the_lamp() {
+fn a_transparent_object_tints_light_by_the_length_of_its_path_inside() {
     const GLASS: &str = "Material { transparentColor .5 .25 1 }";
     let glass = format!(
         "{FLOOR} {GLASS} Sphere {{ center 0 3 0 radius 1 }} Sphere {{ center 0 7 0 radius .5 }}
@@ -161,10 +161,10 @@ fn mirrors_reflect_as_often_as_there_are_bounces_and_the_weight_allows() {
 }
 
 #[test]
-fn a_ray_leaves_a_glass_plate_beside_the_line_it_came_on() {
+fn a_glass_plate_displaces_a_ray_sideways() {
     let (sine, index) = (0.6f64, 1.5f64);
     let tangent = |sine: f64| sine / (1.0 - sine * sine).sqrt();
-    // Through a plate from y = 0 down to y = -1, and as far again below it.
+    // The path through a plate from y = 0 down to y = -1, and down to y = -2 below it.
     let x = tangent(sine / index) + tangent(sine);
     let scene = format!(
         "Material {{ diffuseColor 0 0 0 transparentColor .5 .25 1 indexOfRefraction {index} }}
@@ -180,7 +180,7 @@ fn a_ray_leaves_a_glass_plate_beside_the_line_it_came_on() {
 }
 
 #[test]
-fn a_mirrored_direction_keeps_its_part_along_the_surface() {
+fn a_reflected_direction_keeps_its_tangential_component() {
     let incoming = DVec3::new(0.6, -0.8, 0.0);
     for normal in [DVec3::Y, DVec3::NEG_Y] {
         assert!((reflected(incoming, normal) - DVec3::new(0.6, 0.8, 0.0)).length() < 1e-15);
@@ -197,30 +197,30 @@ fn snell() {
 }
 
 #[test]
-fn at_the_critical_angle_light_runs_along_the_surface() {
+fn at_the_critical_angle_light_is_refracted_along_the_surface() {
     let incoming = DVec3::new(0.5, -0.75f64.sqrt(), 0.0);
     assert_eq!(refracted(incoming, DVec3::Y, 2.0), Some(DVec3::X));
 }
 
 #[test]
-fn light_that_runs_along_a_surface_runs_straight_on() {
+fn light_parallel_to_a_surface_continues_straight_on() {
     let scene = "Material { diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }
                  Sphere { center 9 9 9 radius 1 }
                  Material { diffuseColor 1 .5 .25 } Sphere { center 0 0 -5 radius .1 }";
-    assert_near(Setting::new("", scene, bounces(1)).shown(DVec3::X), FLOOR_COLOR);
+    assert_near(Setting::new("", scene, bounces(1)).color_of_surface(DVec3::X), FLOOR_COLOR);
 }
 
-/// Near the critical angle the part inward is small beside what it is computed from.
+/// Near the critical angle the normal component is small compared with the terms it is computed from.
 #[test]
-fn the_part_inward_keeps_its_digits_near_the_critical_angle() {
+fn the_normal_component_is_accurate_near_the_critical_angle() {
     for (ratio, rest) in [(1.0_f64 + 3e-7, 1e-7_f64), (1.0 + 5e-6, 3e-7), (1.1, 1e-7), (2.0, 1e-7)] {
         // 1 - ratio^2 sine^2 = rest.
         let cosine = (((ratio - 1.0) * (ratio + 1.0) + rest) / (ratio * ratio)).sqrt();
         let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
         let refracted = refracted(DVec3::new(sine, -cosine, 0.0), DVec3::Y, ratio).unwrap();
-        // What cannot be had is the rounding of the cosine or sine itself, ratio^2 times as large.
-        let known_to = 8.0 * f64::EPSILON * if ratio < 1.5 { (ratio - 1.0) + rest } else { 1.0 };
+        // The rounding error of the cosine or sine itself, times ratio^2, is unavoidable.
+        let error_bound = 8.0 * f64::EPSILON * if ratio < 1.5 { (ratio - 1.0) + rest } else { 1.0 };
         let inward = refracted.y * refracted.y;
-        assert!((inward - rest).abs() <= known_to, "{ratio}: {inward} {rest}");
+        assert!((inward - rest).abs() <= error_bound, "{ratio}: {inward} {rest}");
     }
 }

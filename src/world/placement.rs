@@ -30,8 +30,8 @@ impl Placement<'_> {
     }
 }
 
-/// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that the
-/// depth of the tree is limited by nothing but memory.
+/// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
+/// the depth of the tree is limited by nothing but memory.
 pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
     let mut stack: Vec<(ObjectId, DAffine3, Option<Position>)> = vec![(scene.root, DAffine3::IDENTITY, None)];
     std::iter::from_fn(move || {
@@ -48,8 +48,8 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
     })
 }
 
-/// The box by which the course's program bounds a placed sphere: the tight one of a sphere without a transform,
-/// and otherwise the box around the transformed corners of that one.
+/// The box by which the course's program bounds a placed sphere: the tight one of a sphere without a
+/// transform, and otherwise the box around the transformed corners of that one.
 pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> Aabb {
     let tight = Sphere { center, radius }.bounds();
     match placement.transform {
