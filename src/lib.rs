@@ -34,7 +34,7 @@
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA and
 //! PNG files and reads pictures, and [`compare`] measures how two pictures differ.
 //!
-//! Data flows one way, and a module imports only from those before it in this list.
+//! Data flows one way: a module imports only from the modules before it in this list.
 
 #[doc(hidden)]
 pub mod escape;

@@ -1,4 +1,4 @@
-//! A picture in memory, and the bytes of its colours.
+//! Pictures in memory, and the conversion of their colours to bytes.
 
 use crate::scene::Color;
 use std::fmt;
@@ -6,12 +6,12 @@ use std::fmt;
 /// Bytes per pixel: red, green, blue.
 pub const CHANNELS: usize = 3;
 
-/// No pixels, or more than there is memory for.
+/// The error of a picture without pixels, or with more than there is memory for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadSize {
-    /// In pixels.
+    /// The width in pixels.
     pub width: usize,
-    /// In pixels.
+    /// The height in pixels.
     pub height: usize,
 }
 
@@ -28,8 +28,8 @@ impl fmt::Display for BadSize {
 
 impl std::error::Error for BadSize {}
 
-/// 8-bit RGB, rows from the top. The tracer counts its pixels from the bottom left; the row
-/// accessors do the flip, so that nothing else needs to know.
+/// A picture of 8-bit RGB pixels, which are stored in rows from the top. The accessors count rows from the
+/// bottom, as the camera does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -37,18 +37,18 @@ pub struct Picture {
     pixels: Vec<u8>,
 }
 
-/// A picture whose colours are numbers, as they were rendered: neither clamped nor cut to bytes.
+/// A picture of colours as they were rendered: neither clamped nor truncated to bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloatPicture {
     /// Width and height in pixels.
     pub size: [usize; 2],
-    /// One for each pixel, row by row from the top.
+    /// The colour of each pixel, row by row from the top.
     pub colors: Vec<Color>,
 }
 
 impl FloatPicture {
-    /// A picture of this width and height that has no colours yet. No pixels at all, or more than there is memory
-    /// for, is an error.
+    /// A picture of this width and height that has no colours yet. No pixels at all, or more than there is
+    /// memory for, is an error.
     pub fn with_room(size: [usize; 2]) -> Result<Self, BadSize> {
         let failed = || BadSize { width: size[0], height: size[1] };
         let count = size[0].checked_mul(size[1]).filter(|&count| count > 0).ok_or_else(failed)?;
@@ -57,7 +57,7 @@ impl FloatPicture {
         Ok(Self { size, colors })
     }
 
-    /// Cuts the colours to bytes, as [`cut_to_bytes`] does, and counts those that are not numbers.
+    /// Converts the colours to bytes as [`cut_to_bytes`] does, and counts those with a NaN.
     pub fn to_bytes(&self) -> (Vec<u8>, u64) {
         let mut bytes = vec![0; self.colors.len() * CHANNELS];
         let nans = cut_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
@@ -65,19 +65,20 @@ impl FloatPicture {
     }
 }
 
-/// The place of red in a pixel's bytes where it comes first, for [`cut_to_bytes`].
+/// The index of red in a pixel's bytes if red comes first, for [`cut_to_bytes`].
 pub const RED_FIRST: usize = 0;
-/// The place of red in a pixel's bytes where blue comes first, for [`cut_to_bytes`].
+/// The index of red in a pixel's bytes if blue comes first, for [`cut_to_bytes`].
 pub const BLUE_FIRST: usize = 2;
 
-/// Writes the bytes of some colours, [`CHANNELS`] each with red at place `RED`: 255 times each channel, cut (not rounded) to a whole number
-/// and clamped to 0..=255, as the course's writer does. NaN becomes 0. Returns how many colours hold a NaN.
+/// Converts colours to bytes, [`CHANNELS`] for each with red at index `RED`: 255 times each channel,
+/// truncated (not rounded) to a whole number and clamped to 0..=255, as in the course's program. NaN becomes
+/// 0. Returns the number of colours with a NaN.
 pub fn cut_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
-    // A sum with a NaN is a NaN. That is cheaper than to look at each channel.
+    // The sum is NaN if any channel is, which is cheaper than a test of each channel.
     let mut sum = 0.0;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
         sum = sum + color.x + color.y + color.z;
-        // The conversion cuts, clamps and turns NaN into 0.
+        // The conversion truncates, clamps and maps NaN to 0.
         let [red, green, blue] = (255.0 * color).to_array().map(|channel| channel as u8);
         (pixel[RED], pixel[1], pixel[2 - RED]) = (red, green, blue);
     }
@@ -95,36 +96,36 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// `pixels` must hold `width * height * 3` bytes.
+    /// A picture of these bytes, of which there must be `width * height * 3`.
     pub fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
         debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
         Self { width, height, pixels }
     }
 
-    /// In pixels.
+    /// The width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// In pixels.
+    /// The height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Red, green, blue; rows from the top.
+    /// The bytes of the pixels: red, green and blue each, in rows from the top.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
     }
 
-    /// The pixel at column `i` and row `j`, counted from the bottom left; none outside.
+    /// The pixel in column `i` and row `j`, counted from the bottom left; none if it is outside the picture.
     pub fn get(&self, i: u32, j: u32) -> Option<[u8; CHANNELS]> {
-        let inside = i < self.width && j < self.height;
-        let row = inside.then(|| self.height - 1 - j)?;
-        let at = (row as usize * self.width as usize + i as usize) * CHANNELS;
-        self.pixels.get(at..)?.first_chunk().copied()
+        let is_inside = i < self.width && j < self.height;
+        let row = is_inside.then(|| self.height - 1 - j)?;
+        let start = (row as usize * self.width as usize + i as usize) * CHANNELS;
+        self.pixels.get(start..)?.first_chunk().copied()
     }
 
-    /// Row `j` counted from the bottom: `width` times three bytes. `j` is below the height.
+    /// The bytes of row `j`, counted from the bottom; `j` must be below the height.
     pub fn row_mut(&mut self, j: usize) -> &mut [u8] {
         let bytes = self.width as usize * CHANNELS;
         let from_top = self.height as usize - 1 - j;
@@ -142,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_cut_and_clamped() {
+    fn bytes_are_truncated_and_clamped() {
         let rows = [
             (0.0, 0),
             (0.2, 51),
@@ -168,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_count_from_the_bottom_and_lie_from_the_top() {
+    fn rows_count_from_the_bottom_and_are_stored_from_the_top() {
         let mut picture = Picture::new(2, 3).unwrap();
         (0..3).for_each(|j| picture.row_mut(j).fill(j as u8 + 1));
         assert_eq!(picture.pixels(), [[3; 6], [2; 6], [1; 6]].concat());

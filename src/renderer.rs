@@ -1,4 +1,5 @@
-//! The front door: a scene is opened once, prepared once for each grid, and rendered as often as one likes.
+//! The library's main interface: a scene is opened once, prepared once for each grid, and rendered any number
+//! of times.
 
 use crate::camera::Camera;
 use crate::grid::options::{GridOptions, Resolution};
@@ -17,12 +18,12 @@ use rayon::ThreadPool;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A scene with everything that it names, in world space.
+/// A scene with its meshes, in world space.
 #[derive(Debug)]
 pub struct Renderer {
-    /// What the scene's text says.
+    /// The scene as parsed from its text.
     pub scene: Scene,
-    /// The scene's text, to show where an error lies.
+    /// The text of the scene, to show the position of an error in it.
     pub source: Source,
     world: World,
     /// Kept only for the view of the grid's cells.
@@ -30,22 +31,22 @@ pub struct Renderer {
     threads: Option<Arc<ThreadPool>>,
 }
 
-/// Whether the meshes are kept as they were read. Only the view of the grid's cells needs them.
+/// Whether the meshes are kept as they were read, which only the view of the grid's cells needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meshes {
-    /// They are moved into the world.
+    /// The meshes are moved into the world.
     Moved,
-    /// They are copied, and kept beside the world.
+    /// The meshes are copied into the world, and kept.
     Kept,
 }
 
 impl Renderer {
-    /// Reads the scene at `path` with its meshes. Work is done on rayon's current thread pool.
+    /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
         Self::new(scene_io::load(path)?, Meshes::Moved)
     }
 
-    /// A scene that has been read. An error where its objects do not fit into the world's numbers.
+    /// A renderer of a scene that has been read. An object whose coordinates are out of range is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
         let LoadedScene { scene, meshes, source } = loaded;
         let (meshes, own) = match kept {
@@ -58,7 +59,7 @@ impl Renderer {
         }
     }
 
-    /// The same renderer, whose work is done on these threads.
+    /// The same renderer, with its work done on this thread pool.
     pub fn on_threads(self, threads: Arc<ThreadPool>) -> Self {
         Self { threads: Some(threads), ..self }
     }
@@ -68,12 +69,13 @@ impl Renderer {
         &self.world
     }
 
-    /// The box around everything finite; none where nothing is.
+    /// The bounds of the finite primitives; none if there are no such primitives.
     pub fn bounds(&self) -> Option<Aabb> {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
     }
 
-    /// Builds the acceleration structure for pictures of about so many camera rays.
+    /// Builds the acceleration structure. `rays` is the approximate number of camera rays, by which an
+    /// automatic grid is chosen.
     pub fn prepare<M: Mode>(
         &self,
         grid: Option<Resolution>,
@@ -87,8 +89,8 @@ impl Renderer {
         })
     }
 
-    /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The renderer
-    /// must have kept the scene's meshes.
+    /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The
+    /// renderer must have kept the scene's meshes.
     pub fn prepare_cells<M: Mode>(
         &self,
         grid: Resolution,
@@ -117,7 +119,7 @@ impl Renderer {
 pub struct Prepared<'r, M> {
     renderer: &'r Renderer,
     caster: Caster<'r, M>,
-    /// What is drawn in place of the scene.
+    /// The cells that are drawn in place of the scene, if any.
     occupancy: Option<Occupancy>,
     cells: Option<[usize; 3]>,
 }
@@ -133,7 +135,7 @@ impl<M: Mode> Prepared<'_, M> {
         self.caster.fullness(fullest)
     }
 
-    /// Renders the layers of a request into memory, in the order in which it names them. A picture without pixels, or
+    /// Renders the layers of a request into memory, in the order of the request. A picture without pixels, or
     /// with more than there is memory for, is an error.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
         let render = || {
@@ -142,7 +144,7 @@ impl<M: Mode> Prepared<'_, M> {
         self.renderer.on_own_threads(render).map(|(pictures, Quiet)| pictures)
     }
 
-    /// Renders a request row by row, as [`render::render`] does, and returns what the probe has seen.
+    /// Renders a request row by row, as [`render::render`] does, and returns the probe.
     pub fn render_rows<P: Probe, E: Send>(
         &self,
         request: &Request,

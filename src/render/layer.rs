@@ -1,23 +1,23 @@
-//! The layers of a render: each is one picture that shows something else of the same scene.
+//! The layers of a render: each of them is a picture that shows another property of the same scene.
 
 use crate::stats::Counts;
 
-/// What a picture shows.
+/// The property that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layer {
     /// The colours that the camera sees.
     Color,
-    /// The distance along the ray through each pixel's centre, in lengths of its direction: white up to `near`,
-    /// black from `far` on and where nothing is seen.
+    /// The t of the hit of the ray through each pixel's centre: white up to `near`, and black from `far` on
+    /// and if the ray hits nothing.
     Depth {
-        /// The distance that is shown white. It is below `far`, and both are finite.
+        /// The t that is shown white. It is below `far`, and both are finite.
         near: f64,
-        /// The distance that is shown black.
+        /// The t that is shown black.
         far: f64,
     },
-    /// The absolute coordinates of the unit normal that the ray through each pixel's centre sees.
+    /// The absolute coordinates of the unit normal at the hit of the ray through each pixel's centre.
     Normals,
-    /// The samples of each pixel with their colours, on a chequered ground.
+    /// The samples of each pixel with their colours, on a chequered background.
     Samples {
         /// The side of the square that shows one pixel, at least 1.
         zoom: usize,
@@ -54,7 +54,7 @@ impl Cost {
 }
 
 impl Layer {
-    /// Width and height of the layer's picture, for a window of so many pixels.
+    /// Width and height of the layer's picture, for a window of this width and height in pixels.
     pub fn size(self, window: [usize; 2]) -> [usize; 2] {
         match self {
             Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => window,
@@ -63,7 +63,7 @@ impl Layer {
         }
     }
 
-    /// How many numbers of one row of pixels are kept until the row is written.
+    /// The number of colours that a row of pixels has in this layer.
     pub(super) fn colors_per_row(self, width: usize) -> usize {
         match self {
             Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => width,

@@ -1,4 +1,5 @@
-//! Rows of pixels in parallel: samples -> film -> the layers' rows, handed out from the top as they are finished.
+//! Rows of pixels in parallel: samples -> film -> the layers' rows, handed out from the top as they are
+//! finished.
 
 pub mod grid_view;
 pub mod layer;
@@ -24,31 +25,32 @@ use std::fmt;
 use std::ops::ControlFlow;
 use strip::{Strip, Tally};
 
-/// How far a render has come.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Rows of pixels that are traced.
+    /// The number of rows of pixels that have been traced.
     pub done: usize,
-    /// Rows of pixels that the window has.
+    /// The number of rows of pixels in the window.
     pub rows: usize,
 }
 
-/// Is told how far a render has come, from any of its threads and at least once for each row, and may end it.
+/// A callback that is told the progress of a render, and may cancel it. It is called from any of the render's
+/// threads, at least once for each row.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// Takes the rows of the layers: it gets the index of a layer in the request, and the colours of that layer's next
-/// row, from the top.
+/// A callback that takes the rows of the layers: the arguments are the index of a layer in the request, and
+/// the colours of that layer's next row, from the top.
 pub type TakeRow<'a, E> = &'a mut (dyn FnMut(usize, &[Color]) -> Result<(), E> + Send + 'a);
 
 /// Why a render ended before its last row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped<E> {
-    /// The watch ended it, after so many rows of pixels were handed out.
+    /// The watch cancelled it, after this number of rows of pixels had been handed out.
     Cancelled {
         /// Rows from the top of the window.
         rows: usize,
     },
-    /// Whoever takes the rows failed.
+    /// The callback that takes the rows failed.
     Output(E),
 }
 
@@ -63,10 +65,11 @@ impl<E: fmt::Display> fmt::Display for Stopped<E> {
 
 impl<E: std::error::Error> std::error::Error for Stopped<E> {}
 
-/// Renders what is asked for, and returns the probe.
+/// Renders the layers of a request, and returns the probe.
 ///
-/// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither the
-/// colours nor the probe depend on the number of threads. Memory holds some rows, and never the whole picture.
+/// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither
+/// the colours nor the probe depend on the number of threads. Only some rows are in memory at a time, never
+/// the whole picture.
 pub fn render<M: Mode, P: Probe, E>(
     camera: &Camera,
     caster: &Caster<M>,
@@ -97,7 +100,7 @@ pub fn render<M: Mode, P: Probe, E>(
     Ok(probe)
 }
 
-/// Renders what is asked for into memory: a picture for each layer of the request, and the probe. A layer without
+/// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without
 /// pixels, or with more than there is memory for, is an error.
 pub fn render_in_memory<M: Mode, P: Probe>(
     camera: &Camera,
@@ -111,8 +114,8 @@ pub fn render_in_memory<M: Mode, P: Probe>(
         pictures[layer].colors.extend_from_slice(row);
         Ok(())
     };
-    let goes_on = |_| ControlFlow::Continue(());
-    let probe = match render(camera, caster, view, request, &goes_on, &mut take_row) {
+    let never_cancels = |_| ControlFlow::Continue(());
+    let probe = match render(camera, caster, view, request, &never_cancels, &mut take_row) {
         Ok(probe) => probe,
         Err(Stopped::Cancelled { .. }) => P::default(),
         Err(Stopped::Output(never)) => match never {},
@@ -120,10 +123,10 @@ pub fn render_in_memory<M: Mode, P: Probe>(
     Ok((pictures, probe))
 }
 
-/// Draws a filter: its weights around the middle pixel, each pixel enlarged `zoom` times.
+/// Draws the weights of a filter around the middle pixel. Each pixel is enlarged `zoom` times.
 ///
-/// As the course draws it, half the width finds the middle along both axes, what lies beyond the filter's support
-/// stays dark blue, and blue lines separate the pixels.
+/// As in the course's program, the middle is half the width along both axes, pixels beyond the filter's
+/// support are dark blue, and blue lines separate the pixels.
 fn render_filter<E>(
     filter: Filter,
     [width, height]: [usize; 2],
@@ -131,15 +134,15 @@ fn render_filter<E>(
     take_row: &mut dyn FnMut(&[Color]) -> Result<(), E>,
 ) -> Result<(), E> {
     let middle = width / 2;
-    let reached = middle.saturating_sub(filter.support())..=middle + filter.support();
-    // Relative to the middle pixel's centre.
-    let place = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
+    let supported = middle.saturating_sub(filter.support())..=middle + filter.support();
+    // The offset from the middle pixel's centre, in pixels.
+    let offset = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
     for y in (0..=height * zoom).rev() {
         let color = |x: usize| {
             if x.is_multiple_of(zoom) || y.is_multiple_of(zoom) {
                 Color::Z
-            } else if reached.contains(&(x / zoom)) && reached.contains(&(y / zoom)) {
-                Color::splat(filter.weight(DVec2::new(place(x), place(y))))
+            } else if supported.contains(&(x / zoom)) && supported.contains(&(y / zoom)) {
+                Color::splat(filter.weight(DVec2::new(offset(x), offset(y))))
             } else {
                 0.5 * Color::Z
             }

@@ -1,4 +1,4 @@
-//! What is to be rendered.
+//! The request: what is to be rendered.
 
 use super::layer::Layer;
 use crate::camera::Camera;
@@ -13,7 +13,7 @@ use crate::stats::Probe;
 use crate::trace::Effects;
 use std::ops::Range;
 
-/// What the colours show.
+/// What is drawn in the layers of colours.
 #[derive(Clone, Copy, Debug)]
 pub enum View<'a> {
     /// The scene, with the request's effects.
@@ -22,41 +22,42 @@ pub enum View<'a> {
     Cells(&'a Occupancy),
 }
 
-/// A rectangle of pixels. Its corner (`x`, `y`) counts from the picture's top left corner, (0, 0).
+/// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// The first column.
+    /// The leftmost column.
     pub x: usize,
-    /// The first row from the top.
+    /// The topmost row, counted from the top.
     pub y: usize,
-    /// In pixels.
+    /// The width in pixels.
     pub width: usize,
-    /// In pixels.
+    /// The height in pixels.
     pub height: usize,
 }
 
-/// Which layers of a picture are wanted, and how they are made.
+/// The layers of a picture that are to be rendered, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Width and height of the whole picture in pixels, at least 1 each.
     pub size: [usize; 2],
-    /// The part of the picture that is rendered. Its pixels are those of the whole picture. It is cut to the
-    /// picture; none means all of it.
+    /// The part of the picture that is rendered, with the same pixels as in the whole picture. It is clipped
+    /// to the picture. None means the whole picture.
     pub window: Option<Window>,
     /// A camera in place of the scene's own.
     pub camera: Option<scene::Camera>,
-    /// What is modelled.
+    /// The effects that are modelled.
     pub effects: Effects,
-    /// Where the samples of a pixel lie.
+    /// The positions of the samples of a pixel.
     pub sampler: Sampler,
-    /// How samples become pixels.
+    /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
     /// The layers, in the order in which rows are handed out.
     pub layers: Vec<Layer>,
 }
 
 impl Request {
-    /// The colours of a whole picture, by one ray through each pixel's centre, without shadows or secondary rays.
+    /// The colours of a whole picture, by one ray through each pixel's centre, without shadows or secondary
+    /// rays.
     pub fn new(size: [usize; 2]) -> Self {
         Self {
             size,
@@ -69,7 +70,7 @@ impl Request {
         }
     }
 
-    /// Width and height of what is rendered, in pixels.
+    /// Width and height of the rendered part, in pixels.
     pub fn window_size(&self) -> [usize; 2] {
         [self.columns().len(), self.rows().len()]
     }
@@ -103,12 +104,12 @@ impl Request {
         self.layers.iter().any(|layer| matches!(layer, Layer::Cost(_)))
     }
 
-    /// How many pixels around the window are sampled for it.
+    /// The number of pixels around the window whose samples contribute to it.
     pub(super) fn support(&self) -> usize {
         if self.has_colors() { self.filter.support() } else { 0 }
     }
 
-    /// Whether the pixels' centres are measured, wherever the samples lie.
+    /// Whether depths or normals at the pixels' centres are needed, whatever the positions of the samples.
     pub(super) fn measures(&self) -> bool {
         self.layers.iter().any(|layer| matches!(layer, Layer::Depth { .. } | Layer::Normals))
     }
@@ -123,8 +124,8 @@ impl Request {
         self.traces_colors::<P>() && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
-    /// What the rays through the pixels' centres in these rows see, if these rays are needed and rasterizing the
-    /// triangles is cheaper than casting them. The course's program casts them all.
+    /// The first hits of the rays through the pixels' centres in these rows, if these rays are needed and
+    /// rasterizing the triangles is cheaper than casting them. The course's program casts them all.
     pub(super) fn visibility<M: Mode, P: Probe>(
         &self,
         camera: &Camera,
@@ -132,8 +133,8 @@ impl Request {
         view: View,
         rows: Range<usize>,
     ) -> Option<VisibilityBuffer> {
-        let asks = self.measures() || self.casts_centers::<P>(view);
-        (asks && !M::AS_COURSE).then(|| VisibilityBuffer::new(camera, caster, self.size, rows))?
+        let is_needed = self.measures() || self.casts_centers::<P>(view);
+        (is_needed && !M::AS_COURSE).then(|| VisibilityBuffer::new(camera, caster, self.size, rows))?
     }
 }
 
@@ -142,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_window_counts_from_the_top_and_is_cut_to_the_picture() {
+    fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
         let request = |window| Request { window, ..Request::new([10, 8]) };
         assert_eq!((request(None).columns(), request(None).rows()), (0..10, 0..8));
         let part = request(Some(Window { x: 2, y: 1, width: 3, height: 4 }));

@@ -1,4 +1,4 @@
-//! A row of pixels: its samples are traced, and leave colours for the layers.
+//! A row of pixels: its samples are traced, and their colours are added to the layers.
 
 use super::layer::Layer;
 use super::request::{Request, View};
@@ -18,28 +18,29 @@ use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// What a row of pixels leaves for the picture.
+/// The result of tracing a row of pixels.
 pub struct Row<P> {
-    /// The row, counted from the bottom.
+    /// The index of the row, counted from the bottom.
     pub j: usize,
     pub probe: P,
     pub colors: Colors,
-    /// The colours of each layer of the request: one for each pixel, and for a layer of samples the rows of the
-    /// enlarged picture from the bottom. The list of a colour layer is empty, since `colors` has them.
+    /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of
+    /// the enlarged picture from the bottom. The list of a colour layer is empty, because `colors` has its
+    /// colours.
     pub layers: Vec<Vec<Color>>,
 }
 
-/// What a row's samples add to the layer of colours.
+/// What the samples of a row contribute to the layer of colours.
 pub enum Colors {
-    /// Nothing, since there is no such layer.
+    /// Nothing, because the request has no such layer.
     Unwanted,
-    /// The colours of the row itself, where no sample counts for another pixel.
+    /// The colours of the row itself, if every sample contributes to its own pixel only.
     Finished(Vec<Color>),
-    /// Sums for the rows around it.
+    /// Sums for this row and those around it.
     Spread(Spread),
 }
 
-/// What is needed to trace any row of a picture.
+/// Everything that is needed to trace any row of a picture.
 pub struct Setting<'a, M> {
     pub camera: &'a Camera,
     pub caster: &'a Caster<'a, M>,
@@ -47,7 +48,7 @@ pub struct Setting<'a, M> {
     pub request: &'a Request,
 }
 
-// Written out, since a derived copy would demand one of `M`.
+// Implemented by hand, because a derived `Clone` would require that `M` is `Clone`.
 impl<M> Clone for Setting<'_, M> {
     fn clone(&self) -> Self {
         *self
@@ -57,8 +58,9 @@ impl<M> Clone for Setting<'_, M> {
 impl<M> Copy for Setting<'_, M> {}
 
 impl<M: Mode> Setting<'_, M> {
-    /// Traces row `j`. `visibility` says what its centres see, as far as it is known. Where `is_shown` is false only
-    /// the samples are traced, for the sake of the rows around.
+    /// Traces row `j`. `visibility` has the first hits of the rays through its centres, as far as they are
+    /// known. If
+    /// `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
     pub fn row<P: Probe>(&self, visibility: Option<&VisibilityBuffer>, j: usize, is_shown: bool) -> Row<P> {
         let Setting { request, .. } = *self;
         let shown = request.columns();
@@ -101,7 +103,7 @@ impl<M: Mode> Setting<'_, M> {
     }
 }
 
-/// The layers of samples, each with its zoom.
+/// The indices of the layers of samples, each with its zoom.
 fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
     let layers = request.layers.iter().enumerate().filter(|_| is_shown);
     let plot = |(k, layer): (usize, &Layer)| match *layer {
@@ -111,7 +113,7 @@ fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
     layers.filter_map(plot).collect()
 }
 
-/// Paints the pixels of one row.
+/// Traces the pixels of one row.
 struct Painter<'a, M, P> {
     setting: Setting<'a, M>,
     visibility: Option<&'a VisibilityBuffer>,
@@ -123,13 +125,13 @@ struct Painter<'a, M, P> {
     center_weight: f64,
     /// The sum over the current pixel's samples so far.
     sum: Sum,
-    /// The layers of samples, each with its zoom.
+    /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
     row: Row<P>,
 }
 
 impl<M: Mode, P: Probe> Painter<'_, M, P> {
-    /// Paints the pixels in these columns, of which there are no more than a packet holds.
+    /// Traces the pixels in these columns, of which there are no more than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, .. } = *self.setting.request;
         for (k, zoom) in self.plots.clone() {
@@ -161,12 +163,12 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Measures the centres of pixels, and colours them if they are what is sampled.
+    /// Measures the centres of pixels, and colours them if the samples are at the centres.
     fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Setting { camera, caster, view, request } = self.setting;
         let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
         let j = self.row.j;
-        packet.take(camera, columns, j);
+        packet.push_centers(camera, columns, j);
         if measures || casts {
             packet.cast(caster, self.visibility, j, &mut self.row.probe);
         }
@@ -187,15 +189,15 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         let Request { sampler, size: [_, height], .. } = *self.setting.request;
         let j = self.row.j;
         let offsets = sampler.offsets((column * height + j) as u64);
-        for (offset, number) in offsets.zip(1..) {
-            packet.push(self.setting.camera, [column, j], offset, number == sampler.count());
+        for (offset, count) in offsets.zip(1..) {
+            packet.push(self.setting.camera, [column, j], offset, count == sampler.count());
             if packet.samples().len() == SamplePacket::SIZE {
                 self.color_samples(packet);
             }
         }
     }
 
-    /// Traces a packet of samples that have not been cast, and empties it.
+    /// Casts and colours the samples of a packet, and empties it.
     fn color_samples(&mut self, packet: &mut SamplePacket) {
         if matches!(self.setting.view, View::Scene) {
             packet.cast(self.setting.caster, None, self.row.j, &mut self.row.probe);
@@ -211,7 +213,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         let mut sum = self.sum;
         for Sample { column, offset, is_last, ray, surface, .. } in packet.samples() {
             let color = self.color_along(ray, surface.as_ref());
-            self.enter::<CENTERS>(*column, *offset, color, &mut sum);
+            self.add_sample::<CENTERS>(*column, *offset, color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);
                 sum = Sum::default();
@@ -220,9 +222,9 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         self.sum = sum;
     }
 
-    /// Enters a sample of a pixel, whose sum this is.
+    /// Adds a sample to the row. `sum` is that of its pixel.
     #[inline(always)]
-    fn enter<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
+    fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
         self.row.probe.non_shadow_ray();
         match &mut self.row.colors {
             Colors::Unwanted => {}
@@ -235,7 +237,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Finishes a pixel for which no other row's samples count.
+    /// Finishes a pixel, if only its own samples contribute to it.
     #[inline(always)]
     fn finish(&mut self, sum: &Sum) {
         if let Colors::Finished(colors) = &mut self.row.colors {
@@ -243,7 +245,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Enters what the layers of depths and normals show of a pixel's centre.
+    /// Adds the depth and the normal at a pixel's centre to their layers.
     fn measure(&mut self, center: &Sample) {
         if !self.shown.contains(&center.column) {
             return;
@@ -263,7 +265,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// The colour along a ray that sees this surface.
+    /// The colour along a ray that hits this surface first.
     #[inline(always)]
     fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
         let Setting { caster, view, request, .. } = self.setting;
@@ -279,7 +281,7 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Lays the chequered ground on which the samples of these columns are plotted.
+    /// Draws the chequered background of these columns, on which their samples are plotted.
     fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
         let (width, j) = (self.shown.len() * zoom, self.row.j);
         let colors = &mut self.row.layers[k];
@@ -291,18 +293,18 @@ impl<M: Mode, P: Probe> Painter<'_, M, P> {
         }
     }
 
-    /// Plots a sample where it falls in its enlarged pixel.
+    /// Plots a sample at its position in its enlarged pixel.
     fn plot(&mut self, i: usize, offset: DVec2, color: Color) {
         if !self.shown.contains(&i) {
             return;
         }
         for &(k, zoom) in &self.plots {
-            let place = |base: usize, offset: f64| {
-                let at = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
-                at.clamp(base * zoom, base * zoom + zoom - 1)
+            let enlarged = |base: usize, offset: f64| {
+                let coordinate = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
+                coordinate.clamp(base * zoom, base * zoom + zoom - 1)
             };
-            let x = place(i, offset.x) - self.shown.start * zoom;
-            let y = place(self.row.j, offset.y) - self.row.j * zoom;
+            let x = enlarged(i, offset.x) - self.shown.start * zoom;
+            let y = enlarged(self.row.j, offset.y) - self.row.j * zoom;
             self.row.layers[k][y * self.shown.len() * zoom + x] = color;
         }
     }

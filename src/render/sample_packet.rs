@@ -1,6 +1,6 @@
-//! Samples of neighbouring pixels, brought from stage to stage together: rays, then what they hit, then the
-//! surfaces there. One sample's stages wait for each other's divisions and for memory, while neighbours'
-//! need not.
+//! Samples of neighbouring pixels that pass through the stages together: first their rays, then the hits, and
+//! then the surfaces there. The stages of one sample depend on each other, while those of different samples
+//! overlap, which hides the latency of divisions and of memory.
 
 use crate::camera::Camera;
 use crate::grid::Caster;
@@ -13,18 +13,18 @@ use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use std::ops::Range;
 
-/// A sample in a row of pixels, and what is seen there.
+/// A sample in a row of pixels, and its hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     pub column: usize,
-    /// From the pixel's centre, in pixels.
+    /// The offset from the pixel's centre, in pixels.
     pub offset: DVec2,
-    /// Whether it is the pixel's last one.
+    /// Whether it is the last sample of its pixel.
     pub is_last: bool,
     pub ray: Ray,
-    /// What the ray sees, once it has been cast.
+    /// The primitive that the ray hits first, once the ray has been cast.
     pub visible: Option<Visible>,
-    /// The surface that it sees, once it has been computed.
+    /// The surface there, once it has been computed.
     pub surface: Option<SurfacePoint>,
 }
 
@@ -40,14 +40,14 @@ impl PacketRay for Sample {
     }
 }
 
-/// Some samples of a row.
+/// Up to [`SIZE`](Self::SIZE) samples of a row.
 #[derive(Debug, Default)]
 pub struct SamplePacket {
     samples: Vec<Sample>,
 }
 
 impl SamplePacket {
-    /// As many as the caster takes together.
+    /// The maximum number of samples, which is the number of rays that are cast together.
     pub const SIZE: usize = PACKET_SIZE;
 
     pub fn samples(&self) -> &[Sample] {
@@ -58,8 +58,8 @@ impl SamplePacket {
         self.samples.clear();
     }
 
-    /// Takes the centres of the pixels in these columns of row `j`.
-    pub fn take(&mut self, camera: &Camera, columns: Range<usize>, j: usize) {
+    /// Adds the centres of the pixels in these columns of row `j`.
+    pub fn push_centers(&mut self, camera: &Camera, columns: Range<usize>, j: usize) {
         columns.for_each(|column| self.push(camera, [column, j], DVec2::ZERO, true));
     }
 
@@ -70,8 +70,8 @@ impl SamplePacket {
         self.samples.push(Sample { column, offset, is_last, ray, visible: None, surface: None });
     }
 
-    /// Finds what each ray hits; `visibility` says what is seen through the centres of row `j`, if these
-    /// are the samples, and as far as it is known.
+    /// Finds the first hit of each ray. If the samples are at the centres of row `j`, `visibility` has those
+    /// hits, as far as they are known.
     pub fn cast<M: Mode, P: Probe>(
         &mut self,
         caster: &Caster<M>,
@@ -91,7 +91,7 @@ impl SamplePacket {
         }
     }
 
-    /// Finds the surface that each ray sees.
+    /// Computes the surface that each ray hits first.
     pub fn find_surfaces(&mut self, world: &World) {
         if !world.triangles.is_empty() {
             let visible = self.samples.iter().filter_map(|sample| sample.visible);

@@ -1,8 +1,8 @@
-//! A strip of rows: it is traced from the bottom, in the order in which the film adds up samples, and handed out
-//! from the top, in the order in which files hold rows.
+//! A strip of rows: it is traced from the bottom, in the order in which the film adds up samples, and handed
+//! out from the top, in the order of rows in files.
 //!
-//! Where the filter reaches beyond a pixel's row, the samples of the rows around the strip are traced for it, so
-//! that its pixels are those of the whole picture.
+//! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced
+//! as well, so that the strip's pixels are those of the whole picture.
 
 use super::Progress;
 use super::layer::Layer;
@@ -17,13 +17,14 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How much memory a strip's finished rows may take, in bytes, and as much again for its rows in progress.
+/// Upper bound on the memory of a strip's finished rows, in bytes. The rows in progress may take as much
+/// again.
 const MEMORY: usize = 32 << 20;
 
-/// How many rows a thread traces before it asks for more.
+/// Upper bound on the number of rows that a thread traces before it takes more.
 const ROWS_AT_ONCE: usize = 4;
 
-/// Counts the rows that are traced, and remembers whether the watch has ended the render.
+/// Counts the rows that have been traced, and records whether the watch has cancelled the render.
 pub struct Tally<'a> {
     rows: usize,
     done: AtomicUsize,
@@ -62,18 +63,19 @@ pub struct Finished<P> {
 }
 
 impl<'a, M: Mode> Strip<'a, M> {
-    /// The rows from `end` down to `first` at most, as many as the memory allows and at least one.
+    /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
         let Request { layers, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
         let rows = MEMORY / (colors * size_of::<Color>()).max(1);
-        // Some more where rows beside the strip are traced for it and thrown away.
+        // There are more if rows around the strip are traced and discarded, so that they are a small part of
+        // the work.
         let rows = rows.max(8 * setting.request.support()).max(rayon::current_num_threads());
         Self { setting, rows: end.saturating_sub(rows).max(first)..end }
     }
 
-    /// Traces the strip; none where the watch ends it.
+    /// Traces the strip; none if the watch cancels the render.
     pub fn render<P: Probe>(&self, tally: &Tally) -> Option<Finished<P>> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
@@ -90,7 +92,7 @@ impl<'a, M: Mode> Strip<'a, M> {
         Some(finished)
     }
 
-    /// How many rows are traced before the film takes them: at least one for each thread.
+    /// The number of rows that are traced before they are added to the film: at least one for each thread.
     fn rows_in_flight(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
         let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
@@ -108,7 +110,8 @@ impl<'a, M: Mode> Strip<'a, M> {
             }
             Some(row)
         };
-        // Left to itself the pool cuts the rows into a few large pieces, and waits for the last.
+        // By default the thread pool would split the rows into a few large parts, and wait for the slowest of
+        // them.
         let traced: Vec<Option<Row<P>>> =
             rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(trace).collect();
         traced.into_iter().collect()
@@ -118,23 +121,23 @@ impl<'a, M: Mode> Strip<'a, M> {
 impl<P: Probe> Finished<P> {
     fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) {
         let Setting { request, .. } = *strip.setting;
-        let place = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
-        if let Some(at) = place(row.j) {
+        let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
+        if let Some(i) = index(row.j) {
             self.probe = std::mem::take(&mut self.probe).merge(row.probe);
-            self.rows[at] = row.layers;
+            self.rows[i] = row.layers;
         }
         match row.colors {
             Colors::Unwanted => {}
             Colors::Finished(colors) => {
-                if let Some(at) = place(row.j) {
-                    enter_colors(&mut self.rows[at], request, colors);
+                if let Some(i) = index(row.j) {
+                    set_colors(&mut self.rows[i], request, colors);
                 }
             }
             Colors::Spread(spread) => film.add(spread, |j, colors| {
-                if let Some(at) = place(j) {
+                if let Some(i) = index(j) {
                     let columns = request.columns();
                     let colors = colors.skip(columns.start).take(columns.len()).collect();
-                    enter_colors(&mut self.rows[at], request, colors);
+                    set_colors(&mut self.rows[i], request, colors);
                 }
             }),
         }
@@ -152,8 +155,8 @@ impl<P: Probe> Finished<P> {
     }
 }
 
-/// Enters the colours of a row in its layers of colours.
-fn enter_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) {
+/// Sets the colours of a row in all its layers of colours.
+fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) {
     let mut wanted = request.layers.iter().zip(layers).filter(|(layer, _)| matches!(layer, Layer::Color));
     if let Some((_, first)) = wanted.next() {
         wanted.for_each(|(_, other)| other.clone_from(&colors));
