@@ -57,23 +57,23 @@ impl FloatPicture {
         Ok(Self { size, colors })
     }
 
-    /// Converts the colours to bytes as [`cut_to_bytes`] does, and counts those with a NaN.
+    /// Converts the colours to bytes as [`truncate_to_bytes`] does, and counts those with a NaN.
     pub fn to_bytes(&self) -> (Vec<u8>, u64) {
         let mut bytes = vec![0; self.colors.len() * CHANNELS];
-        let nans = cut_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
+        let nans = truncate_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
         (bytes, nans)
     }
 }
 
-/// The index of red in a pixel's bytes if red comes first, for [`cut_to_bytes`].
+/// The index of red in a pixel's bytes if red comes first, for [`truncate_to_bytes`].
 pub const RED_FIRST: usize = 0;
-/// The index of red in a pixel's bytes if blue comes first, for [`cut_to_bytes`].
+/// The index of red in a pixel's bytes if blue comes first, for [`truncate_to_bytes`].
 pub const BLUE_FIRST: usize = 2;
 
 /// Converts colours to bytes, [`CHANNELS`] for each with red at index `RED`: 255 times each channel,
 /// truncated (not rounded) to a whole number and clamped to 0..=255, as in the course's program. NaN becomes
 /// 0. Returns the number of colours with a NaN.
-pub fn cut_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
+pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
     // The sum is NaN if any channel is, which is cheaper than a test of each channel.
     let mut sum = 0.0;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {

@@ -46,7 +46,8 @@ impl Renderer {
         Self::new(scene_io::load(path)?, Meshes::Moved)
     }
 
-    /// A renderer of a scene that has been read. An object whose coordinates are out of range is an error.
+    /// A renderer of a scene that has been read. An object that cannot be placed in world space
+    /// is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
         let LoadedScene { scene, meshes, source } = loaded;
         let (meshes, own) = match kept {

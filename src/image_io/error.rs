@@ -1,79 +1,80 @@
-//! What can go wrong with a picture.
+//! The errors of picture files.
 
 use crate::escape::{escape, quoted};
 use crate::picture::BadSize;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
-/// A picture that cannot be held, read or written. Displays as one line that names the file.
+/// A picture that cannot be held in memory, read or written. The error is displayed as one line that names
+/// the file.
 #[derive(Debug)]
 pub enum ImageError {
-    /// The name says neither TGA nor PNG.
+    /// The name ends in neither `.tga` nor `.png`.
     Ending {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
-    /// The name of an output is that of a folder.
+    /// An output is a folder.
     Folder {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
     /// The system failed to read or write a file.
     Io {
-        /// What was tried, such as "open".
+        /// The operation that failed, such as "open".
         action: &'static str,
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What the reason is.
+        /// The reason.
         error: io::Error,
     },
-    /// The file's content is not what its name says, or the picture does not fit the format.
+    /// The file's content is not in the format that its name says, or the picture does not fit the format.
     Coding {
-        /// What was tried, such as "open".
+        /// The operation that failed, such as "open".
         action: &'static str,
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What the reason is.
+        /// The reason.
         error: Box<image::ImageError>,
     },
     /// A side is too long for the format.
     Sides {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// In pixels.
+        /// The width in pixels.
         width: usize,
-        /// In pixels.
+        /// The height in pixels.
         height: usize,
     },
     /// A picture to read is a folder, a pipe or a device.
     NotAFile {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
-    /// A file ends before its picture's size is known.
+    /// A file ends within its header, so that the size of its picture is not known.
     NoHeader {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
-    /// A file cannot hold, or does not hold, as many pixels as it says.
+    /// A file is too short for the number of pixels in its header.
     Short {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// In pixels.
+        /// The width in pixels.
         width: u32,
-        /// In pixels.
+        /// The height in pixels.
         height: u32,
     },
-    /// A TGA file of a type that is not in use.
+    /// A TGA file of an unknown type.
     TgaType {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
         /// The third byte of the file.
         image_type: u8,
     },
     /// A picture to read is larger than there is memory for.
     Memory {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
         /// The picture's size.
         size: BadSize,

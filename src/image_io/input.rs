@@ -1,4 +1,4 @@
-//! Picture files that anybody may have written, and what becomes of them.
+//! Reading of picture files, which may come from any program and need not be valid.
 
 use super::Format;
 use super::error::ImageError;
@@ -10,28 +10,28 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-/// The most bytes that a decoded picture may take.
-const MOST_BYTES: u64 = 1 << 29;
-/// The most bytes for a row of a PNG file and what else it holds, such as a colour profile, which may
-/// be deflated.
-const MOST_PNG_EXTRA_BYTES: u64 = 1 << 26;
-/// A byte of a deflated stream stands for no more than 1032 bytes, and a byte of these for no more
-/// than eight pixels.
-const MOST_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
-/// A packet of run-length encoding stands for no more pixels than this.
-const MOST_PIXELS_PER_PACKET: u64 = 128;
-/// The bytes before the data of a TGA file.
+/// Upper bound on the size of a decoded picture, in bytes.
+const MAX_BYTES: u64 = 1 << 29;
+/// Upper bound on the bytes for a row of a PNG file and for its metadata, such as a compressed colour
+/// profile.
+const MAX_PNG_EXTRA_BYTES: u64 = 1 << 26;
+/// Upper bound on the pixels per byte of a PNG file: a byte of a deflate stream encodes at most 1032 bytes,
+/// and each of these at most eight pixels.
+const MAX_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
+/// Upper bound on the pixels in a packet of run-length encoding.
+const MAX_PIXELS_PER_PACKET: u64 = 128;
+/// The length of the header of a TGA file, in bytes.
 const TGA_HEADER: usize = 18;
 
-/// Reads a picture of any common variant of TGA or PNG, told apart by the file's ending.
+/// Reads a picture of any common variant of TGA or PNG. The format is determined by the end of the name.
 ///
-/// The result has 8-bit RGB. Alpha is ignored: a transparent pixel has its colour, not that of
-/// something behind it. Grey becomes three equal channels. Of 16-bit channels the high byte is kept;
-/// 5-bit channels are scaled by 255/31 and rounded, as most viewers do.
+/// The result is 8-bit RGB. Alpha is ignored: a transparent pixel keeps its colour and is not blended with a
+/// background. Grey becomes three equal channels. 16-bit channels are reduced to their high byte, and 5-bit
+/// channels are scaled by 255/31 and rounded, as in most viewers.
 ///
-/// Only regular files are read, so that a pipe cannot make the program wait. The sizes that a header
-/// claims are checked against the file's length before there is memory for them, and a picture of
-/// more than 512 MiB is an error. Errors name the file and are one line.
+/// Only regular files are read, because a pipe could block the program. The size in a header is checked
+/// against the file's length before memory is allocated for it, and a picture of more than 512 MiB is an
+/// error.
 pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
     let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
     let failed = |error| ImageError::io("read", path, error);
@@ -47,7 +47,7 @@ pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
     }
 }
 
-/// What messages and checks need.
+/// The path of a file, for messages, and its length in bytes.
 struct InputFile<'a> {
     path: &'a Path,
     length: u64,
@@ -56,9 +56,9 @@ struct InputFile<'a> {
 impl InputFile<'_> {
     fn read_png(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
         let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(MOST_PNG_EXTRA_BYTES);
+        limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
         let decoder = PngDecoder::with_limits(reader, limits).map_err(|error| self.coding(error))?;
-        self.decode(decoder, self.length.saturating_mul(MOST_PNG_PIXELS_PER_BYTE))
+        self.decode(decoder, self.length.saturating_mul(MAX_PNG_PIXELS_PER_BYTE))
     }
 
     fn read_tga(&self, mut reader: BufReader<File>) -> Result<Picture, ImageError> {
@@ -68,18 +68,18 @@ impl InputFile<'_> {
         if !header.has_known_type() {
             return Err(ImageError::TgaType { path: self.path.to_owned(), image_type: header.image_type() });
         }
-        let most_pixels = header.most_pixels(self.length);
+        let max_pixels = header.max_pixels(self.length);
         let decoder = TgaDecoder::new(header.with_standard_alpha().chain(reader));
-        self.decode(decoder.map_err(|error| self.coding(error))?, most_pixels)
+        self.decode(decoder.map_err(|error| self.coding(error))?, max_pixels)
     }
 
-    /// `most_pixels` is how many the file's length allows.
-    fn decode(&self, decoder: impl ImageDecoder, most_pixels: u64) -> Result<Picture, ImageError> {
+    /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
+    fn decode(&self, decoder: impl ImageDecoder, max_pixels: u64) -> Result<Picture, ImageError> {
         let ((width, height), color_type) = (decoder.dimensions(), decoder.color_type());
-        if u64::from(width) * u64::from(height) > most_pixels {
+        if u64::from(width) * u64::from(height) > max_pixels {
             return Err(self.short(width, height));
         }
-        let bytes = Some(decoder.total_bytes()).filter(|&bytes| bytes <= MOST_BYTES);
+        let bytes = Some(decoder.total_bytes()).filter(|&bytes| bytes <= MAX_BYTES);
         let too_large = || ImageError::Memory {
             path: self.path.to_owned(),
             size: BadSize { width: width as usize, height: height as usize },
@@ -109,33 +109,35 @@ fn is_end_of_file(error: &image::ImageError) -> bool {
     matches!(error, image::ImageError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof)
 }
 
-/// The header of a TGA file as it is stored.
+/// The bytes of the header of a TGA file.
 #[derive(Clone, Copy)]
 struct TgaHeader([u8; TGA_HEADER]);
 
 impl TgaHeader {
-    /// 1 to 3 for colour-mapped, true-colour and grey pictures, 8 more with run-length encoding.
+    /// The type: 1 to 3 for colour-mapped, true-colour and grey pictures, and 9 to 11 for the same with
+    /// run-length encoding.
     fn image_type(&self) -> u8 {
         self.0[2]
     }
 
-    /// The image crate takes every other type for grey.
+    /// Whether the type is known. The image crate would decode all other types as grey.
     fn has_known_type(&self) -> bool {
         matches!(self.image_type(), 1..=3 | 9..=11)
     }
 
-    /// In a file of this length.
-    fn most_pixels(&self, file_length: u64) -> u64 {
+    /// Upper bound on the number of pixels in a file of this length.
+    fn max_pixels(&self, file_length: u64) -> u64 {
         let data = file_length.saturating_sub(TGA_HEADER as u64);
         let bytes_per_pixel = u64::from(self.0[16]).div_ceil(8).max(1);
         match self.image_type() {
-            9..=11 => (data / (1 + bytes_per_pixel)).saturating_mul(MOST_PIXELS_PER_PACKET),
+            9..=11 => (data / (1 + bytes_per_pixel)).saturating_mul(MAX_PIXELS_PER_PACKET),
             _ => data / bytes_per_pixel,
         }
     }
 
-    /// The header with the number of alpha bits that the image crate expects of the pixel's size. Many
-    /// programs store another one, such as 8 for 24 bits, and alpha is ignored anyway.
+    /// The header with the number of alpha bits that the image crate expects for the size of a pixel. Many
+    /// programs store another number, such as 8 for pixels of 24 bits. This is harmless, because alpha is
+    /// ignored.
     fn with_standard_alpha(mut self) -> impl Read {
         let is_grey_with_alpha = matches!((self.image_type(), self.0[16]), (3 | 11, 16));
         self.0[17] = self.0[17] & 0xF0 | if is_grey_with_alpha { 8 } else { 0 };
@@ -143,7 +145,7 @@ impl TgaHeader {
     }
 }
 
-/// None if there is no memory.
+/// A list of zeros; none if there is not enough memory.
 fn zeros(length: u64) -> Option<Vec<u8>> {
     let length = usize::try_from(length).ok()?;
     let mut bytes = Vec::new();
@@ -152,13 +154,13 @@ fn zeros(length: u64) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// The decoded samples as bytes of red, green and blue. None if there is no memory.
+/// Converts decoded samples to bytes of red, green and blue. None if there is not enough memory.
 fn to_rgb(color_type: ColorType, samples: Vec<u8>) -> Option<Vec<u8>> {
     if color_type == ColorType::Rgb8 {
         return Some(samples);
     }
     let channel_bytes = usize::from(color_type.bytes_per_pixel() / color_type.channel_count());
-    // Samples are in the processor's order of bytes.
+    // Samples are in the native byte order.
     let high = if cfg!(target_endian = "little") { channel_bytes - 1 } else { 0 };
     let [green, blue] = if color_type.has_color() { [1, 2] } else { [0, 0] };
     let pixels = samples.chunks_exact(usize::from(color_type.bytes_per_pixel()));

@@ -1,4 +1,4 @@
-//! TGA and PNG files in and out.
+//! Reading and writing of TGA and PNG files.
 
 mod error;
 mod input;
@@ -13,7 +13,7 @@ pub use writer::PictureWriter;
 
 use std::path::Path;
 
-/// The kinds of picture file, told apart by the end of the name.
+/// The format of a picture file, which is determined by the end of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// `.tga`, byte for byte as the course's program writes it.
@@ -23,7 +23,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the last four bytes of the name, in either case; `None` for any other.
+    /// The format by the last four bytes of the name, in upper or lower case; none if they are not known.
     pub fn of(path: &Path) -> Option<Self> {
         let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
         match end.to_ascii_lowercase().as_slice() {

@@ -1,4 +1,4 @@
-//! Output files that are complete or not there at all.
+//! Output files, which are either complete or not written at all.
 
 use super::Format;
 use super::error::ImageError;
@@ -11,32 +11,33 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A picture file that is known to be writable but not yet written.
+/// A picture file that is known to be writable and has not been written yet.
 ///
-/// The finished picture goes to a temporary file beside the target, which then takes the target's name in one step.
-/// No file with a name stands on disk while the program renders, so that a program that is killed leaves nothing
-/// behind.
+/// The finished picture is written to a temporary file in the target's folder, which is then renamed to the
+/// target in one step. There is no such file while the program renders, so that a program that is killed
+/// leaves nothing behind.
 #[derive(Debug)]
 pub struct OutputFile {
-    /// As the user named it, for messages.
+    /// The path as the user gave it, for messages.
     path: PathBuf,
     format: Format,
     target: Target,
 }
 
-/// What becomes the picture file.
+/// The destination of a picture.
 #[derive(Debug)]
 pub(super) enum Target {
-    /// A regular file or none yet, links followed. `permissions` are those of the existing file.
+    /// A regular file, which need not exist yet, with links resolved. `permissions` are those of an existing
+    /// file.
     Replace { file: PathBuf, permissions: Option<Permissions> },
-    /// A pipe or a device, which must not be replaced by a file.
+    /// A pipe or a device, which is written to and not replaced by a file.
     Direct(File),
 }
 
 impl OutputFile {
-    /// Checks that a picture can be written to `path`: its ending, its folder, permissions.
+    /// Checks that a picture can be written to `path`: its extension, its folder and the permissions.
     ///
-    /// Opens a pipe or device, which waits for a reader where the system does so.
+    /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
         let failed = |error| ImageError::io("write", path, error);
@@ -52,12 +53,12 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), format, target })
     }
 
-    /// Begins a picture of this width and height in pixels. Its file appears when it is finished.
+    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished.
     pub fn begin(self, size: [usize; 2]) -> Result<PictureWriter, ImageError> {
         PictureWriter::new(self.path, self.format, self.target, size)
     }
 
-    /// Writes the whole picture or, where the target is a regular file, nothing at all.
+    /// Writes a picture. If this fails and the target is a regular file, nothing is written.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
         let mut writer = self.begin([picture.width() as usize, picture.height() as usize])?;
         let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
@@ -67,7 +68,7 @@ impl OutputFile {
 }
 
 impl Target {
-    /// Where bytes may wait for the picture to be complete: on the disk that will hold them.
+    /// The folder for temporary files, which is on the disk of the target if that is a regular file.
     pub(super) fn folder(&self) -> PathBuf {
         match self {
             Self::Replace { file, .. } => folder_of(file).to_owned(),
@@ -75,7 +76,7 @@ impl Target {
         }
     }
 
-    /// Takes the whole content.
+    /// Writes the complete content.
     pub(super) fn fill(self, content: Spool) -> io::Result<()> {
         match self {
             Self::Direct(file) => content.copy_to(&file),
@@ -87,7 +88,7 @@ impl Target {
         }
     }
 
-    /// Finds out whether a file can be made beside the target, by making one.
+    /// Checks that a file can be created in the target's folder, by creating one.
     fn probe(&self) -> io::Result<()> {
         match self {
             Self::Replace { file, .. } => temporary_beside(file).map(drop),
@@ -96,7 +97,8 @@ impl Target {
     }
 }
 
-/// Opening without cutting finds a write-protected file, which a rename would replace regardless.
+/// The target for an existing file, pipe or device. It is opened for writing, without truncation, because a
+/// write-protected file is an error, although it could be replaced by renaming.
 fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
     let file = OpenOptions::new().write(true).open(path)?;
     match found.is_file() {
@@ -105,14 +107,14 @@ fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
     }
 }
 
-/// Where a link to a file that does not exist yet leads; the path itself if it is no link.
+/// The target of a symbolic link to a file that does not exist yet; the path itself if it is no link.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
-    const MOST: usize = 40;
+    const MAX_LINKS: usize = 40;
     let mut target = path.to_owned();
-    for _ in 0..MOST {
+    for _ in 0..MAX_LINKS {
         match fs::read_link(&target) {
             Ok(next) => target = folder_of(&target).join(next),
-            // Not a link, or nothing there.
+            // The target is not a link, or does not exist.
             Err(_) => return Ok(target),
         }
     }
@@ -126,14 +128,14 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A new file in the target's folder with a new file's usual permissions, removed when dropped.
+/// A new file in the target's folder, with the permissions of any new file. It is removed when it is dropped.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let open = |path: &Path| OpenOptions::new().write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(target), open)
 }
 
-/// Gives the complete file its name. It is not forced to the disk first: that takes many times as
-/// long as a small picture takes to render.
+/// Renames the complete file to the target. It is not flushed to the disk first, because that takes many
+/// times as long as rendering a small picture.
 fn install(temporary: NamedTempFile, target: &Path, permissions: Option<&Permissions>) -> io::Result<()> {
     if let Some(permissions) = permissions {
         temporary.as_file().set_permissions(permissions.clone())?;

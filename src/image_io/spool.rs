@@ -1,25 +1,26 @@
-//! Bytes that wait for their file to be complete.
+//! The spool, which holds the bytes of a file until the file is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::PathBuf;
 
-/// Bytes that wait in memory, and beyond [`IN_MEMORY`] in a file without a name, which the system removes however the
-/// program ends.
+/// Bytes in memory or, if there are more than [`IN_MEMORY`], in a temporary file without a name, which the
+/// system removes however the program ends.
 pub(super) struct Spool {
     memory: Vec<u8>,
     file: Option<BufWriter<File>>,
-    /// Where the file without a name stands: on the disk that will hold the finished one.
+    /// The folder of the temporary file, which is on the disk of the finished file.
     folder: PathBuf,
 }
 
+/// Upper bound on the bytes in memory.
 const IN_MEMORY: usize = 8 << 20;
 
-/// Bytes that are handed to the system in one piece.
-const PIECE: usize = 1 << 18;
+/// The size of a file buffer, in bytes.
+const BUFFER_SIZE: usize = 1 << 18;
 
 impl Spool {
-    /// A spool that expects so many bytes.
+    /// An empty spool that is expected to hold this number of bytes.
     pub fn new(folder: PathBuf, expected: usize) -> Self {
         Self { memory: Vec::with_capacity(expected.min(IN_MEMORY)), file: None, folder }
     }
@@ -29,7 +30,7 @@ impl Spool {
         let Some(file) = self.file else { return target.write_all(&self.memory) };
         let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
         file.rewind()?;
-        let mut target = BufWriter::with_capacity(PIECE, target);
+        let mut target = BufWriter::with_capacity(BUFFER_SIZE, target);
         io::copy(&mut file, &mut target)?;
         target.flush()
     }
@@ -41,7 +42,7 @@ impl Write for Spool {
             return file.write(bytes);
         }
         if self.memory.len() + bytes.len() > IN_MEMORY {
-            let mut file = BufWriter::with_capacity(PIECE, tempfile::tempfile_in(&self.folder)?);
+            let mut file = BufWriter::with_capacity(BUFFER_SIZE, tempfile::tempfile_in(&self.folder)?);
             file.write_all(&std::mem::take(&mut self.memory))?;
             return self.file.insert(file).write(bytes);
         }

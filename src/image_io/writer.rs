@@ -1,12 +1,12 @@
-//! A picture that is written row by row.
+//! A picture file that is written row by row.
 //!
-//! The encoded bytes wait in a spool. When the last row is there they go to the target.
+//! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
 use super::Format;
 use super::error::ImageError;
 use super::output::Target;
 use super::spool::Spool;
-use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, cut_to_bytes};
+use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -15,9 +15,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const CHUNK: usize = 1 << 16;
 
-/// A picture file whose rows are taken from the top.
+/// A picture file under construction, which takes the rows from the top.
 pub struct PictureWriter {
-    /// As the user named it, for messages.
+    /// The path as the user gave it, for messages.
     path: PathBuf,
     target: Target,
     spool: Shared,
@@ -28,12 +28,12 @@ pub struct PictureWriter {
 }
 
 enum Encoder {
-    /// The rows follow the header as they are, blue first.
+    /// The rows follow the header uncompressed, with blue first.
     Tga,
     Png(Box<png::StreamWriter<'static, Shared>>),
 }
 
-/// The spool is shared, since the PNG encoder keeps what it writes to.
+/// The spool. It is shared, because the PNG encoder owns what it writes to.
 #[derive(Clone)]
 struct Shared(Arc<Mutex<Spool>>);
 
@@ -54,7 +54,8 @@ impl Write for Shared {
 }
 
 impl PictureWriter {
-    /// `size` is the picture's width and height in pixels; an error if the format has no room for them.
+    /// Starts a picture of this width and height in pixels. A size that the format does not support is an
+    /// error.
     pub(super) fn new(
         path: PathBuf,
         format: Format,
@@ -79,17 +80,17 @@ impl PictureWriter {
         Ok(Self { path, target, spool, encoder, bytes: Vec::new(), nans: 0 })
     }
 
-    /// Takes the next row from the top.
+    /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
         self.bytes.resize(colors.len() * CHANNELS, 0);
         self.nans += match self.encoder {
-            Encoder::Tga => cut_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
-            Encoder::Png(_) => cut_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+            Encoder::Tga => truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
+            Encoder::Png(_) => truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
         };
         self.encode()
     }
 
-    /// Takes the next row from the top as bytes: red, green, blue.
+    /// Adds the next row from the top, given as bytes of red, green and blue.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
@@ -107,8 +108,8 @@ impl PictureWriter {
         written.map_err(|error| ImageError::io("write", &self.path, error))
     }
 
-    /// Writes the whole picture to its target or, where that is a regular file, nothing at all. Returns how many
-    /// colours were not numbers; they are black.
+    /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
+    /// Returns the number of colours with a NaN.
     pub fn finish(self) -> Result<u64, ImageError> {
         let failed = |error| ImageError::io("write", &self.path, error);
         if let Encoder::Png(encoder) = self.encoder {
@@ -120,14 +121,15 @@ impl PictureWriter {
     }
 }
 
-/// The course's header: uncompressed true colour, 24 bits, rows from the top. None above 65535 pixels a side.
+/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top.
+/// None if a side is longer than 65535 pixels.
 fn tga_header([width, height]: [usize; 2]) -> Option<[u8; 18]> {
     let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
     let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
     Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
 }
 
-/// Eight bits for each of three channels, compressed as quickly as the crate can.
+/// An encoder for three channels of eight bits, with the fastest compression that the crate has.
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],

@@ -1,4 +1,4 @@
-//! Files for the tests: TGA and PNG of every variant, written byte by byte.
+//! Test files: TGA and PNG files of every variant, written byte by byte.
 
 use super::{ImageError, Picture, read_picture};
 use std::fs;
@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use tempfile::{TempDir, tempdir};
 
 pub(super) type Rgb = [u8; 3];
-/// The name of a chunk of a PNG file and what it holds.
+/// The name of a chunk of a PNG file, and its data.
 pub(super) type Chunk = (&'static [u8; 4], &'static [u8]);
 
 pub(super) const WIDTH: u16 = 3;
 pub(super) const HEIGHT: u16 = 2;
-/// Levels that 5 bits can hold, rows from the top.
+/// The pixels of a picture, in rows from the top. Their levels are representable in 5 bits.
 pub(super) const COLORS: [Rgb; 6] =
     [[255, 0, 0], [0, 255, 0], [8, 132, 247], [8, 132, 247], [8, 132, 247], [33, 66, 99]];
 pub(super) const GREYS: [u8; 6] = [9, 9, 200, 4, 0, 255];
 
-/// A TGA file but for its data.
+/// The properties of a TGA file.
 #[derive(Clone, Copy)]
 pub(super) struct Tga {
     pub(super) image_type: u8,
@@ -39,14 +39,14 @@ impl Tga {
         bytes
     }
 
-    /// The file of a picture whose pixels are stored so, after `map`.
+    /// A file with this colour map and these encoded pixels, which are in rows from the top.
     pub(super) fn file(self, map: &[u8], pixels: &[Vec<u8>; 6]) -> Vec<u8> {
         let stored = self.in_order_of_storage(pixels);
         let data = if self.image_type < 8 { stored.concat() } else { run_lengths(&stored) };
         [&self.header(WIDTH, HEIGHT), map, &data].concat()
     }
 
-    /// Bit 4 of the descriptor stands for pixels from the right, bit 5 for rows from the top.
+    /// Pixels are stored from the right if bit 4 of the descriptor is set, and rows from the top if bit 5 is.
     fn in_order_of_storage(self, pixels: &[Vec<u8>; 6]) -> Vec<Vec<u8>> {
         let mut rows: Vec<Vec<Vec<u8>>> = pixels.chunks(WIDTH.into()).map(<[_]>::to_vec).collect();
         if self.descriptor & 0x20 == 0 {
@@ -59,7 +59,7 @@ impl Tga {
     }
 }
 
-/// Packets of equal pixels and, for the rest, packets of pixels in a row. Some cross into the next row.
+/// Run-length encoding, with packets that may extend into the next row. A single pixel is a raw packet.
 fn run_lengths(pixels: &[Vec<u8>]) -> Vec<u8> {
     let mut data = Vec::new();
     for run in pixels.chunk_by(|a, b| a == b) {
@@ -70,7 +70,7 @@ fn run_lengths(pixels: &[Vec<u8>]) -> Vec<u8> {
     data
 }
 
-/// The 16 bits of a colour that 5 bits per channel can hold, and an attribute bit.
+/// A colour in 16 bits: 5 bits for each channel, and an attribute bit.
 pub(super) fn packed(color: Rgb) -> Vec<u8> {
     let [red, green, blue] = color.map(|level| (f64::from(level) * 31.0 / 255.0).round() as u16);
     (0x8000 | red << 10 | green << 5 | blue).to_le_bytes().to_vec()
@@ -93,7 +93,8 @@ impl Folder {
 
     fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
-        // Some file systems go to the disk when a file is overwritten, and none when it is new.
+        // The file is removed first, because some file systems flush a file to the disk when it is
+        // overwritten.
         fs::remove_file(&path).ok();
         fs::write(&path, bytes).unwrap();
         path
@@ -103,7 +104,7 @@ impl Folder {
         read_picture(&self.file(name, bytes))
     }
 
-    /// The message of an error, which must be one line.
+    /// The message of the error of a file, which must be one line.
     pub(super) fn complaint(&self, name: &str, bytes: &[u8]) -> String {
         let shown = self.read(name, bytes).unwrap_err().to_string();
         assert_eq!(shown.lines().count(), 1, "{shown}");
@@ -115,7 +116,7 @@ pub(super) fn picture(colors: &[Rgb; 6]) -> Picture {
     Picture::from_rgb(WIDTH.into(), HEIGHT.into(), colors.concat())
 }
 
-/// A PNG file with its data deflated by method 0, which stores.
+/// A PNG file whose data is in a stored block, that is, uncompressed.
 pub(super) fn png(size: [u32; 2], bits: u8, color_type: u8, chunks: &[Chunk], rows: &[&[u8]]) -> Vec<u8> {
     let header = [&size[0].to_be_bytes()[..], &size[1].to_be_bytes(), &[bits, color_type, 0, 0, 0]].concat();
     // Each row begins with the number of its filter.

@@ -1,11 +1,11 @@
-//! Every variant of the formats, and files that are not what they say.
+//! Every variant of the formats, and invalid files.
 
 use super::test_files::*;
 use super::*;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
-/// Both encodings from each of the four corners, with this in the low bits of the descriptor.
+/// Files with and without run-length encoding, with the first pixel in each of the four corners.
 fn variants(image_type: u8, bits: u8, alpha_bits: u8) -> impl Iterator<Item = Tga> {
     [image_type, image_type + 8].into_iter().flat_map(move |image_type| {
         [0, 0x10, 0x20, 0x30].map(|corner| Tga {
@@ -31,7 +31,7 @@ fn true_colour_tga_of_every_size_encoding_and_corner() {
         (16, 0, packed),
         (16, 1, packed),
         (24, 0, bgr),
-        // A number of alpha bits that is not so, as some programs store it.
+        // Some programs store a number of alpha bits that does not match the size of a pixel.
         (24, 8, bgr),
         (16, 8, packed),
         (32, 0, bgra),
@@ -97,7 +97,7 @@ fn a_packet_of_different_pixels_crosses_into_the_next_row() {
 fn png_of_every_colour_type_and_depth() {
     let palette: Chunk = (b"PLTE", &[1, 2, 3, 40, 50, 60]);
     let transparent: Chunk = (b"tRNS", &[0, 128]);
-    // The low bytes of 16 bits are such that rounding would raise the high one.
+    // The low bytes are such that rounding 16 bits to 8 would increase the high byte.
     type Row<'a> = (u8, u8, &'a [Chunk], &'a [u8], [Rgb; 2]);
     let rows: [Row; 13] = [
         (1, 0, &[], &[0b0100_0000], [[0; 3], [255; 3]]),
@@ -121,7 +121,7 @@ fn png_of_every_colour_type_and_depth() {
 }
 
 #[test]
-fn sizes_that_the_file_cannot_hold_are_found_before_there_is_memory_for_them() {
+fn sizes_that_do_not_fit_the_file_are_rejected_before_memory_is_allocated() {
     let folder = Folder::new();
     let expected = |name: &str| format!("cannot read `F/{name}`: it is too short for 65535 x 65535 pixels");
     for image_type in [2, 10] {
@@ -164,7 +164,7 @@ fn files_that_end_early_are_errors_wherever_they_end() {
         ("raw.tga", tga(2, 24, (0, 0, 0)).file(&[], &COLORS.map(bgr))),
         ("packets.tga", tga(10, 24, (0, 0, 0)).file(&[], &COLORS.map(bgr))),
         ("mapped.tga", mapped.file(&COLORS.map(bgr).concat(), &[0, 1, 2, 3, 4, 5].map(|i| vec![i]))),
-        // All of the picture is there when the check at the end of its data is missing.
+        // The picture is complete without the checksum at the end of its data.
         ("a.png", png([2, 1], 8, 2, &[], &[&[1, 2, 3, 4, 5, 6]])),
     ];
     for (name, file) in &files {
@@ -182,7 +182,7 @@ fn files_that_end_early_are_errors_wherever_they_end() {
 }
 
 #[test]
-fn no_damaged_byte_is_worse_than_an_error() {
+fn a_damaged_byte_leads_to_a_picture_or_an_error() {
     let folder = Folder::new();
     let mapped = Tga { image_type: 9, bits: 8, descriptor: 0x10, map: (2, 16, 6) };
     let packets = Tga { image_type: 10, bits: 32, descriptor: 8, map: (0, 0, 0) };
