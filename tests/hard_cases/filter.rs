@@ -3,9 +3,10 @@
 
 use crate::grid::{outside, push, sum};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, rounded, world_of};
+use crate::support::meshes::{Closed, rounded};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{Edges, lower, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
@@ -50,7 +51,7 @@ fn triangles(rng: &mut Rng, frame: &Frame) -> World {
         }));
         mesh.triangles.push([3 * lane, 3 * lane + 1, 3 * lane + 2]);
     }
-    world_of(&mesh)
+    world_of_mesh(&mesh)
 }
 
 fn center(frame: &Frame) -> DVec3 {
@@ -257,7 +258,7 @@ fn case_19_no_rejection_is_wrong() {
 /// Counts, for `n` rays and all triangles, the hits that the filter loses, the hits that a filter in f32
 /// without an error bound loses, all hits, and all pairs.
 fn lost(ring: &Closed, n: u64) -> [u64; 4] {
-    let (world, aim) = (world_of(&ring.mesh), outside(ring, 8.0));
+    let (world, aim) = (world_of_mesh(&ring.mesh), outside(ring, 8.0));
     let (blocks, failures) = (Blocks::new(&world), Failures::default());
     let one = |index| {
         let ray = aim(&mut Rng::at(2019, index), index);

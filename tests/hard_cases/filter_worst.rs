@@ -3,9 +3,9 @@
 
 use crate::filter::verdicts;
 use crate::support::hex;
-use crate::support::meshes::world_of;
 use crate::support::rays;
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 use raytracer::grid::filter::{FilterRay, MAX_DEPTH, Verdict};
@@ -160,7 +160,7 @@ fn is_wrong(verdict: &Verdict, block: &Block, hit: Option<f64>) -> bool {
 /// A world of the triangles of these trials.
 fn world(trials: &[Trial]) -> World {
     let vertices = trials.iter().flat_map(|trial| trial.corners).collect();
-    world_of(&Mesh {
+    world_of_mesh(&Mesh {
         vertices,
         triangles: (0..trials.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
     })

@@ -3,10 +3,11 @@
 
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, middle_and_reach, world_of};
+use crate::support::meshes::{Closed, bunny, middle_and_reach};
 use crate::support::product_grid::lattice;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::textbook_grid::TextbookGrid;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
@@ -100,14 +101,10 @@ pub fn sum<const N: usize>(counts: impl IntoIterator<Item = [u64; N]>) -> [u64; 
 pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + Sync {
     let (middle, reach) = middle_and_reach(&mesh.mesh);
     move |rng, index| {
-        let vertex = |i: u32| mesh.mesh.vertices[i as usize];
         let origin = middle + distance * reach * rng.direction();
         let target = match index % 3 {
-            0 => vertex(rng.below(mesh.mesh.vertices.len()) as u32),
-            1 => {
-                let [a, b] = mesh.edges[rng.below(mesh.edges.len())];
-                vertex(a).lerp(vertex(b), rng.unit())
-            }
+            0 => mesh.random_vertex(rng),
+            1 => mesh.random_edge_point(rng),
             _ => middle + reach * rng.in_ball(),
         };
         Ray::new(origin, target - origin)
@@ -117,7 +114,7 @@ pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + 
 #[test]
 fn case_21_grid_and_brute_force() {
     let mesh = Closed::new(bunny("40k"));
-    let world = world_of(&mesh.mesh);
+    let world = world_of_mesh(&mesh.mesh);
     let n = rays(20_000, 2_000_000);
     let counts =
         [48, 50, 128, 200, 256].map(|side| differences(21, &world, [side; 3], n, outside(&mesh, 4.0)));
@@ -140,7 +137,7 @@ pub fn lattice_corner(lattice: &Lattice, rng: &mut Rng) -> DVec3 {
 #[test]
 fn case_22_directions_with_zeros() {
     let mesh = bunny("5k");
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let lattice = lattice(&world, [50; 3]);
     let draw = |rng: &mut Rng, _| {
         let zero = |rng: &mut Rng| if rng.below(2) == 0 { 0.0 } else { -0.0 };
@@ -165,7 +162,7 @@ fn case_23_diagonals_through_corners() {
     let rng = &mut Rng::new(1023);
     let mut mesh = frame();
     let cells = [40; 3];
-    let lattice = lattice(&world_of(&mesh), cells);
+    let lattice = lattice(&world_of_mesh(&mesh), cells);
     let inner = |v: DVec3| v.min_element() > 0.1 && v.max_element() < 0.9;
     let corners: Vec<DVec3> =
         (0..8_000).map(|_| lattice_corner(&lattice, rng)).filter(|&v| inner(v)).collect();
@@ -174,7 +171,7 @@ fn case_23_diagonals_through_corners() {
         let cell = DVec3::from_array([0, 1, 2].map(|_| if rng.below(2) == 0 { 0.01 } else { -0.01 }));
         push(&mut mesh, [corner, corner + cell * rng.in_cube().abs(), corner + cell * rng.in_cube().abs()]);
     }
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let draw = |rng: &mut Rng, _| {
         let signs = DVec3::from_array([0, 1, 2].map(|_| if rng.below(2) == 0 { 1.0 } else { -1.0 }));
         let direction = signs * lattice.cell_size;
@@ -187,7 +184,7 @@ fn case_23_diagonals_through_corners() {
 #[test]
 fn case_24_origins_on_cell_faces() {
     let mesh = bunny("5k");
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let lattice = lattice(&world, [64, 32, 50]);
     let draw = |rng: &mut Rng, _| {
         let corner = lattice_corner(&lattice, rng);
@@ -221,7 +218,7 @@ pub fn push(mesh: &mut Mesh, triangle: [DVec3; 3]) {
 fn case_25_rays_in_cell_faces() {
     let rng = &mut Rng::new(1025);
     let mut mesh = frame();
-    let lattice = lattice(&world_of(&mesh), [16; 3]);
+    let lattice = lattice(&world_of_mesh(&mesh), [16; 3]);
     let inside = |rng: &mut Rng| 0.5 + 0.45 * rng.in_cube();
     for i in 0..1500 {
         let center = inside(rng);
@@ -234,7 +231,7 @@ fn case_25_rays_in_cell_faces() {
         }
         push(&mut mesh, triangle);
     }
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let draw = |rng: &mut Rng, _| {
         let (corner, mut origin) = (lattice_corner(&lattice, rng), inside(rng));
         let mut direction = rng.direction();

@@ -1,10 +1,11 @@
 //! Section B, cases 26 and 27: the DDA itself, with up to 4096 cells along each axis.
 
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{bunny, world_of};
+use crate::support::meshes::bunny;
 use crate::support::product_grid::{Step, lattice, margin, steps};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::textbook_grid::{TextbookGrid, march};
 use crate::support::{failed_ray, rays};
 use crate::{grid::frame, grid::push};
@@ -161,7 +162,7 @@ fn objects_where_the_dda_is_least_accurate() {
 fn triangles_where_the_dda_is_inaccurate(cells: [usize; 3]) -> (World, Vec<DVec3>) {
     const COUNT: usize = 2000;
     let mut mesh = frame();
-    let lattice = lattice(&world_of(&mesh), cells);
+    let lattice = lattice(&world_of_mesh(&mesh), cells);
     let (face_error_bound, rng) = (margin(&lattice), &mut Rng::new(3027));
     // From half a cell on, the error of a ray along x exceeds this distance in cells, and so both distances
     // below.
@@ -184,7 +185,7 @@ fn triangles_where_the_dda_is_inaccurate(cells: [usize; 3]) -> (World, Vec<DVec3
         );
         positions.push(position);
     }
-    (world_of(&mesh), positions)
+    (world_of_mesh(&mesh), positions)
 }
 
 /// Objects so close to a corner of a cell that an inaccurate DDA misses them.
@@ -199,7 +200,7 @@ fn case_27_objects_at_cell_corners() {
         let cells = [side, side, 1];
         for delta in [1e-2, 1e-3, 1e-4] {
             let (mesh, corners) = small_triangles(cells, delta);
-            let world = world_of(&mesh);
+            let world = world_of_mesh(&mesh);
             let caster = Caster::new(&world, Some(cells)).expect("a grid that fits");
             let textbook = TextbookGrid::over(&world, lattice(&world, cells));
             let one = |index| {
@@ -244,7 +245,7 @@ fn case_27_objects_at_cell_corners() {
 fn small_triangles(cells: [usize; 3], delta: f64) -> (Mesh, usize) {
     const COUNT: usize = 400;
     let mut mesh = frame();
-    let lattice = lattice(&world_of(&mesh), cells);
+    let lattice = lattice(&world_of_mesh(&mesh), cells);
     let rng = &mut Rng::new(2027);
     for _ in 0..COUNT {
         let corner = [0, 1].map(|axis| 1 + cells[axis] / 4 + rng.below(cells[axis] / 2));

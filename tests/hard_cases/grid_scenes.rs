@@ -4,9 +4,10 @@
 use crate::grid::{conclude, differences, frame, outside, push, sum};
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, moved, point_in, world_of};
+use crate::support::meshes::{Closed, bunny, moved, point_in};
 use crate::support::product_grid::{lattice, margin, steps};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::grid::Caster;
@@ -32,7 +33,7 @@ fn case_28_a_quad_through_all_cells() {
         let center = 0.5 + 0.45 * rng.in_cube();
         push(&mut mesh, [0, 1, 2].map(|_| center + 0.03 * rng.in_cube()));
     }
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let n = rays(50_000, 5_000_000);
     let aim = |rng: &mut Rng, _| {
         let origin = 0.5 + 1.5 * rng.direction();
@@ -56,7 +57,7 @@ fn flat(mesh: &mut Mesh, z: f64) {
 /// A flat mesh alone, whose box has no thickness; one in a plane between cells; and one on the side of the
 /// box.
 fn flat_meshes(cells: [usize; 3]) -> [Mesh; 3] {
-    let lattice = lattice(&world_of(&frame()), cells);
+    let lattice = lattice(&world_of_mesh(&frame()), cells);
     let plane = lattice.bounds.min.z + 5.0 * lattice.cell_size.z;
     let [mut alone, mut between, mut side] = [Mesh::default(), frame(), frame()];
     flat(&mut alone, 0.25);
@@ -70,7 +71,7 @@ fn case_29_a_flat_mesh_on_cell_faces() {
     let cells = [32, 32, 16];
     let n = rays(40_000, 4_000_000);
     let counts = flat_meshes(cells).map(|mesh| {
-        let world = world_of(&mesh);
+        let world = world_of_mesh(&mesh);
         let counts = differences(29, &world, cells, n, |rng, index| {
             let i = rng.below(world.triangles.len());
             let [a, b, _] = world.corners(i);
@@ -92,7 +93,7 @@ fn case_30_a_grid_far_from_the_origin() {
     let n = rays(50_000, 5_000_000);
     let counts = [1e4, 1e6].map(|shift| {
         let mesh = Closed::new(moved(&bunny("5k"), |v| v + shift));
-        differences(30, &world_of(&mesh.mesh), [50; 3], n, outside(&mesh, 4.0))
+        differences(30, &world_of_mesh(&mesh.mesh), [50; 3], n, outside(&mesh, 4.0))
     });
     conclude(30, "the rabbit at 1e4 and 1e6", 2 * n, sum(counts));
 }
@@ -100,7 +101,7 @@ fn case_30_a_grid_far_from_the_origin() {
 #[test]
 fn case_31_rays_from_far_away() {
     let mesh = Closed::new(bunny("1k"));
-    let world = world_of(&mesh.mesh);
+    let world = world_of_mesh(&mesh.mesh);
     let n = rays(80_000, 8_000_000);
     // All distances but the first are so large that the caster tests every primitive. For the last two
     // distances the error of f64 exceeds what the filter can bound. With a single cell, this happens before
@@ -116,7 +117,7 @@ fn case_31_rays_from_far_away() {
 fn rays_from_far_away_without_a_grid() {
     const SEED: u64 = 1031;
     let mesh = Closed::new(bunny("1k"));
-    let world = world_of(&mesh.mesh);
+    let world = world_of_mesh(&mesh.mesh);
     let caster = Caster::new(&world, None).expect("no grid");
     let (brute, aim, failures) = (Brute::new(&world), outside(&mesh, 1e12), Failures::default());
     let n = rays(1000, 100_000);
@@ -190,7 +191,7 @@ fn flat_frame() -> Mesh {
 
 /// The excess over 1 of the product of the rounded cell size and the rounded number of cells per unit.
 fn excess(cells: [usize; 3]) -> f64 {
-    let lattice = lattice(&world_of(&flat_frame()), cells);
+    let lattice = lattice(&world_of_mesh(&flat_frame()), cells);
     let per_unit = cells[2] as f64 / lattice.bounds.extent().z;
     lattice.cell_size.z.mul_add(per_unit, -1.0)
 }
@@ -200,7 +201,7 @@ fn excess(cells: [usize; 3]) -> f64 {
 /// face. Returns the world and the points to aim at.
 fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
     let mut mesh = flat_frame();
-    let lattice = lattice(&world_of(&mesh), cells);
+    let lattice = lattice(&world_of_mesh(&mesh), cells);
     let rng = &mut Rng::new(2031);
     let mut targets = vec![];
     for face in 2..cells[2] {
@@ -216,13 +217,13 @@ fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
         push(&mut mesh, triangle(-0.2, 0.1 + 1.5 * beyond + 3e-7));
         targets.push((face, at(x, y, beyond)));
     }
-    (world_of(&mesh), targets)
+    (world_of_mesh(&mesh), targets)
 }
 
 #[test]
 fn case_32_any_number_of_cells() {
     let mesh = Closed::new(bunny("200"));
-    let world = world_of(&mesh.mesh);
+    let world = world_of_mesh(&mesh.mesh);
     let n = rays(12_000, 1_500_000);
     let sizes =
         [[1; 3], [2; 3], [3; 3], [7; 3], [64; 3], [1, 500, 1], [500, 1, 3], [400, 2, 500], [13, 200, 77]];

@@ -1,9 +1,10 @@
 //! Section F, hostile input: NaNs and infinities, vectors without length, pictures without pixels.
 
 use crate::support::measure::{Failures, measure};
+use crate::support::meshes::{mesh, unit_icosphere};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::{icosphere, layers_and_nans, mesh, render_picture, scene_of};
+use crate::support::scenes::{layers_and_nans, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
@@ -74,7 +75,7 @@ fn ordinary_scene() -> Scene {
 
 /// Casts hostile rays. Counts the hits without a finite t and the hits of rays with a NaN.
 fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
-    let world = World::new(&ordinary_scene(), &[icosphere(0)]).expect("a sound scene");
+    let world = World::new(&ordinary_scene(), &[unit_icosphere(0)]).expect("a sound scene");
     let casters = [None, Some([6, 5, 4])].map(|cells| Caster::new(&world, cells).expect("a small grid"));
     let failures = Failures::default();
     let (counts, []) = measure(inputs, |index| {

@@ -7,9 +7,10 @@ use crate::support::all_scenes::{
 };
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{shuffle, world_of};
+use crate::support::meshes::shuffle;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
 use glam::{DVec2, DVec3};
@@ -83,7 +84,7 @@ fn case_50_scaled_by_powers_of_two() {
 /// The fraction of the rabbit's hits that a fixed epsilon loses at a scale.
 fn textbook_loses_hits(scale: f64) -> f64 {
     let mesh = crate::support::meshes::bunny("1k");
-    let world = world_of(&mesh);
+    let world = world_of_mesh(&mesh);
     let brute = Brute::new(&world);
     let one = |index| {
         let rng = &mut Rng::at(1050, index);

@@ -2,9 +2,10 @@
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};
+use crate::support::meshes::unit_icosphere;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::{icosphere, scene_of};
+use crate::support::scenes::world_with;
 use crate::support::{failed_ray, rays};
 use glam::{DVec3, Vec3};
 use raytracer::grid::Caster;
@@ -12,7 +13,6 @@ use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::stats::Quiet;
 use raytracer::trace::{Effects, Pending, Shadows, Tracer};
-use raytracer::world::World;
 
 fn point_light(position: DVec3) -> Light {
     Light::Point { position, color: DVec3::ONE, attenuation: [1.0, 0.0, 0.0] }
@@ -21,7 +21,7 @@ fn point_light(position: DVec3) -> Light {
 /// The colour that a ray returns in a world of one object and one light, with hard shadows and both sides
 /// lit.
 fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
-    let world = World::new(&scene_of(vec![object.clone()], vec![light]), &[]).expect("a sound scene");
+    let world = world_with(vec![object.clone()], vec![light], &[]);
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
     let hit = caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
@@ -177,7 +177,7 @@ fn case_45_terminator() {
     let to_light = DVec3::new(angle.sin(), 0.0, angle.cos());
     let light = Light::Directional { direction: -to_light, color: DVec3::ONE };
     let objects = vec![Object::Mesh { mesh: 0, material: 0 }];
-    let world = World::new(&scene_of(objects, vec![light]), &[icosphere(1)]).expect("a sound scene");
+    let world = world_with(objects, vec![light], &[unit_icosphere(1)]);
     let caster = Caster::new(&world, None).expect("no grid");
     let (counts, []) = measure(inputs, |index| {
         let mut rng = Rng::at(45, index);

@@ -4,9 +4,10 @@
 use crate::support::brute::Brute;
 use crate::support::double_double::{self as dd, Dd, Dd3};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, icosphere, point_in, world_of};
+use crate::support::meshes::{Closed, bunny, icosphere, point_in};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
+use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{Edges, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
@@ -178,7 +179,7 @@ fn is_outward_seen(world: &World, m: &DAffine3, rng: &mut Rng) -> bool {
 fn case_52_flattened_and_hierarchical() {
     const SEED: u64 = 1052;
     let mesh = Closed::new(bunny("1k"));
-    let local = world_of(&mesh.mesh);
+    let local = world_of_mesh(&mesh.mesh);
     let local_brute = Brute::new(&local);
     let n = rays(100_000, 10_000_000);
     let rng = &mut Rng::new(SEED);

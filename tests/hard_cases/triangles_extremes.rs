@@ -3,10 +3,10 @@
 use crate::support::exact::exact;
 use crate::support::exact_triangle::{self, intersect_by_rule};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, icosphere, moved, rounded, world_of};
+use crate::support::meshes::{Closed, bunny, icosphere, moved, rounded};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::layers;
+use crate::support::scenes::{layers, world_of_mesh};
 use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
@@ -33,7 +33,7 @@ fn case_20_a_sphere_of_many_sizes_in_a_grid() {
     // 2^100 = 1.3e30, and below 2^-126 = 1.2e-38 f32 begins to lose bits.
     for exponent in [-126, -100, -60, 0, 60, 100] {
         let mesh = moved(&unit.mesh, |v| v * 2f64.powi(exponent));
-        let world = world_of(&mesh);
+        let world = world_of_mesh(&mesh);
         let caster = Caster::new(&world, Some([16; 3])).expect("a small grid");
         let closed = Closed::new(mesh);
         let one = |index: u64| {

@@ -1,6 +1,7 @@
 //! The scenes in `scenes/` and, where `COURSE_DIR` names them, the course's own; scaled and moved.
 
-use super::meshes::{bunny, world_of};
+use super::meshes::bunny;
+use super::scenes::world_of_mesh;
 use glam::{DAffine3, DVec3};
 use raytracer::grid::Caster;
 use raytracer::mode::Mode;
@@ -180,5 +181,5 @@ pub fn moved_world(named: &Named, shift: DVec3) -> Option<(World, f64)> {
     let unit = 2f64.powi(largest.log2().ceil() as i32 + 1);
     let grid = unit * 0.5f64.powi(30);
     let vertices = world.vertices.iter().map(|&v| (v / grid).round() * grid + shift).collect();
-    Some((world_of(&Mesh { vertices, triangles: world.triangles.clone() }), unit))
+    Some((world_of_mesh(&Mesh { vertices, triangles: world.triangles.clone() }), unit))
 }

@@ -1,11 +1,13 @@
 //! Meshes with their neighbourhoods, and the worlds made of them.
 
+use super::rng::Rng;
 use glam::{DMat3, DVec3};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::parser::parse;
-use raytracer::world::World;
 use std::collections::BTreeSet;
+
+/// The six orders of three vertices. The last three reverse the winding.
+pub const VERTEX_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
 /// A mesh that knows the triangles around each vertex.
 pub struct Closed {
@@ -33,6 +35,31 @@ impl Closed {
         self.mesh.triangles[triangle as usize].map(|v| self.mesh.vertices[v as usize])
     }
 
+    pub fn random_vertex(&self, rng: &mut Rng) -> DVec3 {
+        self.mesh.vertices[rng.below(self.mesh.vertices.len())]
+    }
+
+    pub fn random_edge_point(&self, rng: &mut Rng) -> DVec3 {
+        let [a, b] = self.edges[rng.below(self.edges.len())].map(|i| self.mesh.vertices[i as usize]);
+        a.lerp(b, rng.unit())
+    }
+
+    /// A random vertex, point of an edge or point of a face, in turn by the index of the input.
+    pub fn random_point(&self, rng: &mut Rng, index: u64) -> DVec3 {
+        match index % 3 {
+            0 => self.random_vertex(rng),
+            1 => self.random_edge_point(rng),
+            _ => point_in(self.corners(rng.below(self.mesh.triangles.len()) as u32), rng),
+        }
+    }
+
+    /// A ray from around the mesh to such a point, with a unit vector as its direction for every other index.
+    pub fn ray_at(&self, rng: &mut Rng, index: u64) -> Ray {
+        let (middle, radius) = middle_and_reach(&self.mesh);
+        let origin = rounded(middle + 4.0 * radius * rng.direction());
+        aimed(origin, self.random_point(rng, index), index.is_multiple_of(2))
+    }
+
     /// The triangles at either end of an edge, each once.
     pub fn around(&self, [a, b]: [u32; 2]) -> Vec<u32> {
         let (a, b) = (&self.rings[a as usize], &self.rings[b as usize]);
@@ -51,17 +78,15 @@ pub fn rounded(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
 
-/// A sphere of 20 * 4^level triangles whose vertices are representable in f32.
+/// A sphere of 20 * 4^level triangles, in no special orientation, with vertices that are representable in f32.
 pub fn icosphere(level: u32, radius: f64, center: DVec3) -> Closed {
-    let mut mesh = icosahedron();
-    for _ in 0..level {
-        mesh = subdivided(&mesh);
-    }
-    let turn = oblique_rotation();
-    for v in &mut mesh.vertices {
-        *v = rounded(center + radius * (turn * *v));
-    }
-    Closed::new(mesh)
+    let rotation = oblique_rotation();
+    Closed::new(moved(&unit_icosphere(level), |v| rounded(center + radius * (rotation * v))))
+}
+
+/// The unit icosahedron, subdivided this number of times with all vertices moved to the unit sphere.
+pub fn unit_icosphere(level: u32) -> Mesh {
+    (0..level).fold(icosahedron(), |mesh, _| subdivided(&mesh))
 }
 
 fn icosahedron() -> Mesh {
@@ -111,26 +136,20 @@ fn subdivided(mesh: &Mesh) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// One of the rabbits in `scenes/`, by the number of its triangles.
-pub fn bunny(triangles: &str) -> Mesh {
-    let path = format!("{}/scenes/bunny_{triangles}.obj", env!("CARGO_MANIFEST_DIR"));
-    let mut mesh = parse_obj(&std::fs::read(&path).expect(&path)).expect(&path);
-    // As a single-precision program sees it, so that both work on the same mesh.
-    mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v));
-    mesh
+/// One of the meshes in the folder `scenes`.
+pub fn mesh(name: &str) -> Mesh {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    parse_obj(&std::fs::read(path).expect("a mesh file")).expect("a valid mesh")
 }
 
+/// The rabbit with this number of triangles, rounded to f32 so that single-precision methods use the same mesh.
+pub fn bunny(triangles: &str) -> Mesh {
+    moved(&mesh(&format!("bunny_{triangles}.obj")), rounded)
+}
+
+/// The mesh with a map applied to its vertices.
 pub fn moved(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Mesh {
     Mesh { vertices: mesh.vertices.iter().map(|&v| map(v)).collect(), triangles: mesh.triangles.clone() }
-}
-
-/// A world that holds the mesh alone.
-pub fn world_of(mesh: &Mesh) -> World {
-    let text = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
-        Materials { numMaterials 1 Material { } }
-        Group { numObjects 1 MaterialIndex 0 TriangleMesh { obj_file m.obj } }";
-    let scene = parse(text).expect("a scene of one mesh");
-    World::new(&scene, std::slice::from_ref(mesh)).expect("a world of one mesh")
 }
 
 /// The middle of the mesh's box and half its diagonal.
@@ -141,7 +160,7 @@ pub fn middle_and_reach(mesh: &Mesh) -> (DVec3, f64) {
 }
 
 /// A random point of a triangle.
-pub fn point_in([a, b, c]: [DVec3; 3], rng: &mut super::rng::Rng) -> DVec3 {
+pub fn point_in([a, b, c]: [DVec3; 3], rng: &mut Rng) -> DVec3 {
     let (mut u, mut v) = (rng.unit(), rng.unit());
     if u + v > 1.0 {
         (u, v) = (1.0 - u, 1.0 - v);
@@ -157,7 +176,7 @@ pub fn aimed(origin: DVec3, target: DVec3, unit: bool) -> Ray {
 }
 
 /// Puts the items into a random order.
-pub fn shuffle<T>(items: &mut [T], rng: &mut super::rng::Rng) {
+pub fn shuffle<T>(items: &mut [T], rng: &mut Rng) {
     for i in (1..items.len()).rev() {
         items.swap(i, rng.below(i + 1));
     }

@@ -5,6 +5,7 @@ pub mod brute;
 pub mod double_double;
 pub mod exact;
 pub mod exact_triangle;
+pub mod leaks;
 pub mod measure;
 pub mod meshes;
 pub mod occlusion;

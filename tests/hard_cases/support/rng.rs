@@ -40,6 +40,11 @@ impl Rng {
         (self.next_u64() % n as u64) as usize
     }
 
+    /// Uniform among the integers from -n to n.
+    pub fn integer(&mut self, n: usize) -> f64 {
+        self.below(2 * n + 1) as f64 - n as f64
+    }
+
     /// Uniform in the cube [-1, 1)^3.
     pub fn in_cube(&mut self) -> DVec3 {
         DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))

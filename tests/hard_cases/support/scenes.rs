@@ -7,7 +7,7 @@ use raytracer::mode::Mode;
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
-use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
 use raytracer::stats::Quiet;
 use raytracer::trace::Effects;
@@ -34,54 +34,19 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
     }
 }
 
-/// The world of these objects, which are no meshes.
+/// The world of these objects. `meshes` are those that they use, in order.
+pub fn world_with(objects: Vec<Object>, lights: Vec<Light>, meshes: &[Mesh]) -> World {
+    World::new(&scene_of(objects, lights), meshes).expect("a valid scene")
+}
+
+/// The world of these objects, none of which is a mesh.
 pub fn world_of(objects: Vec<Object>) -> World {
-    World::new(&scene_of(objects, vec![]), &[]).expect("a sound scene")
+    world_with(objects, vec![], &[])
 }
 
-/// One of the meshes in the folder `scenes`.
-pub fn mesh(name: &str) -> Mesh {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
-    parse_obj(&std::fs::read(path).expect("the mesh")).expect("a sound mesh")
-}
-
-/// The unit icosahedron, each triangle divided into four so many times and pushed out to the sphere.
-pub fn icosphere(divisions: u32) -> Mesh {
-    let golden = (1.0 + 5f64.sqrt()) / 2.0;
-    let mut vertices: Vec<DVec3> = [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)]
-        .into_iter()
-        .flat_map(|(a, b)| [DVec3::new(a, b, 0.0), DVec3::new(0.0, a, b), DVec3::new(b, 0.0, a)])
-        .map(DVec3::normalize)
-        .collect();
-    let mut triangles = faces_of_hull(&vertices);
-    for _ in 0..divisions {
-        triangles = triangles.iter().flat_map(|&t| divided(t, &mut vertices)).collect();
-    }
-    Mesh { vertices, triangles }
-}
-
-/// The outward triples of vertices that are nearest to each other.
-fn faces_of_hull(vertices: &[DVec3]) -> Vec<[u32; 3]> {
-    let edge = vertices[1..].iter().map(|v| v.distance(vertices[0])).fold(f64::INFINITY, f64::min);
-    let near = |i: u32, j: u32| vertices[i as usize].distance(vertices[j as usize]) < 1.01 * edge;
-    let n = vertices.len() as u32;
-    let triples = (0..n).flat_map(|i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
-    let faces = triples.filter(|&[i, j, k]| near(i, j) && near(j, k) && near(k, i));
-    faces
-        .map(|[i, j, k]| {
-            let [a, b, c] = [i, j, k].map(|v| vertices[v as usize]);
-            if (b - a).cross(c - a).dot(a) > 0.0 { [i, j, k] } else { [i, k, j] }
-        })
-        .collect()
-}
-
-fn divided([i, j, k]: [u32; 3], vertices: &mut Vec<DVec3>) -> [[u32; 3]; 4] {
-    let mut middle = |a: u32, b: u32| {
-        vertices.push((vertices[a as usize] + vertices[b as usize]).normalize());
-        vertices.len() as u32 - 1
-    };
-    let (ij, jk, ki) = (middle(i, j), middle(j, k), middle(k, i));
-    [[i, ij, ki], [j, jk, ij], [k, ki, jk], [ij, jk, ki]]
+/// The world of a mesh alone.
+pub fn world_of_mesh(mesh: &Mesh) -> World {
+    world_with(vec![Object::Mesh { mesh: 0, material: 0 }], vec![], std::slice::from_ref(mesh))
 }
 
 /// The bytes of a scene's colour picture, one centred sample a pixel.

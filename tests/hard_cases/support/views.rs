@@ -1,7 +1,7 @@
 //! Views with triangles in them that are hard to project.
 
-use super::meshes::world_of;
 use super::rng::Rng;
+use super::scenes::world_of_mesh;
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::primitive::plane::Plane;
@@ -58,7 +58,7 @@ impl View {
             }
             mesh.triangles.push([first, first + 1, first + 2]);
         }
-        world_of(&mesh)
+        world_of_mesh(&mesh)
     }
 
     pub fn pixels(&self) -> impl Iterator<Item = [usize; 2]> {
@@ -107,7 +107,7 @@ impl View {
                 _ => {}
             }
         }
-        let mut world = world_of(&mesh);
+        let mut world = world_of_mesh(&mesh);
         for _ in 0..rng.below(3) {
             let normal = if rng.below(2) == 0 { DVec3::Y } else { rng.direction() };
             world.planes.push(Plane { normal, offset: normal.dot(self.point(rng)) });
@@ -174,7 +174,7 @@ impl Frame {
 
 pub fn triangles<const N: usize>(corners: [[DVec3; 3]; N]) -> World {
     let triangles = (0..3 * N as u32).step_by(3).map(|first| [first, first + 1, first + 2]).collect();
-    world_of(&Mesh { vertices: corners.as_flattened().to_vec(), triangles })
+    world_of_mesh(&Mesh { vertices: corners.as_flattened().to_vec(), triangles })
 }
 
 /// A view whose pixels are so large, in the distance 1.
