@@ -1,5 +1,5 @@
-//! What must hold for any scene text and any mesh text. The fuzz targets run these, and
-//! `tests/casting/fuzz_findings.rs` runs them on what the fuzzer found.
+//! Checks that must hold for any scene text and any mesh text. The fuzz targets run them on random texts, and
+//! `tests/casting/fuzz_findings.rs` on the seeds and on the texts for which they once failed.
 
 use glam::DVec3;
 use raytracer::camera::Camera;
@@ -15,8 +15,8 @@ use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::Path;
 
-/// Reading, flattening and rendering end without a panic, in time; neither a grid nor counting changes a byte,
-/// and all colours, depths and normals are numbers.
+/// Checks that reading, flattening and rendering end without a panic, that neither a grid nor the course's
+/// mode changes a byte of the pictures, and that no colour, depth or normal is NaN.
 pub fn check_scene(text: &str) {
     let scene = match parse(text) {
         Ok(scene) => scene,
@@ -29,8 +29,7 @@ pub fn check_scene(text: &str) {
     if !is_small {
         return;
     }
-    let meshes: Vec<Mesh> =
-        (0..scene.meshes.len()).map(|i| if i % 2 == 0 { tetrahedron() } else { flat() }).collect();
+    let meshes: Vec<Mesh> = meshes().into_iter().cycle().take(scene.meshes.len()).collect();
     match World::new(&scene, &meshes) {
         Ok(world) => check_pictures(&scene, &world),
         Err(error) => drop(error.render(Path::new("scene.txt"), text)),
@@ -58,7 +57,7 @@ fn check_pictures(scene: &Scene, world: &World) {
     }
 }
 
-/// Sixteen pixels with every effect, without a grid or with one of so many cells.
+/// The bytes of a picture of sixteen pixels with every effect.
 fn tiny_picture<M: Mode>(
     scene: &Scene,
     world: &World,
@@ -71,8 +70,8 @@ fn tiny_picture<M: Mode>(
     bytes
 }
 
-/// The bytes of colours with every effect, of depths in a range and of normals, and how many of all these colours are
-/// not numbers.
+/// The bytes of colours with every effect, of depths in a range and of normals, and the number of colours
+/// with a NaN in these layers.
 pub fn bytes_and_nans<M: Mode>(
     scene: &Scene,
     caster: &Caster<M>,
@@ -91,23 +90,22 @@ pub fn bytes_and_nans<M: Mode>(
     })
 }
 
-/// Stands in for every second mesh that a scene names: triangles without area, and one with.
-fn flat() -> Mesh {
-    Mesh {
-        vertices: vec![DVec3::ZERO, DVec3::X, 0.5 * DVec3::X, DVec3::Y],
-        triangles: vec![[0, 1, 2], [0, 0, 3], [3, 3, 3], [0, 1, 3]],
-    }
-}
-
-/// Stands in for the others.
-fn tetrahedron() -> Mesh {
-    Mesh {
+/// The meshes in place of those that a scene names, in turn: a tetrahedron, and a mesh of which only one
+/// triangle has an area.
+pub fn meshes() -> [Mesh; 2] {
+    let tetrahedron = Mesh {
         vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-    }
+    };
+    let flat = Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, 0.5 * DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2], [0, 0, 3], [3, 3, 3], [0, 1, 3]],
+    };
+    [tetrahedron, flat]
 }
 
-/// A mesh that is read is sound, and a text of plain vertices and triangles means what it says.
+/// Checks that every mesh that is read is valid, and that a plain text of vertices and triangles is read
+/// correctly.
 pub fn check_obj(bytes: &[u8]) {
     let read = parse_obj(bytes);
     if let Ok(mesh) = &read {
@@ -127,8 +125,8 @@ pub fn check_obj(bytes: &[u8]) {
     }
 }
 
-/// The corners of a mesh text made of nothing but `v x y z` and `f i j k` with vertices that stand
-/// before the face; None for any other text.
+/// The corners of all triangles of a mesh text that consists of `v x y z` and `f i j k` only, where every
+/// vertex comes before the faces that use it. None for any other text.
 fn plain_corners(text: &str) -> Option<Vec<DVec3>> {
     let (mut vertices, mut corners) = (vec![], vec![]);
     for line in text.lines() {
@@ -148,7 +146,7 @@ fn plain_corners(text: &str) -> Option<Vec<DVec3>> {
     (!corners.is_empty()).then_some(corners)
 }
 
-/// Digits with at most one point between them and a minus in front.
+/// A number of digits with at most one point between them and an optional minus sign.
 fn plain_number(word: &str) -> Option<f64> {
     let digits = word.strip_prefix('-').unwrap_or(word);
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, "0"));

@@ -1,6 +1,6 @@
-//! Changes a text word by word, so that most of what the fuzzer tries still has the right form.
+//! Mutations of a text word by word, so that most of the fuzzer's texts are still well formed.
 
-/// A small generator for the choices of one change (Marsaglia, "Xorshift RNGs", JSS 8(14), 2003).
+/// A small random number generator for one mutation (Marsaglia, "Xorshift RNGs", JSS 8(14), 2003).
 struct Choices(u32);
 
 impl Choices {
@@ -12,7 +12,8 @@ impl Choices {
     }
 }
 
-/// One to four words changed: dropped, doubled, swapped, replaced, or a stretch copied elsewhere.
+/// The text with one to four changes: a word is removed, duplicated, swapped or replaced, or a range of words
+/// is copied.
 pub fn changed(text: &str, seed: u32, vocabulary: &[&str], numbers: &[&str]) -> String {
     let mut choices = Choices(seed | 1);
     let mut words: Vec<String> = text.split_inclusive(char::is_whitespace).map(String::from).collect();
@@ -23,27 +24,27 @@ pub fn changed(text: &str, seed: u32, vocabulary: &[&str], numbers: &[&str]) -> 
 }
 
 fn change(words: &mut Vec<String>, choices: &mut Choices, vocabulary: &[&str], numbers: &[&str]) {
-    let at = choices.below(words.len());
+    let index = choices.below(words.len());
     if words.is_empty() {
         return words.push(format!("{} ", vocabulary[choices.below(vocabulary.len())]));
     }
     match choices.below(8) {
-        0 => drop(words.remove(at)),
-        1 => words.insert(at, words[at].clone()),
+        0 => drop(words.remove(index)),
+        1 => words.insert(index, words[index].clone()),
         2 => {
             let other = choices.below(words.len());
-            words.swap(at, other);
+            words.swap(index, other);
         }
-        3 => words[at] = format!("{} ", vocabulary[choices.below(vocabulary.len())]),
-        4 => copy_stretch(words, at, choices),
-        // Most changes turn one number into another, which keeps the text well formed.
-        _ => change_number(words, at, choices, numbers),
+        3 => words[index] = format!("{} ", vocabulary[choices.below(vocabulary.len())]),
+        4 => copy_range(words, index, choices),
+        // Most changes replace one number by another, which keeps the text well formed.
+        _ => change_number(words, index, choices, numbers),
     }
 }
 
-fn change_number(words: &mut [String], at: usize, choices: &mut Choices, numbers: &[&str]) {
+fn change_number(words: &mut [String], index: usize, choices: &mut Choices, numbers: &[&str]) {
     let is_number = |w: &String| w.trim().parse::<f64>().is_ok();
-    let Some(word) = words[at..].iter_mut().find(|w| is_number(w)) else { return };
+    let Some(word) = words[index..].iter_mut().find(|w| is_number(w)) else { return };
     *word = match choices.below(4) {
         0 => format!("{} ", choices.below(5)),
         1 => format!("-{} ", word.trim().trim_start_matches('-')),
@@ -51,9 +52,9 @@ fn change_number(words: &mut [String], at: usize, choices: &mut Choices, numbers
     };
 }
 
-fn copy_stretch(words: &mut Vec<String>, at: usize, choices: &mut Choices) {
-    let end = (at + 1 + choices.below(16)).min(words.len());
-    let stretch = words[at..end].to_vec();
+fn copy_range(words: &mut Vec<String>, index: usize, choices: &mut Choices) {
+    let end = (index + 1 + choices.below(16)).min(words.len());
+    let range = words[index..end].to_vec();
     let to = choices.below(words.len());
-    words.splice(to..to, stretch);
+    words.splice(to..to, range);
 }

@@ -1,4 +1,4 @@
-//! Mesh text to triangles.
+//! The fuzz target of the OBJ reader.
 #![no_main]
 
 #[path = "../checks.rs"]

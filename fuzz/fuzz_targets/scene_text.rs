@@ -1,4 +1,4 @@
-//! Scene text to a tiny picture.
+//! The fuzz target from scene text to a small picture.
 #![no_main]
 
 #[path = "../checks.rs"]

@@ -1,17 +1,14 @@
 //! Scenes that no grid can separate, or that lead to a grid far larger than its contents: the size of `-grid
 //! auto` and the work of building it stay within a stated multiple of the number of primitives.
 
-use super::uneven_scenes::{automatic, random};
+use super::support::{automatic, random, world};
 use glam::DVec3;
 use raytracer::grid::options::{GridOptions, Resolution};
 use raytracer::grid::{Caster, Instructions, StructureSize};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::scene::parser::parse;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
-
-const CAMERA: &str = "OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }";
 
 /// A scene with its name. It is built for about the given number of primitives.
 type Scene = (&'static str, fn(usize) -> World);
@@ -73,8 +70,7 @@ fn of_triangles(n: usize, corners: impl Fn(usize, &mut dyn FnMut() -> DVec3) -> 
     let mut point = || DVec3::new(random(), random(), random());
     let vertices: Vec<DVec3> = (0..n).flat_map(|i| corners(i, &mut point)).collect();
     let triangles = (0..n as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let text = format!("{CAMERA} Group {{ numObjects 1 Material {{ }} TriangleMesh {{ obj_file a.obj }} }}");
-    World::new(&parse(&text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
+    world(&["TriangleMesh { obj_file a.obj }".to_string()], &[Mesh { vertices, triangles }])
 }
 
 /// A triangle at a random position. It has this size if `huge`, and otherwise one so small that `n` of them
@@ -87,9 +83,7 @@ fn small_or(huge: bool, size: f64, n: usize, point: &mut dyn FnMut() -> DVec3) -
 
 /// A world of `n` objects, made from their indices.
 fn of_objects(n: usize, object: impl Fn(usize) -> String) -> World {
-    let objects: String = (0..n).map(|i| object(i) + "\n").collect();
-    World::new(&parse(&format!("{CAMERA} Group {{ numObjects {n} Material {{ }} {objects} }}")).unwrap(), &[])
-        .unwrap()
+    world(&(0..n).map(object).collect::<Vec<_>>(), &[])
 }
 
 /// From 97 identical triangles on, crowded cells used to be subdivided again and again.

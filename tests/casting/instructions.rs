@@ -1,42 +1,29 @@
 //! Every hit is the same for all instruction sets that the inner loop is compiled for, and for all rules by
 //! which primitives are inserted into cells, also where crowded cells have nested grids.
 
+use super::support::{rabbit, random, world};
 use glam::DVec3;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::packet::PacketRay;
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray, Visible};
 use raytracer::mode::Course;
-use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::parser::parse;
 use raytracer::stats::{Counts, Quiet};
-use raytracer::world::World;
 
-const SCENE: &str = "
-    OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }
-    Group { numObjects 4 Material { }
-        TriangleMesh { obj_file bunny_5k.obj }
-        Sphere { center 0.05 0.3 0.05 radius 0.04 }
-        Transform { Translate -0.1 0.1 0.1 Scale 0.05 0.02 0.03 Sphere { center 0 0 0 radius 1 } }
-        Plane { normal 0.1 1 0 offset 0.06 }
-    }";
+const OBJECTS: [&str; 4] = [
+    "TriangleMesh { obj_file bunny_5k.obj }",
+    "Sphere { center 0.05 0.3 0.05 radius 0.04 }",
+    "Transform { Translate -0.1 0.1 0.1 Scale 0.05 0.02 0.03 Sphere { center 0 0 0 radius 1 } }",
+    "Plane { normal 0.1 1 0 offset 0.06 }",
+];
 
 /// Enough cells for few primitives in each.
 const FINE: [usize; 3] = [20, 17, 23];
 
-fn rabbit() -> Mesh {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bunny_5k.obj");
-    parse_obj(&std::fs::read(path).unwrap()).unwrap()
-}
-
 /// Rays from all around to all around. Some of them are parallel to the axes, some end, some start too far
 /// away for the filter and the DDA, and some have no direction.
 fn rays() -> impl Iterator<Item = Ray> {
-    let mut state = 7u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+    let mut random = random(7);
     (0..30_000).map(move |i| {
         let mut point = || DVec3::new(random(), random() + 0.4, random());
         let (origin, target) = (2.0 * point(), point());
@@ -56,7 +43,7 @@ fn rays() -> impl Iterator<Item = Ray> {
 
 #[test]
 fn hits_depend_neither_on_instructions_nor_on_rule() {
-    let world = World::new(&parse(SCENE).unwrap(), &[rabbit()]).unwrap();
+    let world = world(&OBJECTS.map(String::from), &[rabbit()]);
     let reference = Caster::with(&world, GridOptions::NONE, Instructions::Portable).unwrap();
     let expected: Vec<(Ray, Option<Hit>)> =
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();

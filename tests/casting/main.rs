@@ -6,4 +6,5 @@ mod fuzz_findings;
 mod instructions;
 mod random_scenes;
 mod strategies;
+mod support;
 mod uneven_scenes;

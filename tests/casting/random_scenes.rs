@@ -4,8 +4,8 @@
 //!
 //! `PROPTEST_CASES` sets the number of scenes.
 
-use super::fuzz_findings::checks::bytes_and_nans;
-use super::strategies::{Range, meshes, rays, scene};
+use super::fuzz_findings::checks::{bytes_and_nans, meshes};
+use super::strategies::{Range, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
 use raytracer::grid::options::{CellRule, GridOptions};

@@ -6,7 +6,6 @@ use raytracer::math::ray::Ray;
 use raytracer::math::robust::unit;
 use raytracer::scene::limits::SMALLEST_RADIUS;
 use raytracer::scene::material::{Material, Pattern, Phong, Texture};
-use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, ObjectId, Position, Scene};
 
 const AT: Position = Position { line: 1, column: 1 };
@@ -174,6 +173,7 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
                 children.push(add(&mut objects, with_material(object, material), &transforms));
             }
             objects.push(Object::Group(children));
+            // Their contents are `fuzz_findings::checks::meshes`.
             let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT }; 2];
             Scene { camera, background, lights, materials, root: objects.len() - 1, objects, meshes }
         },
@@ -198,19 +198,6 @@ fn with_material(mut object: Object, chosen: usize) -> Object {
         Object::Group(_) | Object::Transform { .. } => {}
     }
     object
-}
-
-/// A tetrahedron, and a mesh of which only one triangle has an area.
-pub fn meshes() -> [Mesh; 2] {
-    let solid = Mesh {
-        vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
-        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-    };
-    let flat = Mesh {
-        vertices: vec![DVec3::ZERO, DVec3::X, 0.5 * DVec3::X, DVec3::Y],
-        triangles: vec![[0, 1, 2], [0, 0, 3], [3, 3, 3], [0, 1, 3]],
-    };
-    [solid, flat]
 }
 
 /// Rays of any origin: to random points, to vertices, parallel to the axes or from inside, with unit vectors

@@ -1,26 +1,16 @@
 //! Scenes whose primitives are dense in one place and sparse in another, which one uniform grid cannot handle
 //! well: `-grid auto` gives crowded cells nested grids.
 
+use super::support::{automatic, rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions, cubic};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::mode::Course;
-use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::parser::parse;
 use raytracer::scene_io::load;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
-use std::path::{Path, PathBuf};
-
-fn scenes() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
-}
-
-fn mesh(name: &str) -> Mesh {
-    parse_obj(&std::fs::read(scenes().join(name)).unwrap()).unwrap()
-}
 
 /// The rabbit alone, or in one corner of a stadium that is `times` as large: a floor of two triangles, stands
 /// of boxes, and a few objects that extend across many cells or lie within the rabbit's.
@@ -49,22 +39,7 @@ fn stadium(times: Option<f64>) -> World {
                 .to_string(),
         ]);
     }
-    let text = format!(
-        "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
-         Group {{ numObjects {} Material {{ }} {} }}",
-        objects.len(),
-        objects.join("\n")
-    );
-    World::new(&parse(&text).unwrap(), &[mesh("bunny_5k.obj")]).unwrap()
-}
-
-/// Random numbers from -0.5 to 0.5.
-pub fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    }
+    world(&objects, &[rabbit()])
 }
 
 /// Rays that start within `radius` of the rabbit and run through the rabbit's box, or along an axis through
@@ -80,10 +55,6 @@ fn rays(count: usize, radius: f64) -> impl Iterator<Item = Ray> {
             Ray::new(from, to - from)
         }
     })
-}
-
-pub fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
-    Caster::with(world, GridOptions::automatic(world, rays), instructions).unwrap()
 }
 
 #[test]
@@ -124,12 +95,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
     });
     let upright = "Triangle { vertex0 9.9 0 9.9 vertex1 9.95 0 9.9 vertex2 9.92 0.1 9.91 }".to_string();
     let objects: Vec<String> = tiles.chain([upright]).collect();
-    let text = format!(
-        "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
-         Group {{ numObjects 201 Material {{ }} {} }}",
-        objects.join("\n")
-    );
-    let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+    let world = world(&objects, &[]);
     let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Nested { max_per_cell: 96 } };
     for instructions in Instructions::available() {
         let caster = Caster::with(&world, nested, instructions).unwrap();
@@ -174,18 +140,15 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
 #[test]
 fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
     let with = Instructions::available()[0];
-    let world = stadium(None);
-    let alone = automatic(&world, 1_000_000, with);
+    let rabbit_world = stadium(None);
+    let alone = automatic(&rabbit_world, 1_000_000, with);
     let least = work(&alone, rays(10_000, 1.0));
     for far in [30.0, 1e4] {
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 1 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects 2 Material {{ }} TriangleMesh {{ obj_file rabbit.obj }}
-             Triangle {{ vertex0 {far} {far} {far} vertex1 {far} {} {far} vertex2 {far} {far} {} }} }}",
-            far + 0.01,
-            far + 0.01
+        let beside = far + 0.01;
+        let speck = format!(
+            "Triangle {{ vertex0 {far} {far} {far} vertex1 {far} {beside} {far} vertex2 {far} {far} {beside} }}"
         );
-        let vast = World::new(&parse(&text).unwrap(), &[mesh("bunny_5k.obj")]).unwrap();
+        let vast = world(&["TriangleMesh { obj_file rabbit.obj }".to_string(), speck], &[rabbit()]);
         let more = work(&automatic(&vast, 1_000_000, with), rays(10_000, 1.0)) / least;
         println!("a speck {far} away: {more:.2} times the work");
         assert!(more <= 2.0, "{far}: {more}");
@@ -196,7 +159,7 @@ fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
 #[test]
 fn the_automatic_grid_is_never_much_worse_than_the_best() {
     let with = Instructions::available()[0];
-    let texts = std::fs::read_dir(scenes()).unwrap().map(|entry| entry.unwrap().path());
+    let texts = std::fs::read_dir(scene_folder()).unwrap().map(|entry| entry.unwrap().path());
     for path in texts.filter(|path| path.extension().is_some_and(|e| e == "txt")) {
         let loaded = load(&path).unwrap();
         let world = World::of_meshes(&loaded.scene, loaded.meshes).unwrap();

@@ -161,8 +161,8 @@ fn rays_from_far_away_into_flat_cells() {
         };
         let (late, ray) =
             std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
-        // In the course's mode, because in the fast one t is known only to the accuracy of the filter, and the
-        // traversal continues for longer.
+        // In the course's mode, because in the fast one t is known only to the accuracy of the filter, and
+        // the traversal continues for longer.
         let (found, expected) =
             (caster.in_mode::<Course>().closest(&ray, &mut Counts::default()), brute.closest(&ray));
         let differs = found != expected;

@@ -1,5 +1,5 @@
-//! Section D, cases 43 and 46: paths of refracted rays through thin shells of glass, and of reflected rays between two
-//! mirrors.
+//! Section D, cases 43 and 46: paths of refracted rays through thin shells of glass, and of reflected rays
+//! between two mirrors.
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};

@@ -1,5 +1,5 @@
-//! Section D, cases 40 to 42: shadow rays from a surface, at every scale, far from the origin, and under a sheet close
-//! above the ground.
+//! Section D, cases 40 to 42: shadow rays from a surface, at every scale, far from the origin, and under a
+//! sheet close above the ground.
 
 use crate::support::double_double::{self as dd, Dd};
 use crate::support::measure::{Failures, measure};

@@ -1,5 +1,5 @@
-//! Section A, cases 17 and 18: the hit depends neither on the order of equal triangles nor on the order of a triangle's
-//! vertices.
+//! Section A, cases 17 and 18: the hit depends neither on the order of equal triangles nor on the order of a
+//! triangle's vertices.
 
 use crate::support::brute::Brute;
 use crate::support::exact::exact;

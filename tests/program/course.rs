@@ -1,5 +1,6 @@
-//! The course's own scenes and pictures, where they are at hand: `COURSE_DIR` names a folder with them in `scenes/`
-//! and `pictures/`. They are no part of this project, and without them these tests say that they are skipped.
+//! The course's own scenes and pictures, where they are at hand: `COURSE_DIR` names a folder with them in
+//! `scenes/` and `pictures/`. They are no part of this project, and without them these tests say that they
+//! are skipped.
 
 use crate::support::{Folder, course, finish, program};
 use raytracer::scene_io::load;

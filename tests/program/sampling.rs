@@ -2,8 +2,8 @@
 
 use crate::support::{Folder, Tga};
 
-/// White triangles on black before an orthographic camera that shows a square of side 1, its lower left corner at
-/// the origin.
+/// White triangles on black before an orthographic camera that shows a square of side 1, its lower left
+/// corner at the origin.
 fn white(count: usize, triangles: &str) -> Folder {
     Folder::with_scene(&format!(
         "OrthographicCamera {{ center .5 .5 1 direction 0 0 -1 up 0 1 0 size 1 }}

@@ -1,5 +1,6 @@
 //! Malformed scenes: each is refused at the right place with the right words.
 
+use crate::support::unmark;
 use raytracer::scene::Position;
 use raytracer::scene::error::SceneError;
 use raytracer::scene::parser::parse;
@@ -224,20 +225,13 @@ const OBJECTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// What the error at `@` in `marked` must be, and the text without the mark.
-fn unmark(marked: &str) -> (String, Position) {
-    let (before, behind) = marked.split_once('@').expect("every row has a mark");
-    let line = before.matches('\n').count() + 1;
-    let column = before.chars().rev().take_while(|&character| character != '\n').count() + 1;
-    (format!("{before}{behind}"), Position { line: line as u32, column: column as u32 })
-}
-
 fn refuse(text: &str) -> SceneError {
     parse(text).map(|_| ()).expect_err(text)
 }
 
 fn check(marked: &str, fragment: &str) {
-    let (text, at) = unmark(marked);
+    let (text, line, column) = unmark(marked);
+    let at = Position { line: line as u32, column: column as u32 };
     let error = refuse(&text);
     assert_eq!(error.at, at, "place of: {error}\n{text}");
     assert!(error.problem.to_string().contains(fragment), "{error}\nshould contain: {fragment}\n{text}");

@@ -138,8 +138,8 @@ fn boxed_sphere(direction: &str, up: &str) -> Folder {
 
 #[test]
 fn cells_traversed_are_the_steps_to_a_next_cell() {
-    // Of the 4 x 4 rays the four in the corners miss and step through every cell and out; four meet the sphere
-    // .935 from the middle and eight .612 from it.
+    // Of the 4 x 4 rays the four in the corners miss and step through every cell and out; four meet the
+    // sphere .935 from the middle and eight .612 from it.
     for (direction, up, grid, steps) in [
         ("0 0 -1", "0 1 0", "1 1 1", 4),
         ("0 0 -1", "0 1 0", "4 4 4", 4 * 4),

@@ -111,6 +111,35 @@ impl Folder {
     }
 }
 
+pub const CAMERA: &str = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }\n";
+const LIGHT: &str = "Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }\n";
+const WHITE: &str = "Materials { numMaterials 1 Material { } }\n";
+
+/// A scene of this number of objects, which are white, and one light.
+pub fn scene(count: usize, objects: &str) -> String {
+    format!("{CAMERA}{LIGHT}{WHITE}Group {{ numObjects {count} MaterialIndex 0\n{objects}\n}}\n")
+}
+
+/// A scene of one sphere.
+pub fn sphere() -> String {
+    scene(1, "Sphere { center 0 0 0 radius .7 }")
+}
+
+/// The only line of `message`, without the newline.
+pub fn only_line(message: &str) -> &str {
+    let line = message.strip_suffix('\n').expect("a line ends with a newline");
+    assert!(!line.contains('\n'), "{message}");
+    line
+}
+
+/// A text without its mark `@`, and the line and column of the mark, counted from 1.
+pub fn unmark(marked: &str) -> (String, usize, usize) {
+    let (before, after) = marked.split_once('@').expect("every row has a mark");
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|&character| character != '\n').count() + 1;
+    (format!("{before}{after}"), line, column)
+}
+
 /// A picture, read back without the program's own code.
 #[derive(Debug, PartialEq)]
 pub struct Tga {
@@ -140,8 +169,8 @@ impl Tga {
     }
 }
 
-/// The course's folder, from `COURSE_DIR`. It is no part of this project; a test that needs it says that it is
-/// skipped where it is missing.
+/// The course's folder, from `COURSE_DIR`. It is no part of this project; a test that needs it says that it
+/// is skipped where it is missing.
 pub fn course() -> Option<PathBuf> {
     let course = std::env::var_os("COURSE_DIR").map(PathBuf::from);
     if course.is_none() {

@@ -100,8 +100,8 @@ pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i3
     render_with(named, &caster, power)
 }
 
-/// The same with a caster in any mode. In the course's mode every camera ray is cast, where otherwise triangles may be
-/// rasterized instead.
+/// The same with a caster in any mode. In the course's mode every camera ray is cast, where otherwise
+/// triangles may be rasterized instead.
 pub fn render_with<M: Mode>(named: &Named, caster: &Caster<M>, power: i32) -> Vec<u8> {
     let [near, far] = [2.0, 30.0].map(|t| t * 2f64.powi(power));
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.01 };

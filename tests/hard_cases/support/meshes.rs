@@ -78,7 +78,8 @@ pub fn rounded(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
 
-/// A sphere of 20 * 4^level triangles, in no special orientation, with vertices that are representable in f32.
+/// A sphere of 20 * 4^level triangles, in no special orientation, with vertices that are representable in
+/// f32.
 pub fn icosphere(level: u32, radius: f64, center: DVec3) -> Closed {
     let rotation = oblique_rotation();
     Closed::new(moved(&unit_icosphere(level), |v| rounded(center + radius * (rotation * v))))
@@ -142,7 +143,8 @@ pub fn mesh(name: &str) -> Mesh {
     parse_obj(&std::fs::read(path).expect("a mesh file")).expect("a valid mesh")
 }
 
-/// The rabbit with this number of triangles, rounded to f32 so that single-precision methods use the same mesh.
+/// The rabbit with this number of triangles, rounded to f32 so that single-precision methods use the same
+/// mesh.
 pub fn bunny(triangles: &str) -> Mesh {
     moved(&mesh(&format!("bunny_{triangles}.obj")), rounded)
 }
