@@ -1,9 +1,9 @@
-//! What casts rays into a mesh: this project's caster and its peers behind one trait.
+//! The trait of everything that casts rays into a mesh: this project's caster and its peers.
 
 use glam::Vec3;
 use raytracer::math::ray::Ray;
 
-/// A ray in single precision, the same for all.
+/// A ray in single precision, which is the same for all contestants.
 #[derive(Clone, Copy, Debug)]
 pub struct FlatRay {
     pub origin: Vec3,
@@ -22,23 +22,24 @@ impl FlatRay {
     }
 }
 
-/// Casts rays. Each makes its own kind of ray of a [`FlatRay`], which is part of the cast.
+/// Casts rays. The conversion of a [`FlatRay`] to a contestant's own type of ray is part of the cast.
 pub trait Cast {
-    /// The distance to the nearest hit; infinite where there is none.
+    /// The distance to the nearest hit; infinite if there is none.
     fn closest(&self, ray: &FlatRay) -> f64;
-    /// How many rays hit, by their nearest hit, whose distance is looked for in single precision at least.
+    /// The number of rays that hit, by queries for the nearest hit with its distance in at least single
+    /// precision.
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
         rays.iter().filter(|ray| self.closest(ray) < f64::INFINITY).count()
     }
-    /// Whether anything is hit.
+    /// Whether the ray hits anything.
     fn any(&self, ray: &FlatRay) -> bool;
 }
 
-/// Casts many rays at a time, so that no call by pointer is in the loop.
+/// Casts many rays per call, so that there is no dynamic dispatch in the loop.
 pub trait Contestant {
-    /// How many rays hit, by their nearest hit.
+    /// The number of rays that hit, by queries for the nearest hit.
     fn count_closest(&self, rays: &[FlatRay]) -> usize;
-    /// How many rays hit anything.
+    /// The number of rays that hit, by queries for any hit.
     fn count_any(&self, rays: &[FlatRay]) -> usize;
     /// The distance to each ray's nearest hit.
     fn distances(&self, rays: &[FlatRay]) -> Vec<f64>;

@@ -20,17 +20,17 @@ use stage::Stage;
 use std::error::Error;
 use std::path::Path;
 
-/// In the order of the tables.
+/// The contestants, in the order of the tables.
 const NAMES: [&str; 4] = ["raytracer", "`obvhs`", "`parry3d`", "`bvh`"];
-/// Meshes of more faces than this are built once instead of as often as rays are cast.
+/// For meshes of more faces than this the structure is built once, instead of as many times as rays are cast.
 const BUILT_OFTEN: usize = 100_000;
 
-/// What the command line asks for.
+/// The arguments of the command line.
 struct Options {
     markdown: bool,
-    /// How often each contestant casts the rays.
+    /// The number of times that each contestant casts the rays.
     rounds: usize,
-    /// How many of the meshes are used, from the fewest faces on.
+    /// The number of meshes that are used, starting with the fewest faces.
     meshes: usize,
 }
 
@@ -54,14 +54,14 @@ impl Options {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse(std::env::args().skip(1))?;
-    // This thread is all there is, so that its clock sees every build.
+    // Only this thread works, so that its clock measures the whole build.
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let stage = Stage::load(&scenes)?;
     let mut rows = vec![];
     for number in 0..options.meshes {
         let row = measure_mesh(&stage, mesh::rabbit(&scenes, number)?, options.rounds)?;
-        // The tables come at the end; meanwhile this shows that something is done.
+        // The tables come at the end, and this shows the progress.
         eprint!("{}", report::plain(&NAMES, &row));
         rows.push(row);
     }
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Builds all and casts all for one mesh.
+/// Measures all contestants for one mesh.
 fn measure_mesh(stage: &Stage, mesh: Mesh, rounds: usize) -> Result<Row, Box<dyn Error>> {
     let meshes = [mesh];
     let [mesh] = &meshes;

@@ -1,25 +1,25 @@
-//! Timing: contestants take turns, so that what disturbs one disturbs all.
+//! Timing: contestants take turns, so that disturbances affect all of them.
 
 use crate::contestant::{Contestant, FlatRay};
 use crate::stage::Rays;
 use cpu_time::ThreadTime;
 
-/// What is measured of the rays, in the order of the tables.
+/// The kinds of rays, in the order of the tables.
 pub const KINDS: [&str; 3] = ["camera", "shadow", "incoherent"];
 
-/// Hits that are farther apart than this are not of one place; the rabbit is 0.15 high.
+/// Two hits that are farther apart than this count as different. The rabbit is 0.15 high.
 const ELSEWHERE: f64 = 1e-4;
 
-/// A median and how far the measurements spread.
+/// A median, and the spread of the measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Median {
     pub value: f64,
-    /// Half the way from the first to the third quartile over the median.
+    /// Half the interquartile range over the median.
     pub spread: f64,
 }
 
 impl Median {
-    /// Of at least one measurement.
+    /// The summary of at least one measurement.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |part: f64| values[(part * (values.len() - 1) as f64).round() as usize];
@@ -28,19 +28,19 @@ impl Median {
     }
 }
 
-/// How one contestant answered and how fast.
+/// The results of one contestant, and its speed.
 pub struct Outcome {
-    /// Millions of rays a second, by [`KINDS`].
+    /// Millions of rays per second, by [`KINDS`].
     pub speed: [Median; 3],
-    /// Rays that hit, by [`KINDS`].
+    /// The number of rays that hit, by [`KINDS`].
     pub hits: [usize; 3],
-    /// Rays that hit where the first contestant's miss, or the other way round, or elsewhere, by
-    /// [`KINDS`].
+    /// The number of rays whose hit differs from the first contestant's, by [`KINDS`]: one hits and the other
+    /// misses, or they hit at different points.
     pub differing: [usize; 3],
 }
 
-/// Casts all the rays by each contestant in turn, `rounds` times over. The first contestant is what
-/// the others' answers are compared with.
+/// Casts all rays with each contestant in turn, `rounds` times. The results are compared with those of the
+/// first contestant.
 pub fn race(contestants: &[&dyn Contestant], rays: &Rays, rounds: usize) -> Vec<Outcome> {
     let answers: Vec<_> = contestants.iter().map(|contestant| answers(*contestant, rays)).collect();
     let mut speeds = vec![[const { Vec::new() }; 3]; contestants.len()];
@@ -63,7 +63,7 @@ fn of_kind(rays: &Rays, kind: usize) -> &[FlatRay] {
     [&rays.camera, &rays.shadow, &rays.incoherent][kind]
 }
 
-/// The distance to each ray's hit, by kind; zero where any hit will do. Not timed, but it warms the
+/// The distance to each ray's hit, by kind; zero for a query for any hit. This is not timed, but warms the
 /// caches.
 fn answers(contestant: &dyn Contestant, rays: &Rays) -> [Vec<f64>; 3] {
     std::array::from_fn(|kind| {
@@ -81,7 +81,7 @@ fn differences(one: &[f64], other: &[f64]) -> usize {
     one.iter().zip(other).filter(|&(&a, &b)| !same(a, b)).count()
 }
 
-/// Millions of rays of a kind in a second of this thread's time.
+/// Millions of rays of a kind per second of this thread's time.
 fn speed(contestant: &dyn Contestant, rays: &Rays, kind: usize) -> f64 {
     let rays = of_kind(rays, kind);
     let start = ThreadTime::now();
@@ -91,8 +91,8 @@ fn speed(contestant: &dyn Contestant, rays: &Rays, kind: usize) -> f64 {
     1e-6 * rays.len() as f64 / start.elapsed().as_secs_f64()
 }
 
-/// What `build` makes, with the milliseconds of this thread's time that it took, the median of
-/// `rounds` times.
+/// The result of `build`, and the median of the milliseconds of this thread's time that it took in `rounds`
+/// runs.
 pub fn built<T>(rounds: usize, mut build: impl FnMut() -> T) -> (T, Median) {
     let mut times = vec![];
     loop {

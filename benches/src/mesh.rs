@@ -1,4 +1,4 @@
-//! The meshes: the rabbit as it comes, and split finer.
+//! The meshes: the rabbit, and finer subdivisions of it.
 
 use glam::DVec3;
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -7,7 +7,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-/// The rabbit's files, and how often each triangle of it is split into four.
+/// The files of the rabbit, and the number of times that each triangle is divided into four.
 const RABBITS: [(&str, u32); 7] = [
     ("bunny_200.obj", 0),
     ("bunny_1k.obj", 0),
@@ -18,11 +18,11 @@ const RABBITS: [(&str, u32); 7] = [
     ("bunny_40k.obj", 3),
 ];
 
-/// How many meshes there are.
+/// The number of meshes.
 pub const COUNT: usize = RABBITS.len();
 
-/// One of the meshes, from the few faces to the many. Every coordinate is a number of single
-/// precision, so that all contestants see the same triangles.
+/// One of the meshes, in the order of their faces. Every coordinate is representable in single precision, so
+/// that all contestants have the same triangles.
 pub fn rabbit(scenes: &Path, number: usize) -> Result<Mesh, Box<dyn Error>> {
     let (file, splits) = RABBITS[number];
     let mut mesh = parse_obj(&fs::read(scenes.join(file))?)?;
@@ -35,7 +35,7 @@ pub fn rabbit(scenes: &Path, number: usize) -> Result<Mesh, Box<dyn Error>> {
     Ok(mesh)
 }
 
-/// Each triangle as four, by the midpoints of its edges.
+/// Divides each triangle into four, at the midpoints of its edges.
 fn split(mesh: &Mesh) -> Mesh {
     let mut vertices = mesh.vertices.clone();
     let mut middles = HashMap::new();

@@ -32,7 +32,7 @@ fn count_hits(caster: &Caster, rays: &[FlatRay]) -> usize {
     asked.iter().filter(|asked| asked.hits).count()
 }
 
-/// A ray and its answer.
+/// A ray and its hit.
 struct Asked {
     ray: Ray,
     hits: bool,
@@ -50,10 +50,10 @@ impl PacketRay for Asked {
     }
 }
 
-/// So many that building does not count.
+/// A number of rays for which the time of building is negligible.
 const RAYS: usize = 1 << 30;
 
-/// What `-grid auto` chooses.
+/// The caster that `-grid auto` chooses.
 pub fn caster(world: &World) -> Result<Caster<'_>, GridTooLarge> {
     Caster::with(world, GridOptions::automatic(world, RAYS), Instructions::available()[0])
 }

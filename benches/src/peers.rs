@@ -18,10 +18,10 @@ use raytracer::scene::mesh::Mesh;
 use std::cell::Cell;
 use std::time::Duration;
 
-/// `obvhs`: a tree of eight branches a node, compressed.
+/// `obvhs`: a compressed BVH of eight children per node.
 pub struct Obvhs {
     tree: CwBvh,
-    /// In the order of the tree's leaves.
+    /// The triangles, in the order of the leaves.
     triangles: Vec<RtTriangle>,
 }
 
@@ -56,7 +56,7 @@ impl Cast for Obvhs {
     }
 }
 
-/// `parry3d`: a tree of two branches a node.
+/// `parry3d`: a binary BVH.
 pub struct Parry(TriMesh);
 
 impl Parry {
@@ -79,12 +79,12 @@ impl Cast for Parry {
 
     #[inline(always)]
     fn any(&self, ray: &FlatRay) -> bool {
-        // Its search for the nearest: a walk of the tree that stops at any hit was slower.
+        // This is its query for the nearest hit. A traversal that stops at any hit was slower.
         self.0.intersects_local_ray(&parry_ray(ray), f32::MAX)
     }
 }
 
-/// `bvh`: a tree of two branches a node over boxes; what is in a box is its user's to test.
+/// `bvh`: a binary BVH of boxes, in which the user tests the primitives.
 pub struct Boxes {
     tree: Bvh<f32, 3>,
     leaves: Vec<Leaf>,
@@ -97,7 +97,7 @@ struct Leaf {
     node: usize,
 }
 
-/// A ray that ends at its best hit, so that no box behind it is entered.
+/// A ray that ends at its nearest hit, so that no box behind it is entered.
 struct Ending {
     ray: bvh::ray::Ray<f32, 3>,
     end: Cell<f32>,
@@ -134,7 +134,7 @@ impl BHShape<f32, 3> for Leaf {
 }
 
 impl Leaf {
-    /// Moeller and Trumbore's test, from both sides: the crate's own sees front faces only.
+    /// The test of Moeller and Trumbore for both sides. The crate's own test hits front faces only.
     #[inline(always)]
     fn intersect(&self, ray: &bvh::ray::Ray<f32, 3>) -> f32 {
         let across = ray.direction.cross(&self.edges[1]);
@@ -155,7 +155,7 @@ impl IntersectsAabb<f32, 3> for Ending {
     }
 }
 
-/// The fields by hand, since the crate's constructor would scale the direction anew.
+/// The fields are set directly, because the crate's constructor would normalise the direction.
 #[inline(always)]
 fn boxes_ray(ray: &FlatRay) -> bvh::ray::Ray<f32, 3> {
     let direction = Vector3::from(ray.direction.to_array());
@@ -167,7 +167,7 @@ impl Cast for Boxes {
     #[inline(always)]
     fn closest(&self, ray: &FlatRay) -> f64 {
         let ending = Ending { ray: boxes_ray(ray), end: Cell::new(f32::INFINITY) };
-        // Faster than the crate's iterators that go from the nearest box on.
+        // This is faster than the crate's iterators in order of distance.
         for leaf in self.tree.traverse_iterator(&ending, &self.leaves) {
             ending.end.set(ending.end.get().min(leaf.intersect(&ending.ray)));
         }

@@ -3,7 +3,7 @@
 use crate::measure::{KINDS, Median, Outcome};
 use std::fmt::Write;
 
-/// All about one mesh, by contestant.
+/// The results for one mesh, by contestant.
 pub struct Row {
     pub faces: usize,
     pub cells: [usize; 3],
@@ -11,7 +11,7 @@ pub struct Row {
     pub results: Vec<Outcome>,
 }
 
-/// One contestant a line, as soon as its mesh is done.
+/// One line per contestant, as soon as its mesh is done.
 pub fn plain(names: &[&str], row: &Row) -> String {
     let [nx, ny, nz] = row.cells;
     let mut text = format!("{} faces, {nx} x {ny} x {nz} cells\n", row.faces);
@@ -31,7 +31,7 @@ pub fn plain(names: &[&str], row: &Row) -> String {
     text
 }
 
-/// Markdown: a table for each kind of ray, one of the builds, one of the answers.
+/// Markdown: a table for each kind of ray, one of the builds and one of the hits.
 pub fn markdown(names: &[&str], rows: &[Row]) -> String {
     let mut text = String::new();
     for (kind, name) in KINDS.iter().enumerate() {
@@ -43,11 +43,13 @@ pub fn markdown(names: &[&str], rows: &[Row]) -> String {
     }
     text.push_str("Milliseconds to build:\n\n");
     table(&mut text, names, rows, |row, i| format!("{:.2}", row.build[i].value));
-    // This program's own column comes first.
+    // The column of this program comes first.
     let kinds = |counts: [usize; KINDS.len()]| counts.map(|count| count.to_string()).join(" / ");
     text.push_str("Rays that hit according to this program, camera / shadow / incoherent:\n\n");
     table(&mut text, &["rays that hit"], rows, |row, _| kinds(row.results[0].hits));
-    text.push_str("Rays for which a peer's result differs from this program's, camera / shadow / incoherent:\n\n");
+    text.push_str(
+        "Rays for which a peer's result differs from this program's, camera / shadow / incoherent:\n\n",
+    );
     table(&mut text, &names[1..], rows, |row, i| kinds(row.results[i + 1].differing));
     text.trim_end().to_string()
 }

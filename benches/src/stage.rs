@@ -1,4 +1,4 @@
-//! The scene of the rabbit with another mesh, and the rays that are cast into it.
+//! The rabbit's scene with any of the meshes, and the rays that are cast into it.
 
 use crate::contestant::{Contestant, FlatRay};
 use glam::{DVec2, DVec3};
@@ -14,29 +14,29 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Pixels along each side of the picture.
+/// The side of the picture in pixels.
 const SIDE: usize = 1000;
-/// How many rays go from anywhere to anywhere.
+/// The number of random rays.
 const INCOHERENT: usize = 1_000_000;
-/// How far a shadow ray starts from the surface; the rabbit is 0.15 high.
+/// The distance of a shadow ray's origin from the surface. The rabbit is 0.15 high.
 const OFFSET: f64 = 1e-4;
 
 /// The scene without its mesh.
 pub struct Stage {
-    /// Holds the mesh alone, so that all contestants cast into the same triangles.
+    /// A scene of the mesh alone, so that all contestants cast into the same triangles.
     pub scene: Scene,
     ground: Plane,
-    /// Unit vectors towards the lights.
+    /// The unit vectors towards the lights.
     lights: Vec<DVec3>,
 }
 
 /// The rays of one mesh.
 pub struct Rays {
-    /// Through every pixel, line by line.
+    /// The rays through every pixel, row by row.
     pub camera: Vec<FlatRay>,
-    /// From what the camera sees, the ground included, towards each light in turn.
+    /// Shadow rays from the visible points, including those of the ground, towards each light in turn.
     pub shadow: Vec<FlatRay>,
-    /// From random places in a box twice the mesh's, in random directions.
+    /// Rays from random points of a box twice as large as the mesh's, in random directions.
     pub incoherent: Vec<FlatRay>,
 }
 
@@ -62,7 +62,7 @@ impl Stage {
         Ok(Self { scene, ground: ground.ok_or("the scene has no plane")?, lights })
     }
 
-    /// The rays for a mesh; `caster` says what the camera sees.
+    /// The rays for a mesh. `caster` finds the visible points.
     pub fn rays(&self, mesh: &Mesh, caster: &dyn Contestant) -> Rays {
         let camera = Camera::new(&self.scene.camera, [SIDE, SIDE]);
         let pixels = (0..SIDE * SIDE).map(|i| DVec2::new((i % SIDE) as f64, (i / SIDE) as f64));
@@ -75,7 +75,7 @@ impl Stage {
         Rays { shadow: shadow.collect(), camera, incoherent: incoherent(mesh) }
     }
 
-    /// The point that a camera ray sees, on the mesh at `t` or on the ground before it.
+    /// The visible point along a camera ray: on the mesh at `t`, or on the ground in front of it.
     fn seen(&self, ray: &FlatRay, t: f64) -> Option<DVec3> {
         let ray = ray.exact();
         let t = self.ground.intersect(&ray).map_or(t, |ground| ground.min(t));
@@ -97,11 +97,12 @@ fn incoherent(mesh: &Mesh) -> Vec<FlatRay> {
     (0..INCOHERENT).map(|_| ray()).collect()
 }
 
-/// Steele, Lea and Flood's generator of random numbers.
+/// The random number generator of Steele, Lea and Flood ("Fast Splittable Pseudorandom Number Generators",
+/// OOPSLA 2014).
 struct SplitMix(u64);
 
 impl SplitMix {
-    /// From 0 up to 1.
+    /// Uniform in [0, 1).
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;

@@ -1,5 +1,5 @@
-//! A rabbit on the ground in the sun, at three scales: shadow rays with a fixed smallest t from
-//! points in f32, and ours.
+//! The figure of shadow acne: a rabbit on the ground in the sun, at three scales, with shadow rays of a fixed
+//! t_min from points in f32, and with ours.
 
 use crate::{Figure, panels};
 use glam::{DVec2, DVec3};
@@ -16,10 +16,11 @@ use std::path::Path;
 
 const SCALES: [f64; 3] = [1e-6, 1.0, 1e6];
 const SIDE: usize = 256;
-/// The usual smallest t of a shadow ray.
+/// The usual t_min of a shadow ray.
 const FIXED: f64 = 1e-4;
 
-/// One scale's picture: the brightness of each pixel by the fixed t and by ours, rows from the top.
+/// The pictures at one scale: the brightness of each pixel with the fixed t_min and with ours, in rows from
+/// the top.
 struct Shot {
     fixed: Vec<u8>,
     ours: Vec<u8>,
@@ -70,7 +71,7 @@ fn shoot(mesh: &Mesh, scale: f64) -> Result<Shot, Box<dyn std::error::Error>> {
 
 const SKY: u8 = 215;
 
-/// The brightness of a hit by the fixed smallest t and by ours.
+/// The brightness of a hit with the fixed t_min and with ours.
 fn brightness(caster: &Caster, ray: &Ray, hit: Hit) -> [u8; 2] {
     let to_light = DVec3::new(-0.8, 0.7, 0.6).normalize();
     let surface = caster.world.surface(ray, &hit);

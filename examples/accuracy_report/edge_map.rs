@@ -1,21 +1,21 @@
-//! Two triangles share an edge; rays start at neighbouring floats and pass close by it. Which of
-//! the triangles does each hit?
+//! The figure of the decision at an edge: two triangles share an edge, and rays from neighbouring floats pass
+//! close to it. The colour shows which of the triangles each ray hits.
 
 use crate::{Figure, panels};
 use glam::DVec3;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 
-/// Neighbouring floats along each side of the map.
+/// The number of neighbouring floats along each side of the map.
 const SIDE: usize = 256;
 
-/// The triangles name the ends of their edge in different places, as those of a mesh do.
+/// The triangles have the end points of their edge at different indices, as in a mesh.
 const LEFT: [DVec3; 3] =
     [DVec3::new(-12.0, -12.0, 3.0), DVec3::new(24.0, 24.0, 3.1), DVec3::new(-8.3, 17.1, 3.7)];
 const RIGHT: [DVec3; 3] =
     [DVec3::new(19.2, -7.4, 2.6), DVec3::new(24.0, 24.0, 3.1), DVec3::new(-12.0, -12.0, 3.0)];
 
-/// Left, right, both, none.
+/// The colours of rays that hit the left triangle, the right one, both or none.
 const COLORS: [[u8; 3]; 4] = [[70, 120, 190], [235, 150, 60], [255, 255, 255], [0, 0, 0]];
 
 pub fn draw() -> Figure {
@@ -43,7 +43,7 @@ pub fn draw() -> Figure {
 
 const DIRECTION: DVec3 = DVec3::new(0.3, -0.2, 1.0);
 
-/// What hits of the left and the right triangle are called.
+/// The index in [`COLORS`].
 fn side(left: bool, right: bool) -> usize {
     match (left, right) {
         (true, false) => 0,
@@ -53,7 +53,7 @@ fn side(left: bool, right: bool) -> usize {
     }
 }
 
-/// The origin from which a ray meets the edge near (0.5, 0.5).
+/// The origin from which a ray passes the edge near (0.5, 0.5).
 fn middle() -> DVec3 {
     LEFT[0] + (12.5 / 36.0) * (LEFT[1] - LEFT[0]) - 3.0 * DIRECTION
 }

@@ -1,7 +1,7 @@
 //! Measures the hard cases and writes `docs/accuracy.md` and its pictures.
 //!
-//! `cargo run --release --example accuracy_report` does all of it in the ordinary tier; `HARD_CASES=long` or
-//! `HARD_CASES=1000000` before it chooses another tier, for all rows alike.
+//! `cargo run --release --example accuracy_report` runs the ordinary tier. `HARD_CASES=long`, or a number
+//! such as `HARD_CASES=1000000`, selects another tier for all rows.
 
 mod acne;
 mod edge_map;
@@ -43,7 +43,7 @@ fn write_report() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs every hard case once; gives the folder of their records.
+/// Runs every hard case once, and returns the folder of their records.
 fn measured() -> Result<tempfile::TempDir, Failure> {
     let folder = tempfile::tempdir()?;
     let mut cargo = Command::new(env!("CARGO"));
@@ -56,7 +56,7 @@ fn measured() -> Result<tempfile::TempDir, Failure> {
     }
 }
 
-/// The commit that is measured, and whether the files differ from it.
+/// The commit that is measured, and whether there are uncommitted changes.
 fn commit() -> Result<String, Failure> {
     let git = |words: &[&str]| -> Result<String, Failure> {
         let output = Command::new("git").args(words).current_dir(env!("CARGO_MANIFEST_DIR")).output()?;
@@ -67,14 +67,14 @@ fn commit() -> Result<String, Failure> {
     Ok(format!("{}{changed}", git(&["rev-parse", "--short", "HEAD"])?))
 }
 
-/// A picture with what was counted in it.
+/// A picture with its caption.
 struct Figure {
     picture: Picture,
     caption: String,
 }
 
-/// Panels side by side, each a square of so many pixels, in rows from the top; `color` gives the
-/// colour of a pixel of a panel, counted from the panel's top left.
+/// A picture of square panels in rows from the top. `color` returns the colour of a pixel of a panel, counted
+/// from the panel's top left corner.
 fn panels(rows: usize, columns: usize, side: usize, color: impl Fn(usize, [usize; 2]) -> [u8; 3]) -> Picture {
     const GAP: usize = 8;
     let (width, height) = (columns * (side + GAP) - GAP, rows * (side + GAP) - GAP);
@@ -82,9 +82,9 @@ fn panels(rows: usize, columns: usize, side: usize, color: impl Fn(usize, [usize
     for (i, pixel) in pixels.chunks_exact_mut(3).enumerate() {
         let (x, y) = (i % width, i / width);
         let (column, row) = (x / (side + GAP), y / (side + GAP));
-        let place = [x % (side + GAP), y % (side + GAP)];
-        if place[0] < side && place[1] < side {
-            pixel.copy_from_slice(&color(row * columns + column, place));
+        let pixel_of_panel = [x % (side + GAP), y % (side + GAP)];
+        if pixel_of_panel[0] < side && pixel_of_panel[1] < side {
+            pixel.copy_from_slice(&color(row * columns + column, pixel_of_panel));
         }
     }
     Picture::from_rgb(width as u32, height as u32, pixels)

@@ -14,7 +14,8 @@ formulas. `proofs/run` checks them all, and a test compares the constants in the
 
 ";
 
-/// What each script proves, by its first line, and what Gappa says of it on this machine.
+/// The table of the scripts: what each of them proves, which is its first line, and whether Gappa confirms it
+/// on this machine.
 pub fn section() -> Result<String, Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("proofs");
     let files = std::fs::read_dir(&folder)?.map(|entry| entry.map(|entry| entry.path()));
@@ -32,8 +33,8 @@ pub fn section() -> Result<String, Failure> {
     Ok(text)
 }
 
-/// What Gappa says of a script. It would take the lines that tie constants to the source for options, so that it
-/// reads the script without their mark, as `proofs/run` does it.
+/// Whether Gappa confirms a script. It would interpret the lines that tie constants to the source as options,
+/// so that their mark is removed, as in `proofs/run`.
 fn verdict(source: &str) -> Result<&'static str, Failure> {
     let gappa =
         Command::new("gappa").stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();

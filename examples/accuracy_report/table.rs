@@ -1,11 +1,11 @@
-//! The records of the hard cases as a document.
+//! The table of the hard cases' records.
 
 use crate::Failure;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The sections of the hard cases: what they are about and the numbers of their cases.
+/// The sections of the table: the titles and the numbers of the cases.
 const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 6] = [
     ("Triangles: watertightness and decisions", 1..=20),
     ("Grid", 21..=32),
@@ -20,17 +20,18 @@ const INTRO: &str = include_str!("introduction.md");
 const HEAD: &str =
     "| | case | basis | inputs | measured | textbook | ours | target |\n|---|---|---|---|---|---|---|---|\n";
 
-/// Where the numbers come from.
+/// The origin of the measurements.
 pub struct Origin {
     pub commit: String,
-    /// As `HARD_CASES` says; none for the ordinary tier.
+    /// The value of `HARD_CASES`; none for the ordinary tier.
     pub tier: Option<String>,
 }
 
-/// The fields of a record after the number of its case, as the tests write them.
+/// The number of fields of a record after the number of its case.
 const FIELDS: usize = 7;
 
-/// The records by the number of their case: basis, name, inputs, measure, textbook, ours, target.
+/// The records by the number of their case. The fields are basis, name, inputs, measure, textbook, ours and
+/// target.
 pub struct Table(BTreeMap<u32, [String; FIELDS]>);
 
 /// Reads every record in a folder.
@@ -48,7 +49,7 @@ pub fn read(folder: &Path) -> Result<Table, Failure> {
 }
 
 impl Table {
-    /// The whole document; an error where a case has no record.
+    /// The whole document. A case without a record is an error.
     pub fn document(
         &self,
         origin: &Origin,
@@ -73,17 +74,17 @@ impl Table {
     }
 }
 
-/// The sentence that says where the numbers come from.
+/// The sentence about the origin of the measurements.
 fn sentence(Origin { commit, tier }: &Origin, rows: usize) -> String {
     let tier = match tier.as_deref() {
         None => "the ordinary tier".to_owned(),
         Some("long") => "the long tier".to_owned(),
-        Some(most) => format!("the long tier cut to {most} inputs a case"),
+        Some(limit) => format!("the long tier, limited to {limit} inputs per case"),
     };
     format!("All {rows} rows were measured together, in {tier}, at commit {commit}.")
 }
 
-/// A row of the table. Bars would end a column.
+/// A row of the table. Bars are escaped, because they would end a column.
 fn row(case: u32, fields: &[String; FIELDS]) -> String {
     let [basis, name, inputs, measure, textbook, ours, target] =
         fields.each_ref().map(|field| field.replace('|', "\\|"));

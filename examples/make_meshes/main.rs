@@ -1,12 +1,11 @@
-//! Makes the meshes of `scenes/`: a cube, and a rabbit in four degrees of detail.
+//! Makes the meshes of `scenes/`: a cube, and a rabbit at four levels of detail.
 //!
-//! `cargo run --release --example make_meshes -- scenes` writes them;
-//! with `--check` it compares the files that are there instead.
+//! `cargo run --release --example make_meshes -- scenes` writes them; with `--check` it compares them with
+//! the existing files instead.
 //!
-//! The rabbit is sculpted in code ([`rabbit`]), turned into triangles
-//! ([`polygonise`]) and simplified ([`simplify`]). Each mesh is proved to be the
-//! boundary of one solid ([`topology`]). The bytes are the same on every machine:
-//! all arithmetic is IEEE basic operations and `libm`, in a fixed order.
+//! The rabbit is modelled as an implicit surface ([`rabbit`]), polygonised ([`polygonise`]) and simplified
+//! ([`simplify`]). Each mesh is checked to be the boundary of one solid ([`topology`]). The bytes are the
+//! same on every machine: all arithmetic is IEEE basic operations and `libm`, in a fixed order.
 
 mod polygonise;
 mod rabbit;
@@ -23,24 +22,23 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use topology::{Mesh, check_closed_sphere};
 
-/// The rabbits, from the finest on, since each is made from the one before.
+/// The rabbits, the finest first, because each is made from the one before.
 const RABBITS: [(&str, usize); 4] =
     [("bunny_40k.obj", 40_000), ("bunny_5k.obj", 5_000), ("bunny_1k.obj", 1_000), ("bunny_200.obj", 200)];
 /// The height of the ground the rabbit sits on.
 const GROUND: f64 = 0.0667;
 /// The height of the rabbit, in scene units, per unit of its own frame.
 const SCALE: f64 = 0.335;
-/// Where the origin of the rabbit's frame comes to lie.
-const PLACE: DVec3 = dvec3(-0.043, GROUND, 0.009);
-/// How far the nose is turned from -x towards the camera at +z, in radians.
+/// The position of the origin of the rabbit's frame in the scene.
+const POSITION: DVec3 = dvec3(-0.043, GROUND, 0.009);
+/// The angle by which the nose is turned from -x towards the camera at +z, in radians.
 const TURN: f64 = 0.45;
-/// The distance between the points at which the sculpture is sampled, in the
-/// rabbit's own units.
+/// The distance between the points at which the implicit surface is sampled, in the rabbit's own units.
 const STEP: f64 = 1.0 / 140.0;
-/// How often the triangles of the sculpture are evened out.
+/// The number of rounds of relaxation, which evens out the triangles.
 const RELAX_ROUNDS: usize = 3;
 
-/// What the command line asks for.
+/// The arguments of the command line.
 struct Request {
     folder: PathBuf,
     check: bool,
@@ -66,7 +64,7 @@ fn request(arguments: impl Iterator<Item = OsString>) -> Result<Request, String>
     Ok(Request { folder, check: !options.is_empty() })
 }
 
-/// Writes all files, or compares them with those that are there.
+/// Writes all files, or compares them with the existing ones.
 fn run(request: &Request) -> Result<(), String> {
     for (name, text) in make_all()? {
         let path = request.folder.join(name);
@@ -104,7 +102,7 @@ fn make_all() -> Result<Vec<(&'static str, String)>, String> {
     Ok(files)
 }
 
-/// A cube from -1 to 1. Bit n of a vertex's number is its side along axis n.
+/// A cube from -1 to 1. Bit n of a vertex's index is its side along axis n.
 fn cube() -> Mesh {
     let side = |corner: u32, axis: u32| f64::from(corner >> axis & 1) * 2.0 - 1.0;
     let positions = (0..8).map(|corner| dvec3(side(corner, 0), side(corner, 1), side(corner, 2))).collect();
@@ -114,11 +112,11 @@ fn cube() -> Mesh {
 }
 
 /// The box around the rabbit in its own frame, with a margin. No lattice plane
-/// coincides with the ground, where all values would be 0.
+/// coincides with the ground, where all values would be zero.
 fn rabbit_lattice() -> Lattice {
-    let (low, high) = (dvec3(-0.6, -0.0331, -0.4), dvec3(0.6, 1.15, 0.4));
-    let counts = ((high - low) / STEP).to_array().map(|count| count as usize + 1);
-    Lattice { origin: low, step: STEP, counts }
+    let (min, max) = (dvec3(-0.6, -0.0331, -0.4), dvec3(0.6, 1.15, 0.4));
+    let counts = ((max - min) / STEP).to_array().map(|count| count as usize + 1);
+    Lattice { origin: min, step: STEP, counts }
 }
 
 /// Moves a rabbit from its own frame into the scene.
@@ -127,13 +125,13 @@ fn placed(mut mesh: Mesh) -> Mesh {
     let axes = [dvec3(-cos, 0.0, sin), DVec3::Y, dvec3(-sin, 0.0, -cos)];
     for position in &mut mesh.positions {
         let [x, y, z] = position.to_array();
-        // Simplifying can push a vertex a hair's breadth into the ground.
-        *position = PLACE + (axes[0] * x + axes[1] * y.max(0.0) + axes[2] * z) * SCALE;
+        // Simplification may move a vertex slightly below the ground.
+        *position = POSITION + (axes[0] * x + axes[1] * y.max(0.0) + axes[2] * z) * SCALE;
     }
     mesh
 }
 
-/// The text of a mesh whose positions, as they are in the text, pass all checks.
+/// The text of a mesh, after all checks of the mesh with the positions as rounded in the text.
 fn checked_obj(name: &str, mesh: &Mesh) -> Result<String, String> {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     let positions = mesh.positions.iter().map(|p| DVec3::from(p.to_array().map(rounded))).collect();

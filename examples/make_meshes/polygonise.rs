@@ -14,16 +14,16 @@ pub struct Lattice {
     pub counts: [usize; 3],
 }
 
-/// Kuhn's cut of the cube into six tetrahedra around its diagonal: each is a
-/// walk from corner 0 to corner 7 along one axis at a time. Bit n of a corner
-/// is its offset along axis n. Neighbouring cubes cut their shared face alike.
+/// Kuhn's division of the cube into six tetrahedra around its diagonal: each is a path from corner 0 to
+/// corner 7 along one axis at a time. Bit n of a corner is its offset along axis n. Neighbouring cubes divide
+/// their shared face in the same way.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
 /// Every lattice edge is a step by one of the seven non-zero corner offsets.
 const EDGES_PER_POINT: usize = 7;
 
-/// "No vertex on this lattice edge yet."
+/// The value of a lattice edge without a vertex.
 const ABSENT: u32 = u32::MAX;
 
 /// Polygonises the surface where `field`, negative inside, changes its sign.
@@ -89,7 +89,7 @@ impl March<'_> {
         }
     }
 
-    /// Adds the one or two triangles that part the inner corners from the outer.
+    /// Adds the one or two triangles that separate the inner corners from the outer ones.
     fn tetrahedron(&mut self, corners: [usize; 4]) {
         let (inner, outer): (Vec<_>, Vec<_>) = corners.into_iter().partition(|&corner| self.inside(corner));
         match (inner.as_slice(), outer.as_slice()) {
@@ -107,8 +107,8 @@ impl March<'_> {
     /// wound so that it faces the outer points.
     fn triangle(&mut self, edges: [(usize, usize); 3]) {
         let mut face = edges.map(|(inner, outer)| self.edge_vertex(inner, outer));
-        // The clear-cut orientation is that of the lattice edges' midpoints:
-        // the vertices themselves may be too close together to tell.
+        // The orientation is computed from the midpoints of the lattice edges, because the vertices
+        // themselves may be too close together.
         let middles = edges.map(|(a, b)| (self.lattice.point(a) + self.lattice.point(b)) * 0.5);
         let outwards: DVec3 = edges.iter().map(|&(a, b)| self.lattice.point(b) - self.lattice.point(a)).sum();
         if area_normal(middles).dot(outwards) < 0.0 {
@@ -117,7 +117,7 @@ impl March<'_> {
         self.mesh.faces.push(face);
     }
 
-    /// The vertex on a crossed lattice edge, made when first asked for.
+    /// The vertex on a crossed lattice edge, which is created when it is first used.
     fn edge_vertex(&mut self, inner: usize, outer: usize) -> u32 {
         let (low, high) = (inner.min(outer), inner.max(outer));
         let offset = (1..8).find(|&offset| self.lattice.corner(low, offset) == high).unwrap_or(0);
@@ -130,8 +130,8 @@ impl March<'_> {
         self.edge_vertices[slot]
     }
 
-    /// Where the surface crosses a lattice edge, by bisection. Kept a little
-    /// away from the ends, where vertices of several edges would fall together.
+    /// The point at which the surface crosses a lattice edge, by bisection. It is kept away from the ends,
+    /// where the vertices of several edges would coincide.
     fn crossing(&self, inner: DVec3, outer: DVec3) -> DVec3 {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..16 {
@@ -146,8 +146,8 @@ impl March<'_> {
     }
 }
 
-/// Evens out the triangles, which marching leaves of very different sizes:
-/// each vertex moves to the middle of its neighbours and back to the surface.
+/// Evens out the triangles, whose sizes differ much after marching: each vertex moves to the centre of its
+/// neighbours and then back to the surface.
 pub fn relax(mesh: &mut Mesh, field: &dyn Fn(DVec3) -> f64, rounds: usize) {
     for _ in 0..rounds {
         let mut sums = vec![(DVec3::ZERO, 0.0); mesh.positions.len()];
@@ -162,13 +162,13 @@ pub fn relax(mesh: &mut Mesh, field: &dyn Fn(DVec3) -> f64, rounds: usize) {
     }
 }
 
-/// Brings a point near the surface onto it, by Newton steps along the gradient.
+/// Moves a point near the surface onto it, by Newton steps along the gradient.
 fn onto_surface(mut point: DVec3, field: &dyn Fn(DVec3) -> f64) -> DVec3 {
     const REACH: f64 = 1e-5;
     for _ in 0..2 {
         let slope = DVec3::AXES.map(|axis| field(point + axis * REACH) - field(point - axis * REACH));
         let gradient = DVec3::from(slope) / (2.0 * REACH);
-        // A gradient near 0 would throw the point far away.
+        // A gradient near 0 would move the point far away.
         point -= gradient * (field(point) / gradient.length_squared().max(0.25));
     }
     point

@@ -1,4 +1,4 @@
-//! A sitting rabbit, sculpted as the zero surface of a blend of simple solids.
+//! A sitting rabbit, modelled as the zero surface of a blend of simple solids.
 //!
 //! The rabbit's own frame: the nose points along +x, up is +y, its feet stand
 //! on y = 0, and it is about one unit high. Distances are negative inside.
@@ -18,13 +18,13 @@ enum Shape {
     Leaf { frame: Frame, radii: DVec3, curl: f64, bend: f64 },
 }
 
-/// A solid and how softly it merges into those before it.
+/// A solid, and the width of its blend with those before it.
 struct Part {
     shape: Shape,
     blend: f64,
 }
 
-/// A place and three perpendicular unit axes.
+/// A position and three perpendicular unit axes.
 struct Frame {
     origin: DVec3,
     axes: [DVec3; 3],
@@ -41,9 +41,9 @@ pub struct Rabbit {
     ears: Vec<Part>,
 }
 
-/// How softly the head merges into the neck.
+/// The width of the blend of head and neck.
 const NECK_BLEND: f64 = 0.09;
-/// How far the highest tufts of fur stand out.
+/// The height of the highest tufts of fur.
 const FUR_HEIGHT: f64 = 0.0018;
 
 impl Rabbit {
@@ -51,7 +51,7 @@ impl Rabbit {
         Self { body: body(), head: head(), head_frame: head_frame(), ears: ears() }
     }
 
-    /// The signed distance, roughly, from the rabbit's surface.
+    /// An approximation of the signed distance from the rabbit's surface.
     pub fn distance(&self, point: DVec3) -> f64 {
         let body = merge(f64::INFINITY, &self.body, mirror(point));
         let in_head = self.head_frame.local(point);
@@ -62,8 +62,8 @@ impl Rabbit {
         whole.max(-point.y)
     }
 
-    /// How much more an error counts at a point than elsewhere: the head and
-    /// its ears are what makes a coarse mesh a rabbit.
+    /// The weight of an error at a point. It is larger at the head and the ears, by which a coarse mesh is
+    /// recognised as a rabbit.
     pub fn importance(&self, point: DVec3) -> f64 {
         let height = ((point.y - 0.45) / 0.2).clamp(0.0, 1.0);
         1.0 + 2.0 * height
@@ -195,8 +195,8 @@ fn mirror(point: DVec3) -> DVec3 {
     dvec3(point.x, point.y, point.z.abs())
 }
 
-/// Shallow tufts of fur: waves in directions that have nothing in common, all
-/// nearly square to the lie of the fur, which is back and downwards.
+/// Shallow tufts of fur: waves in unrelated directions, all nearly perpendicular to the direction of the fur,
+/// which is back and downwards.
 fn fur(point: DVec3) -> f64 {
     const WAVES: [DVec3; 5] = [
         dvec3(-31.0, 67.0, 83.0),

@@ -9,8 +9,8 @@ use glam::{DMat3, DVec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// How much a vertex is held back from sliding inside its plane, relative to
-/// leaving it. Makes every quadric invertible and spreads vertices evenly.
+/// The weight of moving a vertex within its plane, relative to moving it off the plane. It makes every
+/// quadric invertible, and distributes vertices evenly.
 const SLIDE_WEIGHT: f64 = 5e-3;
 /// A face may turn by at most the angle of this cosine in one collapse.
 const MIN_TURN_COSINE: f64 = 0.3;
@@ -56,7 +56,7 @@ impl Quadric {
     }
 }
 
-/// An edge that may collapse. Out of date once a stamp of its ends has moved on.
+/// A candidate for a collapse. It is out of date when a stamp of its ends has changed.
 struct Candidate {
     cost: f64,
     target: DVec3,
@@ -65,8 +65,8 @@ struct Candidate {
 }
 
 impl Ord for Candidate {
-    /// The greatest candidate is the cheapest; ties go by vertex number, so
-    /// that the order never depends on the heap's inner workings.
+    /// The greatest candidate is the cheapest one. Ties are ordered by the indices of the vertices, so that
+    /// the order does not depend on the heap's implementation.
     fn cmp(&self, other: &Self) -> Ordering {
         other
             .cost
@@ -89,21 +89,21 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// A mesh on its way to fewer faces.
+/// A mesh during its simplification.
 pub struct Simplifier {
     mesh: Mesh,
     live_faces: usize,
     face_is_live: Vec<bool>,
-    /// The live faces around each vertex; empty for a vertex that is gone.
+    /// The remaining faces around each vertex; empty for a vertex that was removed.
     faces_around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
-    /// How often each vertex or its surroundings changed.
+    /// The number of changes of each vertex or its neighbourhood.
     stamps: Vec<u32>,
     queue: BinaryHeap<Candidate>,
 }
 
 impl Simplifier {
-    /// Starts from a closed manifold; `weight` tells how much error counts at a place.
+    /// Starts from a closed manifold. `weight` returns the weight of an error at a point.
     pub fn new(mesh: Mesh, weight: &dyn Fn(DVec3) -> f64) -> Self {
         let mut faces_around = vec![Vec::new(); mesh.positions.len()];
         let mut quadrics = vec![Quadric::ZERO; mesh.positions.len()];
@@ -131,8 +131,8 @@ impl Simplifier {
     /// Collapses edges, the cheapest first, until `count` faces are left. A
     /// collapse takes two faces, and a closed mesh has an even number of them.
     ///
-    /// Goes in rounds, because an edge that was refused may be free after
-    /// others around it have moved.
+    /// This is done in rounds, because an edge that was rejected may collapse after others around it have
+    /// changed.
     pub fn reduce_to(&mut self, count: usize) -> Result<(), String> {
         while self.live_faces > count {
             let before = self.live_faces;
@@ -152,7 +152,7 @@ impl Simplifier {
         Ok(())
     }
 
-    /// The mesh as it is now, its vertices and faces in their first order.
+    /// The current mesh, with its vertices and faces in their original order.
     pub fn compacted(&self) -> Mesh {
         let mut new_index = vec![0; self.faces_around.len()];
         let mut positions = Vec::new();

@@ -1,4 +1,4 @@
-//! The mesh type, and the proof that a mesh is the boundary of one solid.
+//! The mesh type, and the check that a mesh is the boundary of one solid.
 
 use glam::DVec3;
 use std::collections::BTreeSet;

@@ -3,7 +3,7 @@
 
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, bunny, middle_and_reach};
+use crate::support::meshes::{Closed, bunny, center_and_radius};
 use crate::support::product_grid::lattice;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
@@ -99,13 +99,13 @@ pub fn sum<const N: usize>(counts: impl IntoIterator<Item = [u64; N]>) -> [u64; 
 
 /// Rays from a camera, and rays to vertices and edges, from `distance` times the mesh's radius.
 pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + Sync {
-    let (middle, reach) = middle_and_reach(&mesh.mesh);
+    let (center, radius) = center_and_radius(&mesh.mesh);
     move |rng, index| {
-        let origin = middle + distance * reach * rng.direction();
+        let origin = center + distance * radius * rng.direction();
         let target = match index % 3 {
             0 => mesh.random_vertex(rng),
             1 => mesh.random_edge_point(rng),
-            _ => middle + reach * rng.in_ball(),
+            _ => center + radius * rng.in_ball(),
         };
         Ray::new(origin, target - origin)
     }

@@ -2,11 +2,11 @@
 
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::bunny;
-use crate::support::product_grid::{Step, lattice, margin, steps};
+use crate::support::product_grid::{Step, dda_error_bound, lattice, steps};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
-use crate::support::textbook_grid::{TextbookGrid, march};
+use crate::support::textbook_grid::{TextbookGrid, traverse};
 use crate::support::{failed_ray, rays};
 use crate::{grid::frame, grid::push};
 use glam::DVec3;
@@ -35,10 +35,10 @@ fn largest_error(lattice: &Lattice, ray: &Ray, entry: f64, steps: &[Step]) -> f6
 #[test]
 fn case_26_the_cells_along_a_ray() {
     const SEED: u64 = 1026;
-    let (middle, reach) = crate::support::meshes::middle_and_reach(&bunny("1k"));
+    let (center, radius) = crate::support::meshes::center_and_radius(&bunny("1k"));
     let boxes = [
         Aabb { min: DVec3::ZERO, max: DVec3::ONE },
-        Aabb { min: middle - reach, max: middle + DVec3::new(1.0, 0.8, 0.7) * reach },
+        Aabb { min: center - radius, max: center + DVec3::new(1.0, 0.8, 0.7) * radius },
         Aabb { min: DVec3::splat(1000.0), max: DVec3::splat(1001.0) },
     ];
     let failures = Failures::default();
@@ -50,7 +50,7 @@ fn case_26_the_cells_along_a_ray() {
         let (mut counts, mut errors) = ([0; 3], [0.0f64; 3]);
         for bounds in boxes {
             let lattice = Lattice::new(bounds, cells);
-            let margin = margin(&lattice);
+            let error_bound = dda_error_bound(&lattice);
             let one = |index| {
                 let rng = &mut Rng::at(SEED, index);
                 let origin = bounds.min + bounds.extent() * (0.5 + 2.0 * rng.direction());
@@ -58,25 +58,25 @@ fn case_26_the_cells_along_a_ray() {
                 let ray = Ray::new(origin, (target - origin).normalize());
                 let (entry, found) = steps(&lattice, &ray);
                 let ours = largest_error(&lattice, &ray, entry, &found);
-                let wrong = found.is_empty() || ours > margin;
+                let wrong = found.is_empty() || ours > error_bound;
                 failures.note(wrong, || failed_ray(26, SEED, index, ray.origin, ray.direction));
-                let textbook = |march: &dyn Fn(&mut Vec<Step>)| {
+                let textbook = |traverse: &dyn Fn(&mut Vec<Step>)| {
                     let mut steps = Vec::with_capacity(found.len());
-                    march(&mut steps);
+                    traverse(&mut steps);
                     largest_error(&lattice, &ray, entry, &steps)
                 };
                 let in_f32 = textbook(&|steps| collect::<f32>(&lattice, &ray, steps));
                 let asked = index.is_multiple_of(8);
                 let in_f64 =
                     if asked { textbook(&|steps| collect::<f64>(&lattice, &ray, steps)) } else { 0.0 };
-                ([1, wrong as u64, (in_f32 > margin) as u64], [ours, in_f32, in_f64])
+                ([1, wrong as u64, (in_f32 > error_bound) as u64], [ours, in_f32, in_f64])
             };
             let (more, largest) = measure::<3, 3>(n, one);
             counts = crate::grid::sum([counts, more]);
             errors = std::array::from_fn(|i| errors[i].max(largest[i]));
         }
-        let margin = margin(&Lattice::new(boxes[0], cells));
-        ours.push(format!("{:.1e} of {margin:.1e} at {side}", errors[0]));
+        let error_bound = dda_error_bound(&Lattice::new(boxes[0], cells));
+        ours.push(format!("{:.1e} of {error_bound:.1e} at {side}", errors[0]));
         theirs.push(format!(
             "{:.1}% of rays beyond the error bound at {side}, by up to {:.1e}, in f64 {:.1e}",
             100.0 * counts[2] as f64 / counts[0] as f64,
@@ -101,7 +101,7 @@ fn case_26_the_cells_along_a_ray() {
 }
 
 fn collect<T: num_traits::Float>(lattice: &Lattice, ray: &Ray, steps: &mut Vec<Step>) {
-    march::<T>(lattice, ray, |cell, exit| {
+    traverse::<T>(lattice, ray, |cell, exit| {
         steps.push((cell, exit));
         true
     });
@@ -123,7 +123,7 @@ fn the_dda_nearly_reaches_its_error_bound() {
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, cells);
         let ray = Ray::new(DVec3::new(-0.5, 0.3, 0.6), DVec3::X);
         let (entry, steps) = steps(&lattice, &ray);
-        let fraction = largest_error(&lattice, &ray, entry, &steps) / margin(&lattice);
+        let fraction = largest_error(&lattice, &ray, entry, &steps) / dda_error_bound(&lattice);
         println!("{} cells: {fraction:.3} of the error bound", cells[0]);
         assert!(fraction <= 1.0, "the error bound is broken");
         assert!(fraction > 0.5, "the error of the ray is too small");
@@ -163,7 +163,7 @@ fn triangles_where_the_dda_is_inaccurate(cells: [usize; 3]) -> (World, Vec<DVec3
     const COUNT: usize = 2000;
     let mut mesh = frame();
     let lattice = lattice(&world_of_mesh(&mesh), cells);
-    let (face_error_bound, rng) = (margin(&lattice), &mut Rng::new(3027));
+    let (face_error_bound, rng) = (dda_error_bound(&lattice), &mut Rng::new(3027));
     // From half a cell on, the error of a ray along x exceeds this distance in cells, and so both distances
     // below.
     let near = |rng: &mut Rng| rng.range(0.13, 0.25) * face_error_bound;

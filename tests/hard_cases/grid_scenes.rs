@@ -5,7 +5,7 @@ use crate::grid::{conclude, differences, frame, outside, push, sum};
 use crate::support::brute::Brute;
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, bunny, moved, point_in};
-use crate::support::product_grid::{lattice, margin, steps};
+use crate::support::product_grid::{dda_error_bound, lattice, steps};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
 use crate::support::{failed_ray, rays};
@@ -207,7 +207,7 @@ fn pairs_at_faces(cells: [usize; 3]) -> (World, Vec<(usize, DVec3)>) {
     for face in 2..cells[2] {
         let height = |up: f64| lattice.bounds.min.z + (face as f64 + up) * lattice.cell_size.z;
         // This is slightly less than the padding of the cells.
-        let beyond = margin(&lattice) + 1.01e-5;
+        let beyond = dda_error_bound(&lattice) + 1.01e-5;
         let at = |x: f64, y: f64, up: f64| DVec3::new(x, y, height(up));
         let (x, y) = (rng.range(0.1, 0.9), rng.range(0.1, 0.9));
         let triangle = |to_left: f64, to_right: f64| {

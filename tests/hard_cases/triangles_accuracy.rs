@@ -3,7 +3,7 @@
 
 use crate::support::exact_triangle::{Exact, intersect, relative_error};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, aimed, bunny, middle_and_reach, moved, point_in, rounded};
+use crate::support::meshes::{Closed, aimed, bunny, center_and_radius, moved, point_in, rounded};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, woop};
@@ -133,11 +133,11 @@ fn case_10_grazing() {
 
 /// Rays from a distance around a mesh to random points on it, with the triangles around the point.
 fn at_surface(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> (Ray, Vec<[DVec3; 3]>) + Sync {
-    let (middle, _) = middle_and_reach(&mesh.mesh);
+    let (center, _) = center_and_radius(&mesh.mesh);
     move |rng, index| {
         let target = rng.below(mesh.mesh.triangles.len());
         let point = point_in(mesh.corners(target as u32), rng);
-        let origin = rounded(middle + distance * rng.direction());
+        let origin = rounded(center + distance * rng.direction());
         let d = point - origin;
         // The direction is not rounded to f32: from far away no such direction would hit its target.
         let ray = Ray::new(origin, if index.is_multiple_of(2) { d.normalize() } else { d });

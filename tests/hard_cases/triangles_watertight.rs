@@ -5,7 +5,7 @@
 use crate::support::brute::Brute;
 use crate::support::leaks::{Aim, Inside, hits};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, aimed, bunny, middle_and_reach, rounded};
+use crate::support::meshes::{Closed, aimed, bunny, center_and_radius, rounded};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
@@ -106,14 +106,14 @@ fn case_06_a_closed_mesh_is_crossed_an_even_number_of_times() {
     let mesh = Closed::new(bunny("40k"));
     let directed = mesh.mesh.triangles.len() * 3;
     assert_eq!(mesh.edges.len() * 2, directed, "every edge has two sides");
-    let (middle, _) = middle_and_reach(&mesh.mesh);
+    let (center, _) = center_and_radius(&mesh.mesh);
     let world = world_of_mesh(&mesh.mesh);
     let brute = Brute::new(&world);
     let failures = Failures::default();
     let n = rays(120_000, 10_000_000);
     let one = |index: u64| {
         let rng = &mut Rng::at(SEED, index);
-        let origin = rounded(middle + 0.6 * rng.direction());
+        let origin = rounded(center + 0.6 * rng.direction());
         let ray = aimed(origin, mesh.random_point(rng, index), index.is_multiple_of(2));
         let crossings = crossings(&ray, brute.near(&ray).map(|i| mesh.corners(i)));
         let [odd, moller_trumbore, inclusive] = crossings.map(|n| n % 2);

@@ -1,16 +1,17 @@
-//! The list of command lines, and running the program on them.
+//! The list of reference commands, and how they are run.
 
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process;
 
-/// The project's scenes; the program runs there, so that command lines name them as the course's do.
+/// The folder of the project's scenes. The program runs in it, so that command lines name scenes as in the
+/// course.
 pub fn scene_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }
 
-/// Where the golden pictures and the list of commands lie.
+/// The folder of the reference pictures and of the list of commands.
 pub fn references() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("reference_images")
 }
@@ -35,7 +36,7 @@ impl fmt::Display for Command {
 }
 
 impl Command {
-    /// All lines but empty ones and headings, which start with `#`.
+    /// All lines except empty ones and headings, which start with `#`.
     pub fn all() -> Vec<Self> {
         let text = fs::read_to_string(references().join("commands.txt")).unwrap();
         let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
@@ -50,17 +51,17 @@ impl Command {
         rest.split_whitespace()
     }
 
-    /// The pictures that it writes. Scenes end in `.txt`, so these are all words that end in `.tga`.
+    /// The pictures that it writes, which are all words that end in `.tga`.
     pub fn pictures(&self) -> impl Iterator<Item = &str> {
         self.words().filter(|word| is_picture(word))
     }
 
-    /// Whether this scene is the one it renders.
+    /// Whether it renders this scene.
     pub fn reads(&self, scene: &str) -> bool {
         self.words().any(|word| word == scene)
     }
 
-    /// Runs it, with its pictures in `folder`.
+    /// Runs it, and writes its pictures to `folder`.
     pub fn run(&self, folder: &Path) {
         let moved = |word: &str| match is_picture(word) {
             true => folder.join(word).into_os_string(),
@@ -76,14 +77,14 @@ fn is_picture(word: &str) -> bool {
     word.ends_with(".tga")
 }
 
-/// The program, about to run in the folder of scenes.
+/// The command of the program, to be run in the folder of scenes.
 pub fn program() -> process::Command {
     let mut program = process::Command::new(env!("CARGO_BIN_EXE_raytracer"));
     program.current_dir(scene_folder());
     program
 }
 
-/// Runs to the end. Scenes and commands here are sound, so there is nothing to say on standard error.
+/// Runs a command, which must succeed and print nothing on standard error.
 pub fn succeed(mut program: process::Command) {
     let output = program.output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);

@@ -5,17 +5,18 @@ use raytracer::picture::Picture;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Between the pictures that lie side by side, and around a smaller one.
+/// The colour between pictures side by side, and around a smaller one.
 const BACKDROP: [u8; 3] = [90, 90, 90];
-/// Pixels between the pictures.
+/// The number of pixels between the pictures.
 const GAP: u32 = 4;
 
-/// Where failures are shown: `target/picture-failures`, wherever `target` is.
+/// The folder for pictures of failures: `target/picture-failures`, wherever `target` is.
 fn failure_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("picture-failures")
 }
 
-/// Demands equal bytes. Otherwise tells how the pictures differ and writes them side by side.
+/// Checks that two files have equal bytes. The error describes how the pictures differ, and they are written
+/// side by side.
 pub fn files(expected: &Path, actual: &Path, name: &str) -> Result<(), String> {
     let made = fs::read(actual).map_err(|error| format!("{name}: not written: {error}"))?;
     if fs::read(expected).is_ok_and(|wanted| wanted == made) {
@@ -35,14 +36,14 @@ fn show(picture: &Picture, path: &Path) -> Result<(), String> {
     file.write(picture).map_err(|error| error.to_string())
 }
 
-/// How two pictures of one size differ.
+/// The difference of two pictures of the same size.
 #[derive(Debug, PartialEq, Eq)]
 struct Difference {
-    /// How many pixels do.
+    /// The number of pixels that differ.
     pixels: usize,
     /// The largest difference of a channel.
     worst: u8,
-    /// The pixel with it: column and row, counted from the top left as picture viewers do.
+    /// The pixel of that difference: its column and row from the top left, as in picture viewers.
     at: (usize, usize),
 }
 
@@ -70,7 +71,7 @@ fn describe(expected: &Picture, actual: &Picture) -> String {
     }
 }
 
-/// Expected, actual, difference from left to right, aligned at the bottom left.
+/// The expected picture, the actual one and the difference from left to right, aligned at the bottom left.
 fn side_by_side(expected: &Picture, actual: &Picture) -> Picture {
     let width = expected.width().max(actual.width());
     let height = expected.height().max(actual.height());
@@ -91,7 +92,7 @@ fn side_by_side(expected: &Picture, actual: &Picture) -> Picture {
     sheet
 }
 
-/// Bright enough to see even for a difference of one.
+/// The brightness of a difference, which is visible even for a difference of one.
 fn amplified(a: u8, b: u8) -> u8 {
     match a.abs_diff(b) {
         0 => 0,
@@ -102,7 +103,7 @@ fn amplified(a: u8, b: u8) -> u8 {
 mod tests {
     use super::*;
 
-    /// 4 by 3 pixels of one grey, but for the one at `at`, counted from the top left.
+    /// A grey picture of 4 by 3 pixels, except for the pixel `at`, counted from the top left.
     fn grey_but(at: (usize, usize), color: [u8; 3]) -> Picture {
         let mut pixels = vec![100; 4 * 3 * 3];
         pixels[(at.1 * 4 + at.0) * 3..][..3].copy_from_slice(&color);

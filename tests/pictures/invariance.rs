@@ -1,19 +1,19 @@
-//! What must not change a picture: the grid, its resolution, the number of threads, counting.
-//! Every scene is rendered small, each time by the real program.
+//! Neither the grid, nor its resolution, nor the number of threads, nor counting changes a picture. Every
+//! scene is rendered at a small size, each time by the program itself.
 
 use super::commands::{program, scenes, succeed};
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
 
-/// Small, and of sides that no number of threads or cells divides evenly. Without a grid every ray
-/// tests every face, so the rabbit with 40,000 must do with fewer rays.
+/// A small size, of sides that no number of threads or cells divides evenly. Without a grid every ray tests
+/// every face, so there are fewer rays for the rabbit with 40,000 faces.
 fn size_flags(scene: &str) -> &'static str {
     if scene.contains("40k") { "-size 13 11" } else { "-size 31 27" }
 }
 
-/// Each is to make the picture that the first makes. One cell for all; few and uneven; many; thin
-/// slices along one axis and hardly any along another.
+/// Every variant must give the same picture as the first: with a single cell, with few cells of uneven sides,
+/// with many, and with thin slices along one axis.
 const VARIANTS: [&str; 7] = [
     "-threads 1",
     "-threads 7 -stats",

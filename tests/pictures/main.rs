@@ -1,11 +1,12 @@
 //! The project's own scenes and their pictures.
 //!
-//! `reference_images/commands.txt` lists command lines in the course's style. The real program runs each
-//! of them, and its pictures must be those in `reference_images/`, byte for byte. What differs is shown
-//! in `target/picture-failures/`: expected, actual and difference side by side.
+//! `reference_images/commands.txt` lists command lines in the course's style. The program is run on each of
+//! them, and its pictures must be equal to those in `reference_images/`, byte for byte. If they differ, the
+//! expected picture, the actual one and the difference are written side by side to
+//! `target/picture-failures/`.
 //!
-//! When a change of the pictures is meant, `BLESS=1 cargo test --test pictures` writes the
-//! references anew; look at them before committing.
+//! If pictures are meant to change, `BLESS=1 cargo test --test pictures` overwrites the references; look at
+//! them before committing.
 
 mod commands;
 mod compare;
@@ -19,13 +20,13 @@ use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
 
-/// Whether references are to be written instead of compared.
+/// Whether references are overwritten instead of compared.
 fn blessing() -> bool {
     std::env::var_os("BLESS").is_some_and(|value| value == "1")
 }
 
-/// Compares one picture of a command with its reference. When blessing, the first picture of a name
-/// becomes the reference, and a second command with that name must still make the same.
+/// Compares a picture of a command with its reference. With `BLESS=1` the first picture of a name becomes the
+/// reference, and another command with that name must still give the same picture.
 fn check(made: &Path, name: &str, blessed: &mut BTreeSet<String>) -> Result<(), String> {
     let reference = references().join(name);
     if blessing() && blessed.insert(name.to_owned()) {
@@ -75,7 +76,7 @@ fn every_command_writes_a_picture_and_names_none_twice() {
     }
 }
 
-/// A picture of one colour shows nothing: the camera looks past the scene, or all of it is black.
+/// A picture of a single colour shows nothing: the camera misses the scene, or everything is black.
 #[test]
 fn no_reference_is_of_one_colour() {
     if blessing() {
@@ -98,8 +99,8 @@ fn every_scene_has_a_command() {
     }
 }
 
-/// The course's own programs know no comments and want braces to stand alone, so the scenes keep to
-/// that and can be compared with them.
+/// The course's program supports no comments and needs spaces around braces. The scenes comply with that, so
+/// that they can be rendered with it for comparison.
 #[test]
 fn scenes_keep_to_the_course_s_strict_form() {
     for scene in scenes() {

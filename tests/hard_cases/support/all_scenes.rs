@@ -1,4 +1,4 @@
-//! The scenes in `scenes/` and, where `COURSE_DIR` names them, the course's own; scaled and moved.
+//! The scenes in `scenes/` and, if `COURSE_DIR` is set, those of the course; also scaled and translated.
 
 use super::meshes::bunny;
 use super::scenes::world_of_mesh;
@@ -20,7 +20,7 @@ pub struct Named {
     pub name: String,
     pub scene: Scene,
     pub meshes: Vec<Mesh>,
-    /// Of its pictures. Sides that nothing divides; fewer pixels where each ray may test many faces.
+    /// The size of its pictures. The sides are primes, and smaller if a ray may have to test many faces.
     pub size: [usize; 2],
 }
 
@@ -35,7 +35,7 @@ impl Named {
     }
 }
 
-/// Everything at once: all primitives, all patterns, both kinds of light, mirrors and glass.
+/// A scene with all primitives, all textures, both kinds of light, mirrors and glass.
 const MIXED: &str = "
     PerspectiveCamera { center 0.3 1.5 6 direction -0.05 -0.2 -1 up 0 1 0 angle 40 }
     Lights { numLights 2
@@ -61,7 +61,7 @@ const MIXED: &str = "
         MaterialIndex 3 Triangle { vertex0 -4 -1 -3 vertex1 4 -1 -3 vertex2 0 5 -4 }
         MaterialIndex 0 Sphere { center 1.2 -0.6 2.2 radius 0.35 } }";
 
-/// All scenes at hand.
+/// All available scenes.
 pub fn scenes() -> Vec<Named> {
     let mut all = own_scenes();
     if let Some(course) = std::env::var_os("COURSE_DIR") {
@@ -70,7 +70,7 @@ pub fn scenes() -> Vec<Named> {
     all
 }
 
-/// Those of this project.
+/// The scenes of this project.
 pub fn own_scenes() -> Vec<Named> {
     let mixed = parse(MIXED).unwrap_or_else(|e| panic!("{e:?}"));
     let meshes = mixed.meshes.iter().map(|_| bunny("1k")).collect();
@@ -91,10 +91,10 @@ fn in_folder(folder: &Path) -> Vec<Named> {
     paths.iter().map(named).collect()
 }
 
-/// The bytes of colours, depths and normals, small. `power` is that by which the scene was scaled.
+/// The bytes of small pictures of colours, depths and normals. The scene was scaled by 2^`power`.
 ///
-/// Shadows are opaque: what transparent ones filter depends on how far light goes through glass in
-/// units of length, so that a larger scene is darker, as it should be.
+/// Shadows are opaque, because the filtering of transparent ones depends on absolute lengths: light passes
+/// through more glass in a larger scene, which is rightly darker.
 pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
     let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
     render_with(named, &caster, power)
@@ -110,7 +110,7 @@ pub fn render_with<M: Mode>(named: &Named, caster: &Caster<M>, power: i32) -> Ve
         .concat()
 }
 
-/// The scene made larger by 2^power, which rounds nothing.
+/// The scene scaled by 2^power, which is exact.
 pub fn scaled(named: &Named, power: i32) -> Named {
     let f = 2f64.powi(power);
     let mut large = named.clone();
@@ -128,7 +128,7 @@ pub fn scaled(named: &Named, power: i32) -> Named {
     }
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
-            // Maps the larger world to the same texture.
+            // The inverse scale, so that the texture is scaled with the world.
             texture.world_to_texture.matrix3 *= 1.0 / f;
         }
     }
@@ -146,7 +146,7 @@ pub fn scaled(named: &Named, power: i32) -> Named {
     large
 }
 
-/// The scene at another place; its coordinates are rounded by the move.
+/// The scene translated, which rounds its coordinates.
 pub fn translated(named: &Named, shift: DVec3) -> Named {
     let mut moved = named.clone();
     let scene = &mut moved.scene;
@@ -169,8 +169,8 @@ pub fn translated(named: &Named, shift: DVec3) -> Named {
     moved
 }
 
-/// A world of the scene's triangles alone, rounded to multiples of 2^-30 of its extent, which is
-/// given too, and then moved by `shift`. None where there are no triangles.
+/// A world of the scene's triangles alone, rounded to multiples of 2^-30 of their extent and then translated
+/// by `shift`, with that extent. None if there are no triangles.
 pub fn moved_world(named: &Named, shift: DVec3) -> Option<(World, f64)> {
     let world = named.world();
     let points = || world.triangles.iter().flatten().map(|&v| world.vertices[v as usize]);

@@ -1,8 +1,8 @@
-//! Every triangle against a ray, without any grid: the oracle of the grid's cases.
+//! Brute force: every triangle is tested against a ray, without a grid. This is the reference of the grid's
+//! cases.
 //!
-//! Triangles stand in balls of neighbours, balls in larger balls. What a ball holds is skipped when
-//! the ray's line keeps clear of it by a tenth of its radius, which no rounding can undo; apart from
-//! that nothing is left out.
+//! Triangles are grouped in a hierarchy of bounding balls. A ball is skipped if the ray's line misses it by
+//! more than a tenth of its radius, which is far more than rounding errors.
 
 use glam::DVec3;
 use raytracer::math::ray::{Hit, Ray};
@@ -11,7 +11,7 @@ use raytracer::world::World;
 
 pub struct Brute<'w> {
     world: &'w World,
-    /// Each ball stands before those inside it.
+    /// Each ball comes before those inside it.
     balls: Vec<Ball>,
 }
 
@@ -20,7 +20,7 @@ struct Ball {
     radius: f64,
     /// The index of the next ball that is not inside this one.
     next: usize,
-    /// Empty where smaller balls follow.
+    /// The triangles of a leaf; empty for a ball with smaller balls inside.
     triangles: Vec<u32>,
 }
 
@@ -31,7 +31,7 @@ impl<'w> Brute<'w> {
         Self { world, balls }
     }
 
-    /// The nearest hit, and of equally near ones the one that the world puts first.
+    /// The nearest hit. Of equally near ones it is the one that precedes in the world's order.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.each_hit(ray, |hit| {
@@ -42,7 +42,7 @@ impl<'w> Brute<'w> {
         best
     }
 
-    /// The triangles that stand near the ray's line, in no order.
+    /// The triangles near the ray's line, in no particular order.
     pub fn near(&self, ray: &Ray) -> impl Iterator<Item = u32> {
         let (origin, line) = (ray.origin, ray.direction.normalize());
         let mut i = 0;

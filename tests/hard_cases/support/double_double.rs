@@ -12,7 +12,7 @@ pub struct Dd {
     pub lo: f64,
 }
 
-/// The exact sum as value and rounding error.
+/// The sum, and its exact rounding error.
 fn two_sum(a: f64, b: f64) -> Dd {
     let hi = a + b;
     let b_part = hi - a;

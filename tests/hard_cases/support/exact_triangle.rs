@@ -1,4 +1,4 @@
-//! The ray-triangle test in exact arithmetic on the bits of the floats, whatever their size.
+//! The ray-triangle test in exact arithmetic, for floats of any magnitude.
 
 use super::exact::exact;
 use glam::DVec3;
@@ -6,15 +6,15 @@ use num_rational::{BigRational, Ratio};
 use num_traits::{One, Signed, ToPrimitive, Zero};
 use raytracer::math::ray::Ray;
 
-/// Where a line meets a triangle.
+/// The intersection of a line and a triangle.
 #[derive(Debug, PartialEq)]
 pub enum Exact {
-    /// Truly between the edges, at this t.
+    /// The line crosses the interior at this t.
     Inside(BigRational),
     Outside,
-    /// On an edge or a vertex, where a rule has to decide.
+    /// The line meets an edge or a vertex, so that a rule has to decide.
     Boundary(BigRational),
-    /// The line lies in the triangle's plane, or the triangle has no area.
+    /// The line is in the triangle's plane, or the triangle has no area.
     Coplanar,
 }
 
@@ -26,18 +26,18 @@ impl<T> Quotient for Ratio<T> {
     type Number = T;
 }
 
-/// A whole number of any size.
+/// An integer of any size.
 type Whole = <BigRational as Quotient>::Number;
 
 type Vector = [Whole; 3];
 
-/// A ray and a triangle, all scaled by one power of two to whole numbers: that changes no t and no sign, and
-/// spares the fractions.
+/// A ray and a triangle, scaled by a power of two to integers. This changes neither t nor any sign, and
+/// avoids fractions.
 struct Setting {
     origin: Vector,
     direction: Vector,
     vertices: [Vector; 3],
-    /// The axis along which the direction is longest, the last of several.
+    /// The axis along which the direction is longest; the last one of several.
     longest: usize,
 }
 
@@ -63,7 +63,7 @@ impl Setting {
         [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| determinant(&self.direction, p, q))
     }
 
-    /// The same after the origin has moved by -1 along an axis, less than it was before.
+    /// The change of these when the origin moves by -1 along an axis.
     fn change_along(&self, axis: usize) -> [Whole; 3] {
         let mut moved = self.origin.clone();
         moved[axis] -= Whole::one();
@@ -93,9 +93,9 @@ pub fn intersect(ray: &Ray, triangle: [DVec3; 3]) -> Exact {
     if weights.iter().any(|w| w.is_zero()) { Exact::Boundary(t) } else { Exact::Inside(t) }
 }
 
-/// Where the line hits the triangle by the rule for edges and vertices: as if the ray had moved, by less than
-/// any number, in the direction of the negative axis that follows its longest in turn, and by less than any
-/// part of that along the next.
+/// The t at which the line hits the triangle by the rule for edges and vertices: as if the ray were moved by
+/// an infinitesimal amount towards the negative axis that follows its longest one cyclically, and by an
+/// infinitely smaller amount along the next.
 pub fn intersect_by_rule(ray: &Ray, triangle: [DVec3; 3]) -> Option<BigRational> {
     let setting = Setting::new(ray, triangle);
     let weights = setting.edge_functions(&setting.origin);
@@ -108,7 +108,7 @@ pub fn intersect_by_rule(ray: &Ray, triangle: [DVec3; 3]) -> Option<BigRational>
     inside.then(|| setting.t(&weights))
 }
 
-/// The triangle's normal, not of unit length, but for one with area of a length from 1 to 2.
+/// The triangle's normal, scaled by a power of two to a length from 1 to 2 if the triangle has an area.
 pub fn normal(triangle: [DVec3; 3]) -> DVec3 {
     let setting = Setting::new(&Ray::new(DVec3::ZERO, DVec3::ZERO), triangle);
     let [a, b, c] = &setting.vertices;
@@ -129,25 +129,25 @@ fn determinant(a: &Vector, b: &Vector, c: &Vector) -> Whole {
         + &a[2] * (&b[0] * &c[1] - &b[1] * &c[0])
 }
 
-/// The exponent of the last bit of a float that is not zero.
+/// The exponent of the lowest bit that is set in a non-zero float.
 fn last_bit(x: f64) -> i32 {
     let exponent = (x.to_bits() >> 52 & 0x7ff) as i32;
     let fraction = x.to_bits() & ((1 << 52) - 1);
     exponent.max(1) - 1075 + fraction.trailing_zeros().min(52) as i32
 }
 
-/// `x / 2^lowest`, which must be whole.
+/// `x / 2^lowest`, which must be an integer.
 fn whole(x: f64, lowest: i32) -> Whole {
     if x == 0.0 {
         return Whole::zero();
     }
     let last_bit = last_bit(x);
-    // In two steps, since the power itself may be too large.
+    // In two steps, because the power itself may overflow.
     let odd = x * 2f64.powi(-last_bit / 2) * 2f64.powi(-last_bit + last_bit / 2);
     exact(odd).to_integer() << (last_bit - lowest) as usize
 }
 
-/// How far `t` is from the exact value, relative to it.
+/// The relative error of `t`.
 pub fn relative_error(t: f64, true_t: &BigRational) -> f64 {
     if !t.is_finite() {
         return f64::INFINITY;
@@ -163,7 +163,7 @@ fn the_oracle_knows_inside_from_edge_and_plane() {
     assert_eq!(intersect(&down(0.5, 0.5), t), Exact::Boundary(exact(4.0)));
     assert_eq!(intersect(&down(0.5, 0.500_000_1), t), Exact::Outside);
     assert_eq!(intersect(&Ray::new(DVec3::NEG_X, DVec3::X), t), Exact::Coplanar);
-    // Towards negative x, and of the vertices the one at negative x and y.
+    // The edges towards negative x are hit, and of the vertices the one at negative x and y.
     assert_eq!(intersect_by_rule(&down(0.5, 0.5), t), Some(exact(4.0)));
     assert_eq!(intersect_by_rule(&down(0.0, 0.5), t), None);
     assert_eq!(intersect_by_rule(&down(0.5, 0.0), t), None);

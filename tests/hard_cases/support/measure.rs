@@ -1,10 +1,11 @@
-//! Runs the inputs of a case in parallel. Sums of whole numbers and maxima depend on no order.
+//! Runs the inputs of a case in parallel. The results are sums of integers and maxima, which do not depend on
+//! the order.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Sums the counts and takes the maxima that `one` returns for each index below `inputs`. A NaN
-/// among the maxima counts as infinite.
+/// The sums of the counts and the maxima of the values that `one` returns for each index below `inputs`. A
+/// NaN counts as infinity.
 pub fn measure<const N: usize, const M: usize>(
     inputs: u64,
     one: impl Fn(u64) -> ([u64; N], [f64; M]) + Sync,
@@ -23,14 +24,14 @@ pub fn measure<const N: usize, const M: usize>(
         .reduce(none, merged)
 }
 
-/// Prints the first few failures of a case, so that each can be repeated alone.
+/// Prints the first few failures of a case, so that they can be reproduced individually.
 #[derive(Default)]
 pub struct Failures(AtomicU32);
 
 impl Failures {
     const SHOWN: u32 = 3;
 
-    /// Counts a failure where `failed`.
+    /// Returns 1 for a failure, and prints its message if it is among the first.
     pub fn note(&self, failed: bool, message: impl FnOnce() -> String) -> u64 {
         if failed && self.0.fetch_add(1, Ordering::Relaxed) < Self::SHOWN {
             println!("{}", message());
@@ -39,7 +40,7 @@ impl Failures {
     }
 }
 
-/// The error of `found` in units in the last place of the f32 nearest to `exact`.
+/// An error in units in the last place of an f32 of the magnitude of `exact`.
 pub fn ulps32(error: f64, exact: f64) -> f64 {
     let exponent = exact.abs().max(f32::MIN_POSITIVE as f64).log2().floor();
     error.abs() / (exponent - 23.0).exp2()

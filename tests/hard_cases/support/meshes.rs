@@ -1,4 +1,4 @@
-//! Meshes with their neighbourhoods, and the worlds made of them.
+//! Meshes with their adjacency, and rays that are aimed at them.
 
 use super::rng::Rng;
 use glam::{DMat3, DVec3};
@@ -9,12 +9,12 @@ use std::collections::BTreeSet;
 /// The six orders of three vertices. The last three reverse the winding.
 pub const VERTEX_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
-/// A mesh that knows the triangles around each vertex.
+/// A mesh with the triangles around each vertex.
 pub struct Closed {
     pub mesh: Mesh,
     /// The triangles at each vertex, in increasing order.
     pub rings: Vec<Vec<u32>>,
-    /// Each edge once, the lower index first.
+    /// Each edge once, with the lower index first.
     pub edges: Vec<[u32; 2]>,
 }
 
@@ -55,8 +55,8 @@ impl Closed {
 
     /// A ray from around the mesh to such a point, with a unit vector as its direction for every other index.
     pub fn ray_at(&self, rng: &mut Rng, index: u64) -> Ray {
-        let (middle, radius) = middle_and_reach(&self.mesh);
-        let origin = rounded(middle + 4.0 * radius * rng.direction());
+        let (center, radius) = center_and_radius(&self.mesh);
+        let origin = rounded(center + 4.0 * radius * rng.direction());
         aimed(origin, self.random_point(rng, index), index.is_multiple_of(2))
     }
 
@@ -67,13 +67,13 @@ impl Closed {
     }
 }
 
-/// A matrix that turns nothing onto an axis.
+/// A rotation that maps no axis to an axis.
 pub fn oblique_rotation() -> DMat3 {
     let axis = DVec3::new(0.267_261_241_912_424_4, -0.534_522_483_824_848_8, 0.801_783_725_737_273_2);
     DMat3::from_axis_angle(axis, 0.7)
 }
 
-/// Coordinates as single-precision programs store them.
+/// Coordinates rounded to single precision.
 pub fn rounded(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
@@ -154,11 +154,11 @@ pub fn moved(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Mesh {
     Mesh { vertices: mesh.vertices.iter().map(|&v| map(v)).collect(), triangles: mesh.triangles.clone() }
 }
 
-/// The middle of the mesh's box and half its diagonal.
-pub fn middle_and_reach(mesh: &Mesh) -> (DVec3, f64) {
-    let low = mesh.vertices.iter().fold(DVec3::INFINITY, |a, &b| a.min(b));
-    let high = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |a, &b| a.max(b));
-    ((low + high) / 2.0, (high - low).length() / 2.0)
+/// The centre of the mesh's bounds, and half the diagonal.
+pub fn center_and_radius(mesh: &Mesh) -> (DVec3, f64) {
+    let min = mesh.vertices.iter().fold(DVec3::INFINITY, |a, &b| a.min(b));
+    let max = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |a, &b| a.max(b));
+    ((min + max) / 2.0, (max - min).length() / 2.0)
 }
 
 /// A random point of a triangle.
@@ -170,14 +170,14 @@ pub fn point_in([a, b, c]: [DVec3; 3], rng: &mut Rng) -> DVec3 {
     a + u * (b - a) + v * (c - a)
 }
 
-/// The ray from `origin` to `target`: of unit length every other time, and rounded to f32 so that
-/// methods of either precision get the same one.
+/// The ray from `origin` to `target`. Its direction is rounded to f32, so that methods of either precision
+/// use the same ray, and normalised before that if `unit`.
 pub fn aimed(origin: DVec3, target: DVec3, unit: bool) -> Ray {
     let d = target - origin;
     Ray::new(origin, rounded(if unit { d.normalize() } else { d }))
 }
 
-/// Puts the items into a random order.
+/// Shuffles the items.
 pub fn shuffle<T>(items: &mut [T], rng: &mut Rng) {
     for i in (1..items.len()).rev() {
         items.swap(i, rng.below(i + 1));

@@ -1,4 +1,5 @@
-//! What all cases share: seeded random numbers, the two tiers, exact arithmetic, records.
+//! Shared by all cases: random numbers, the two tiers, exact arithmetic, the textbook's methods and the
+//! records.
 
 pub mod all_scenes;
 pub mod brute;
@@ -21,8 +22,8 @@ pub mod textbook_noise;
 pub mod textbook_offsets;
 pub mod views;
 
-/// How many rays, or other inputs, a case takes: the first number in the ordinary tier, the second in
-/// the long one. A number instead of the word cuts the long tier to so many.
+/// The number of rays, or of other inputs, of a case: the first argument in the ordinary tier, and the second
+/// in the long one. If `HARD_CASES` is a number, it is an upper bound on the long tier.
 pub fn rays(ordinary: u64, long: u64) -> u64 {
     match std::env::var("HARD_CASES") {
         Ok(tier) if tier == "long" => long,
@@ -31,12 +32,12 @@ pub fn rays(ordinary: u64, long: u64) -> u64 {
     }
 }
 
-/// A float's bits in hexadecimal, ready to become a recorded case.
+/// The bits of a float in hexadecimal, as Rust source for a regression test.
 pub fn hex(x: f64) -> String {
     format!("f64::from_bits({:#018x})", x.to_bits())
 }
 
-/// A failed input: what `(seed, index)` drew, bit by bit.
+/// The message of a failed input, with the bits of the ray that `(seed, index)` gives.
 pub fn failed_ray(case: u32, seed: u64, index: u64, origin: glam::DVec3, direction: glam::DVec3) -> String {
     let bits = |v: glam::DVec3| v.to_array().map(hex).join(", ");
     format!(

@@ -1,22 +1,24 @@
-//! Whether triangles stand on a ray, decided in double-double: a tree of boxes, walked whole, and
-//! in its leaves a test that first rejects in f64 with a wide margin.
+//! Occlusion decided in double-double: a bounding volume hierarchy of triangles, which is traversed
+//! completely. In its leaves most triangles are rejected in f64, with an error bound that is far larger than
+//! needed.
 
 use super::double_double::{self as dd, Dd, Dd3};
 use glam::DVec3;
 
 pub struct Occluders {
     corners: Vec<[DVec3; 3]>,
-    /// Triangle numbers, sorted so that each node's are neighbours.
+    /// Ids of triangles, in such an order that those of each node are contiguous.
     order: Vec<u32>,
     nodes: Vec<Node>,
-    /// Added to every box: far beyond the rounding of the coordinates, far below a triangle's size.
+    /// The padding of every box, which is far above the rounding errors of coordinates and far below a
+    /// triangle's size.
     padding: f64,
 }
 
 struct Node {
     min: DVec3,
     max: DVec3,
-    /// The range in `order`; children follow for an inner node.
+    /// The range in `order`, and the children of an inner node.
     first: usize,
     last: usize,
     children: Option<[usize; 2]>,
@@ -33,7 +35,7 @@ impl Occluders {
         tree
     }
 
-    /// Builds the node of `order[first..last]` and everything below it; returns its number.
+    /// Builds the node of `order[first..last]` with all its descendants, and returns its index.
     fn split(&mut self, first: usize, last: usize) -> usize {
         let range = &self.order[first..last];
         let points: Vec<DVec3> = range.iter().flat_map(|&i| self.corners[i as usize]).collect();
@@ -53,7 +55,7 @@ impl Occluders {
         number
     }
 
-    /// Where a ray's line crosses the plane of triangle `i`, exactly enough.
+    /// The point at which a ray's line crosses the plane of triangle `i`, in double-double.
     pub fn point_on(&self, i: u32, origin: DVec3, direction: DVec3) -> Dd3 {
         let [a, b, c] = self.corners[i as usize].map(dd::vector);
         let normal = dd::cross(&dd::sub(&b, &a), &dd::sub(&c, &a));
@@ -62,7 +64,7 @@ impl Occluders {
         dd::add(&o, &dd::scaled(&d, t))
     }
 
-    /// Whether any triangle but `own` stands on the ray; None in doubt.
+    /// Whether any triangle other than `own` blocks the ray. None if that is too close to decide.
     pub fn block(&self, origin: &Dd3, direction: DVec3, own: Option<u32>) -> Option<bool> {
         let near = DVec3::from_array(origin.map(Dd::value));
         let (mut stack, mut doubt) = (vec![0], false);
@@ -86,12 +88,12 @@ impl Occluders {
         (!doubt).then_some(false)
     }
 
-    /// Whether the ray crosses triangle `i` in front of its origin; None in doubt.
+    /// Whether the ray crosses triangle `i` in front of its origin. None if that is too close to decide.
     fn crosses(&self, i: u32, origin: &Dd3, near: DVec3, direction: DVec3) -> Option<bool> {
         let [a, b, c] = self.corners[i as usize];
         let normal = (b - a).cross(c - a);
         let [u, v, w] = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot((p - near).cross(q - near)));
-        // A millionth of the triangle is far more than f64 can be off by.
+        // A millionth of the triangle is far above the error in f64.
         let slack = 1e-6 * (u.abs() + v.abs() + w.abs() + direction.length() * normal.length());
         if u.min(v).min(w) < -slack && u.max(v).max(w) > slack {
             return Some(false);
@@ -118,7 +120,7 @@ fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
     points.iter().fold(start, |(min, max), &p| (min.min(p), max.max(p)))
 }
 
-/// Whether the ray meets a node's box; the box is padded, so rounding does not matter.
+/// Whether the ray hits a node's box. The box is padded, so that rounding errors do not matter.
 fn reaches(origin: DVec3, direction: DVec3, node: &Node) -> bool {
     let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
     for axis in 0..3 {

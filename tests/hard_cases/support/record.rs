@@ -1,11 +1,11 @@
-//! Measurements for the report: one file a case in the folder that `ACCURACY_DIR` names.
+//! Measurements for the report: one file for each case, in the folder that `ACCURACY_DIR` names.
 
-/// What a row rests on.
+/// The evidence for a row of the report.
 #[derive(Clone, Copy)]
 pub enum Basis {
-    /// A machine-checked proof of the bounds that decide, which the inputs test.
+    /// A machine-checked proof of the error bounds, which the inputs test.
     Proved,
-    /// Inputs drawn or searched for from a seed.
+    /// Inputs that were drawn or searched for, from a seed.
     Sampled,
 }
 
@@ -18,25 +18,25 @@ impl Basis {
     }
 }
 
-/// What a case measured.
+/// The measurements of a case.
 pub struct Record<'a> {
     /// Its number in the table of hard cases, 1 to 64.
     pub case: u32,
     pub basis: Basis,
     pub name: &'a str,
-    /// What was tried, for example "1000000 rays".
+    /// The inputs, for example "1000000 rays".
     pub inputs: String,
-    /// What was measured, for example "leaks".
+    /// The measure, for example "leaks".
     pub measure: &'a str,
-    /// The textbook method and its result on the same inputs.
+    /// The textbook's method, and its result on the same inputs.
     pub textbook: String,
-    /// Ours.
+    /// The result of this program.
     pub ours: String,
     pub target: &'a str,
 }
 
 impl Record<'_> {
-    /// Writes the record, if anybody collects them. Tabs separate the fields.
+    /// Prints the record, and writes it to a file if `ACCURACY_DIR` is set. Tabs separate the fields.
     pub fn write(&self) {
         let basis = self.basis.word();
         let fields = [basis, self.name, &self.inputs, self.measure, &self.textbook, &self.ours, self.target];

@@ -1,6 +1,6 @@
-//! Seeded random numbers (Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators",
-//! OOPSLA 2014). A case draws its input `index` from `Rng::at(seed, index)`, so that each input can
-//! be repeated alone.
+//! Seeded random numbers (Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014).
+//! A case draws its input `index` from `Rng::at(seed, index)`, so that each input can be reproduced
+//! individually.
 
 use glam::DVec3;
 
@@ -30,9 +30,9 @@ impl Rng {
         (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Uniform in [low, high).
-    pub fn range(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
+    /// Uniform in [min, max).
+    pub fn range(&mut self, min: f64, max: f64) -> f64 {
+        min + (max - min) * self.unit()
     }
 
     /// Uniform in 0..n.

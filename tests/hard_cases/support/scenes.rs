@@ -49,7 +49,7 @@ pub fn world_of_mesh(mesh: &Mesh) -> World {
     world_with(vec![Object::Mesh { mesh: 0, material: 0 }], vec![], std::slice::from_ref(mesh))
 }
 
-/// The bytes of a scene's colour picture, one centred sample a pixel.
+/// The bytes of a scene's colours, with one sample at the centre of each pixel.
 pub fn render_picture(
     scene: &Scene,
     meshes: &[Mesh],
@@ -69,7 +69,7 @@ pub fn layers<M: Mode>(scene: &Scene, caster: &Caster<M>, request: &Request) -> 
     layers
 }
 
-/// The bytes of each layer of a request, and how many of their colours are not numbers.
+/// The bytes of each layer of a request, and the number of colours with a NaN.
 pub fn layers_and_nans<M: Mode>(
     camera: &Camera,
     caster: &Caster<M>,

@@ -12,7 +12,7 @@ pub fn secondary(world: &World, surface: &SurfacePoint, direction: DVec3) -> Ray
     Ray::new(offset_origin(surface.position, surface.normal, direction, world.max_abs_coord), direction)
 }
 
-/// Whether anything stands on it.
+/// Whether anything blocks this ray.
 pub fn blocked(caster: &Caster, surface: &SurfacePoint, direction: DVec3) -> bool {
     caster.any_from(&secondary(caster.world, surface, direction), surface.triangle, &mut Quiet)
 }

@@ -1,4 +1,5 @@
-//! Where a line meets a sphere: in double-double as the oracle, and by the textbook's quadratic.
+//! The intersections of a line and a sphere: in double-double, as the reference, and by the textbook's
+//! quadratic.
 
 use super::double_double::{self as dd, Dd};
 use super::exact::{dot, exact, exact3, sub};
@@ -12,7 +13,8 @@ struct Quadratic {
     b: Dd,
     c: Dd,
     discriminant: Dd,
-    /// The discriminant's sign, which is exact: in doubt it is taken in rationals.
+    /// The exact sign of the discriminant. If it is too close to zero for double-double, it is computed in
+    /// rationals.
     sign: i32,
 }
 
@@ -23,13 +25,15 @@ fn quadratic(sphere: &Sphere, ray: &Ray) -> Quadratic {
     let (a, b, c) = (dd::dot(&d, &d), -dd::dot(&f, &d), dd::dot(&f, &f) - r * r);
     let (bb, ac) = (b * b, a * c);
     let discriminant = bb - ac;
-    // Twenty operations of 2^-100 each.
-    let doubt = 32.0 * 0.5f64.powi(100) * (bb.abs() + a * dd::dot(&f, &f) + a * r * r).value();
-    let sign = if discriminant.abs().value() > doubt { discriminant.sign() } else { exact_sign(sphere, ray) };
+    // The error of twenty operations, each of 2^-100.
+    let error_bound = 32.0 * 2f64.powi(-100) * (bb.abs() + a * dd::dot(&f, &f) + a * r * r).value();
+    let sign =
+        if discriminant.abs().value() > error_bound { discriminant.sign() } else { exact_sign(sphere, ray) };
     Quadratic { a, b, c, discriminant, sign }
 }
 
-/// The two crossings in order, in double-double; None where the line misses, which is decided exactly.
+/// The t of both crossings in ascending order, in double-double. None if the line misses, which is decided
+/// exactly.
 pub fn roots(sphere: &Sphere, ray: &Ray) -> Option<[Dd; 2]> {
     let Quadratic { a, b, c, discriminant, sign } = quadratic(sphere, ray);
     if sign < 0 {
@@ -41,14 +45,14 @@ pub fn roots(sphere: &Sphere, ray: &Ray) -> Option<[Dd; 2]> {
     Some(if (t1 - t0).sign() > 0 { [t0, t1] } else { [t1, t0] })
 }
 
-/// Whether the line meets the sphere, and how far it is from touching it, relative to the radius.
+/// Whether the line meets the sphere, and the distance of the line from a tangent, relative to the radius.
 pub fn tangency(sphere: &Sphere, ray: &Ray) -> (bool, f64) {
     let Quadratic { a, discriminant, sign, .. } = quadratic(sphere, ray);
-    let margin = discriminant.value() / (a.value() * sphere.radius * sphere.radius) / 2.0;
-    (sign >= 0, margin.abs())
+    let distance = discriminant.value() / (a.value() * sphere.radius * sphere.radius) / 2.0;
+    (sign >= 0, distance.abs())
 }
 
-/// The sign of the discriminant: 1 where the line crosses, 0 where it touches, -1 where it misses.
+/// The sign of the discriminant: 1 if the line crosses, 0 if it touches, -1 if it misses.
 fn exact_sign(sphere: &Sphere, ray: &Ray) -> i32 {
     let f = sub(&exact3(ray.origin), &exact3(sphere.center));
     let d = exact3(ray.direction);
@@ -59,12 +63,12 @@ fn exact_sign(sphere: &Sphere, ray: &Ray) -> i32 {
     (discriminant > zero) as i32 - (discriminant < zero) as i32
 }
 
-/// The nearest crossing in front of the origin.
+/// The t of the nearest crossing in front of the origin.
 pub fn nearest(sphere: &Sphere, ray: &Ray) -> Option<Dd> {
     roots(sphere, ray)?.into_iter().find(|t| t.sign() >= 0)
 }
 
-/// The textbook's quadratic in f32: the nearest root that is not below `t_min`.
+/// The textbook's quadratic in f32: the smallest root that is not below `t_min`.
 pub fn textbook32(sphere: &Sphere, ray: &Ray, t_min: f32) -> Option<f32> {
     let f: Vec3 = ray.origin.as_vec3() - sphere.center.as_vec3();
     let (d, r) = (ray.direction.as_vec3(), sphere.radius as f32);

@@ -92,12 +92,12 @@ pub fn plucker<T: Float>(o: V<T>, d: V<T>, triangle: [V<T>; 3]) -> Option<T> {
     t.is_finite().then_some(t)
 }
 
-/// What distinguishes the published watertight test from its careless copies.
+/// The variants of the published watertight test.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Edges {
-    /// As published, without its double-precision fallback: zero counts as inside.
+    /// As published, but without the fallback to double precision: zero counts as inside.
     Inclusive,
-    /// The compiler was allowed to contract `a * b - c * d` into a fused multiply-add.
+    /// With `a * b - c * d` contracted to a fused multiply-add, as some compilers do.
     Contracted,
 }
 

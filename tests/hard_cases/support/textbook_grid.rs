@@ -1,5 +1,5 @@
-//! The uniform grid of the textbooks: crossing times accumulated step by step in a chosen precision,
-//! no padding, and the first cell in which something is hit ends the march.
+//! The uniform grid of the textbooks: the t of the next face is accumulated step by step in a chosen
+//! precision, cells are not padded, and the traversal ends at the first cell with a hit.
 
 use super::textbook::{V, lower};
 use glam::DVec3;
@@ -15,9 +15,9 @@ fn float<T: Float>(x: f64) -> T {
     T::from(x).expect("a float fits into a float")
 }
 
-/// Calls `visit` with each cell along the ray and the t at which the ray leaves it, until it
-/// returns false or the lattice ends.
-pub fn march<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usize; 3], f64) -> bool) {
+/// Calls `visit` with each cell along the ray, and the t at which the ray leaves it, until `visit` returns
+/// false or the ray leaves the lattice.
+pub fn traverse<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usize; 3], f64) -> bool) {
     let (o, d): (V<T>, V<T>) = (lower(ray.origin), lower(ray.direction));
     let (low, size): (V<T>, V<T>) = (lower(lattice.bounds.min), lower(lattice.cell_size));
     let Some(entry) = clip(&lower(lattice.bounds.min), &lower(lattice.bounds.max), &o, &d) else { return };
@@ -46,19 +46,19 @@ pub fn march<T: Float>(lattice: &Lattice, ray: &Ray, mut visit: impl FnMut([usiz
     }
 }
 
-/// Where the ray enters the box, or its beginning inside.
+/// The point at which the ray enters the box, or its origin if that is inside.
 fn clip<T: Float>(low: &V<T>, high: &V<T>, o: &V<T>, d: &V<T>) -> Option<T> {
     let (mut entry, mut exit) = (T::zero(), T::infinity());
     for i in 0..3 {
         let (a, b) = ((low[i] - o[i]) / d[i], (high[i] - o[i]) / d[i]);
-        // The comparisons are false for the NaN of a ray in a face's plane.
+        // For a ray in the plane of a face t is NaN, for which the comparisons are false.
         entry = if a.min(b) > entry { a.min(b) } else { entry };
         exit = if a.max(b) < exit { a.max(b) } else { exit };
     }
     (entry <= exit).then_some(entry)
 }
 
-/// Triangles in the cells that their boxes touch.
+/// A grid with each triangle in all cells that its bounds touch.
 pub struct TextbookGrid<'w> {
     world: &'w World,
     pub lattice: Lattice,
@@ -90,11 +90,11 @@ impl<'w> TextbookGrid<'w> {
         Self { world, lattice, cells }
     }
 
-    /// The triangle that the textbook sees.
+    /// The triangle that the textbook's traversal finds.
     pub fn first_hit<T: Float>(&self, ray: &Ray) -> Option<u32> {
         let shear = Shear::new(ray);
         let mut found = None;
-        march::<T>(&self.lattice, ray, |cell, _| {
+        traverse::<T>(&self.lattice, ray, |cell, _| {
             let mut nearest = f64::INFINITY;
             for &i in self.cells.get(&cell).map_or(&[][..], |list| list) {
                 let t = shear.intersect(self.world.corners_in_place(i as usize));

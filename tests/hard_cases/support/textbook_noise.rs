@@ -1,16 +1,16 @@
-//! Perlin's noise as textbooks have it. The permutation and the gradients do not matter to what is
-//! measured, so they come from a hash of their own, of period 256.
+//! Perlin noise as in textbooks. The permutation and the gradients do not matter for the measurements, so
+//! they come from a separate hash of period 256.
 
 use super::rng::Rng;
 use glam::{DVec3, Vec3};
 
-/// In f64, the cell by a conversion to a 32-bit whole number, which cuts.
+/// The noise in f64, with the cell computed by conversion to a 32-bit integer, which truncates.
 pub fn truncated_noise(p: DVec3) -> f64 {
     let cell = DVec3::from_array(p.to_array().map(|x| x as i32 as f64));
     blend(cell.to_array().map(|c| c.rem_euclid(256.0) as u64), (p - cell).to_array())
 }
 
-/// The product's noise of what f32 leaves of a point: its cell and the place within.
+/// This program's noise at a point whose cell and position in the cell were computed in f32.
 pub fn noise32(p: Vec3) -> f64 {
     let cell = p.floor();
     let place = (p - cell).as_dvec3();

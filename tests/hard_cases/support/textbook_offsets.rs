@@ -1,12 +1,12 @@
-//! How textbooks keep a secondary ray from hitting the surface it leaves.
+//! The textbooks' methods to keep a secondary ray from hitting the surface that it leaves.
 
 use glam::Vec3;
 
-/// The usual smallest t.
+/// The usual t_min of a secondary ray.
 pub const FIXED: f64 = 1e-4;
 
-/// The point moved along the normal by a number of its own floats' units, near zero by a small
-/// distance (Waechter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
+/// The point moved along the normal by a number of units in the last place of its coordinates, and by a fixed
+/// distance near zero (Waechter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
 /// Tracing Gems, ch. 6).
 pub fn integer_offset(point: Vec3, normal: Vec3) -> Vec3 {
     const ORIGIN: f32 = 1.0 / 32.0;

@@ -1,4 +1,4 @@
-//! Views with triangles in them that are hard to project.
+//! Views with triangles that are hard to rasterize.
 
 use super::rng::Rng;
 use super::scenes::world_of_mesh;
@@ -9,13 +9,13 @@ use raytracer::scene;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
 
-/// An eye somewhere, with a picture before it and triangles around.
+/// A view from an eye at any position.
 pub struct View {
     pub size: [usize; 2],
     pub eye: DVec3,
     pub direction: DVec3,
     pub camera: Camera,
-    /// The scene's length.
+    /// The scale of the scene around the eye.
     pub scale: f64,
 }
 
@@ -24,7 +24,7 @@ impl View {
         let size = [8 + rng.below(40), 8 + rng.below(40)];
         let scale = f64::powi(2.0, rng.below(60) as i32 - 30);
         let eye = scale * if rng.below(2) == 0 { DVec3::ZERO } else { 1e4 * rng.in_cube() };
-        // At times along an axis, so that the edges of boxes meet the pixels' centres.
+        // It is along an axis in a third of the cases, so that the edges of boxes go through pixel centres.
         let direction = if rng.below(3) == 0 { DVec3::NEG_Z } else { rng.direction() };
         let up = if rng.below(3) == 0 { DVec3::Y } else { rng.direction() };
         let angle = match rng.below(8) {
@@ -44,7 +44,7 @@ impl View {
         self.size.map(|n| rng.below(n))
     }
 
-    /// Triangles whose corners are at, or within a pixel of, the centres of pixels.
+    /// Triangles with vertices at the centres of pixels, or within a pixel of these.
     pub fn small_triangles(&self, rng: &mut Rng) -> World {
         let mut mesh = Mesh::default();
         for first in (0..3 * (1 + rng.below(8) as u32)).step_by(3) {
@@ -70,7 +70,7 @@ impl View {
         self.camera.ray(DVec2::new(i as f64, j as f64), DVec2::ZERO)
     }
 
-    /// A point on the ray through some pixel's centre, or anywhere, also behind the eye.
+    /// A point on the ray through a pixel's centre, or anywhere, also behind the eye.
     pub fn point(&self, rng: &mut Rng) -> DVec3 {
         match rng.below(8) {
             0 => self.eye + self.scale * rng.in_cube(),
@@ -82,7 +82,7 @@ impl View {
         }
     }
 
-    /// Large and small triangles, needles, some twice, some without area.
+    /// Large and small triangles and needles, of which some are duplicated and some have no area.
     pub fn world(&self, rng: &mut Rng) -> World {
         let mut mesh = Mesh::default();
         for _ in 0..rng.below(13) {
@@ -115,17 +115,18 @@ impl View {
         world
     }
 
-    /// What the textbook sees in a pixel: corners and edges in the picture, in single precision.
+    /// The triangle that the textbook's rasterizer shows in a pixel: vertices and edges are projected in
+    /// single precision.
     pub fn textbook(&self, world: &World, [i, j]: [usize; 2]) -> Option<u32> {
         let [right, up] = [[1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
             let middle = 0.5 * DVec2::new(self.size[0] as f64, self.size[1] as f64) - 0.5;
-            let through = |place: DVec2| {
-                let d = self.camera.ray(place, DVec2::ZERO).direction;
+            let through = |pixel: DVec2| {
+                let d = self.camera.ray(pixel, DVec2::ZERO).direction;
                 d / d.dot(self.direction)
             };
             through(middle + DVec2::new(x, y)) - through(middle)
         });
-        let place = |point: DVec3| {
+        let projected = |point: DVec3| {
             let p = (point - self.eye) / self.scale;
             let depth = p.dot(self.direction);
             let along = |axis: DVec3| (p.dot(axis) / (depth * axis.length_squared())) as f32;
@@ -135,13 +136,13 @@ impl View {
         let y = j as f32 - 0.5 * (self.size[1] as f32 - 1.0);
         let mut best = (0.0, None);
         for k in 0..world.triangles.len() {
-            let [a, b, c] = world.corners(k).map(place);
+            let [a, b, c] = world.corners(k).map(projected);
             let edge = |p: (f32, f32, f32), q: (f32, f32, f32)| (p.0 - x) * (q.1 - y) - (p.1 - y) * (q.0 - x);
             let [u, v, w] = [edge(b, c), edge(c, a), edge(a, b)];
-            let nearness = (u * a.2 + v * b.2 + w * c.2) / (u + v + w);
+            let inv_depth = (u * a.2 + v * b.2 + w * c.2) / (u + v + w);
             let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-            if inside && nearness > best.0 {
-                best = (nearness, Some(k as u32));
+            if inside && inv_depth > best.0 {
+                best = (inv_depth, Some(k as u32));
             }
         }
         best.1
@@ -177,7 +178,7 @@ pub fn triangles<const N: usize>(corners: [[DVec3; 3]; N]) -> World {
     world_of_mesh(&Mesh { vertices: corners.as_flattened().to_vec(), triangles })
 }
 
-/// A view whose pixels are so large, in the distance 1.
+/// A view whose pixels have this size at distance 1.
 pub fn narrow(rng: &mut Rng, pixel: f64) -> View {
     let size = [2 + rng.below(6), 2 + rng.below(6)];
     let screen = pixel * size[0].max(size[1]) as f64;
