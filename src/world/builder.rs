@@ -44,7 +44,7 @@ impl<'a> Builder<'a> {
         if !placement.matrix.is_finite() {
             return Err(placement.error(Problem::TransformOverflow));
         }
-        let map = |p: DVec3| placement.to_world(p);
+        let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
                 self.triangles(vertices.map(map), &[[0, 1, 2]], placement, material)
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
 
     /// Places a mesh. The last use of the first mesh takes its lists over instead of copying them.
     fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
-        let map = |p: DVec3| placement.to_world(p);
+        let map = |p: DVec3| placement.world_point(p);
         let mesh = mem::take(&mut self.meshes[id]);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
@@ -145,7 +145,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let matrix = placement.matrix;
         let linear = matrix.matrix3;
-        let center_in_world = placement.to_world(center);
+        let center_in_world = placement.world_point(center);
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
@@ -217,7 +217,7 @@ fn transformed_plane(normal: DVec3, offset: f64, placement: &Placement) -> Resul
         return Err(placement.error(Problem::SingularTransform));
     }
     let transformed = robust::unit(robust::transformed_normal(linear, normal));
-    Ok(Plane { normal: transformed, offset: transformed.dot(placement.to_world(offset * normal)) })
+    Ok(Plane { normal: transformed, offset: transformed.dot(placement.world_point(offset * normal)) })
 }
 
 /// The box of an object whose coordinates overflowed.

@@ -20,7 +20,7 @@ pub struct Placement<'s> {
 
 impl Placement<'_> {
     /// A point of the object in world space.
-    pub(super) fn to_world(&self, point: DVec3) -> DVec3 {
+    pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
     }
 

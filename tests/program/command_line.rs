@@ -139,7 +139,7 @@ fn each_sampler_and_its_count() {
         "-input s.txt -jittered_samples 4 -seed 4294967295",
         sampled(Pattern::Jittered, 4, Drand48::seeded(u32::MAX)),
     );
-    // `srand48(0)` is not the state of a program that never seeds.
+    // The state after `srand48(0)` is not that of a program that never seeds.
     assert_ne!(Drand48::seeded(0), unseeded);
     accepts("-input s.txt -random_samples 2 -seed 0", sampled(Pattern::Random, 2, Drand48::seeded(0)));
 }

@@ -1,6 +1,5 @@
-//! The course's own scenes and pictures, where they are at hand: `COURSE_DIR` names a folder with them in
-//! `scenes/` and `pictures/`. They are no part of this project, and without them these tests say that they
-//! are skipped.
+//! The course's own scenes and pictures, which are not part of this project: `COURSE_DIR` names a folder that
+//! has them in `scenes/` and `pictures/`. Without it these tests print that they are skipped.
 
 use crate::support::{Folder, course, finish, program};
 use raytracer::scene_io::load;
@@ -30,7 +29,7 @@ fn every_scene_of_the_course_loads() {
     }
 }
 
-/// The course's script compares each picture of its command lines and prints those that fall short.
+/// The course's script compares the picture of each command line, and prints those that differ too much.
 #[test]
 fn the_course_s_pictures() {
     let Some(course) = course() else { return };
@@ -43,7 +42,7 @@ fn the_course_s_pictures() {
     assert_eq!(run.status, Some(0), "{}{}", run.stdout, run.stderr);
 }
 
-/// The picture and the depths of a scene in few pixels, with all effects.
+/// A small picture of a scene and its depths, with all effects.
 fn rendered(scene: &Path, grid: &[&str]) -> [Vec<u8>; 2] {
     let folder = Folder::new();
     let [color, depth] = ["c.tga", "d.tga"].map(|name| folder.path().join(name).into_os_string());

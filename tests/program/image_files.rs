@@ -1,4 +1,4 @@
-//! Picture files: their bytes, and what is left on disk when writing them succeeds or fails.
+//! Picture files: their bytes, and the files on disk after writing them succeeds or fails.
 
 use raytracer::image_io::{Format, ImageError, OutputFile, read_picture};
 use raytracer::picture::Picture;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
 
-/// 3 x 2 pixels, all different; the bottom left one is red.
+/// A picture of 3 x 2 different pixels. The one at the bottom left is red.
 fn sample() -> Picture {
     let mut picture = Picture::new(3, 2).unwrap();
     for j in 0..2 {
@@ -173,7 +173,7 @@ mod unix {
         let other = tempdir().unwrap();
         let (link, target) = (folder.path().join("a.tga"), other.path().join("b"));
         symlink(&target, &link).unwrap();
-        // The first time the target does not exist yet.
+        // The target does not exist the first time.
         for _ in 0..2 {
             write(&link, &sample()).unwrap();
             assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
@@ -196,7 +196,7 @@ mod unix {
         let path = folder.path().join("a.tga");
         write(&path, &sample()).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
-        // The superuser may write anywhere.
+        // The superuser may write to any file.
         assert_eq!(OutputFile::prepare(&path).is_ok(), is_root());
         fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
         assert_eq!(OutputFile::prepare(&folder.path().join("b.tga")).is_ok(), is_root());
@@ -244,7 +244,7 @@ mod unix {
         let path = folder.path().join("a.tga");
         let made = std::process::Command::new("mkfifo").arg(&path).status();
         assert!(made.is_ok_and(|status| status.success()));
-        // A reader that opens the pipe regardless finds its end rather than waiting for ever.
+        // With this writer a reader that wrongly opens the pipe reaches its end instead of blocking.
         let writer = std::thread::spawn({
             let path = path.clone();
             move || fs::write(path, "").unwrap()

@@ -1,5 +1,5 @@
-//! The program as a user meets it: command lines, scenes and the errors in them, files, statistics, and
-//! what the README says.
+//! Tests of the program from outside: command lines, scenes and their errors, files, statistics, and the
+//! commands of the README.
 
 mod command_line;
 mod comparison;

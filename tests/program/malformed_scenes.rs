@@ -2,7 +2,7 @@
 
 use crate::support::{CAMERA, Folder, unmark};
 
-/// Malformed scenes with `@` where each is refused.
+/// Malformed scenes, with `@` at the position of the error.
 const MALFORMED: &[&str] = &[
     "@",
     "@Grupe { numObjects 0 }",

@@ -1,4 +1,4 @@
-//! The proofs in `proofs/` speak of the constants that the source uses.
+//! The proofs in `proofs/` use the same constants as the source.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()
 }
 
-/// The proofs, by name and text.
+/// The names and texts of the proofs.
 fn scripts() -> Vec<(String, String)> {
     let entries =
         fs::read_dir(root().join("proofs")).expect("the proofs").map(|entry| entry.expect("a file"));
@@ -16,7 +16,7 @@ fn scripts() -> Vec<(String, String)> {
     scripts.map(|entry| (entry.file_name().to_string_lossy().into_owned(), read(entry.path()))).collect()
 }
 
-/// The value of a constant in Rust's text, as it is written there.
+/// The value of a constant, as it is written in a Rust source.
 fn constant_in<'t>(source: &'t str, name: &str) -> Option<&'t str> {
     let (_, rest) = source.split_once(&format!("const {name}: "))?;
     Some(rest.split_once(';')?.0.split_once("= ")?.1)

@@ -1,4 +1,4 @@
-//! The README says what the program does.
+//! The README agrees with the program.
 
 use crate::support::{Folder, finish, program};
 use raytracer::image_io;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 const README: &str = include_str!("../../README.md");
 
-/// The lines of the README that are commands.
+/// The lines of the README that call the program.
 fn commands() -> impl Iterator<Item = &'static str> {
     README.lines().filter_map(|line| line.strip_prefix("    cargo "))
 }
@@ -33,7 +33,8 @@ fn the_first_command_renders_the_front_picture() {
     let front = after.split_once("](").and_then(|(_, link)| link.split_once(')')).expect("a link to it").0;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = Folder::new();
-    // The scene is named from the project's folder, and the picture falls into the working one.
+    // The scene's path is relative to the project's folder, and the picture is written to the working
+    // directory.
     let full =
         |word: &str| if word.starts_with("scenes/") { root.join(word).into() } else { OsString::from(word) };
     finish(&mut program(folder.path(), line.split_whitespace().map(full))).ok();

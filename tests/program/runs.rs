@@ -77,7 +77,7 @@ fn a_singular_transform_under_a_sphere_is_shown() {
 
 #[test]
 fn a_target_that_cannot_be_written_is_reported_before_anything_else() {
-    // The missing scene would be reported if the targets were not looked at first.
+    // If the targets were not checked first, the missing scene would be reported.
     let folder = Folder::new();
     std::fs::create_dir(folder.path().join("folder.tga")).unwrap();
     for flags in ["-output", "-depth 1 2", "-normals"] {
@@ -186,7 +186,7 @@ fn readers_that_went_away_are_no_reason_to_panic() {
 fn a_grid_that_does_not_fit_into_memory_is_one_line() {
     let spanning = "Triangle { vertex0 -1 -1 -1 vertex1 1 -1 1 vertex2 -1 1 1 }\n";
     let folder = Folder::with_scene(&scene(40, &spanning.repeat(40)));
-    // The cells alone fit; what stands in them does not, however it is entered.
+    // The cells alone fit into memory, but their contents do not.
     for flags in ["-stats", "-output o.tga -visualize_grid"] {
         let line = format!("-input s.txt -grid 300 300 300 -threads 1 {flags}");
         let mut command = std::process::Command::new("sh");

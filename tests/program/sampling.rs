@@ -1,8 +1,8 @@
-//! Several samples a pixel through the whole program: pictures whose every pixel can be worked out by hand.
+//! Several samples per pixel: pictures of which every pixel can be computed by hand.
 
 use crate::support::{Folder, Tga};
 
-/// White triangles on black before an orthographic camera that shows a square of side 1, its lower left
+/// A scene of white triangles on black. The orthographic camera shows a square of side 1 with its lower left
 /// corner at the origin.
 fn white(count: usize, triangles: &str) -> Folder {
     Folder::with_scene(&format!(
@@ -12,7 +12,7 @@ fn white(count: usize, triangles: &str) -> Folder {
     ))
 }
 
-/// White where x < `edge`.
+/// A scene that is white for x < `edge`.
 fn left_of(edge: f64) -> Folder {
     white(1, &format!("Triangle {{ vertex0 {edge} -90 0 vertex1 {edge} 90 0 vertex2 -90 0 0 }}"))
 }
@@ -63,7 +63,7 @@ fn one_uniform_sample_is_the_centre() {
 
 #[test]
 fn one_random_and_one_jittered_sample_draw_alike_but_for_the_order() {
-    // Jittered draws x first, random y first.
+    // Jittered sampling draws x first, and random sampling y.
     let folder = left_of(1.0);
     let places = |sampler: &str| {
         folder.run(&format!("-input s.txt -size 1 1 {sampler} -seed 3 -render_samples s.tga 64")).ok();
@@ -76,7 +76,8 @@ fn one_random_and_one_jittered_sample_draw_alike_but_for_the_order() {
 
 #[test]
 fn uniform_samples_measure_what_is_covered() {
-    // A quarter of the only pixel: of 4096 = 64 x 64 samples 16 columns of 64, of 2 x 2 one half.
+    // An edge at 0.25 is right of 16 of the 64 columns of 4096 = 64 x 64 samples, and one at 0.3 is right of
+    // one of the two columns of 4 = 2 x 2.
     for (samples, edge, covered) in
         [(4096, 0.25, 0.25), (4096, 0.5, 0.5), (4, 0.3, 0.5), (64, 0.25, 0.25), (65536, 0.75, 0.75)]
     {
@@ -87,23 +88,24 @@ fn uniform_samples_measure_what_is_covered() {
 
 #[test]
 fn counts_that_are_no_squares_make_the_squarest_grid() {
-    // 8 is 4 columns by 2 rows and 7 is 7 by 1: so many of the columns lie left of the edge.
+    // 8 samples are 4 columns by 2 rows, and 7 are 7 by 1. The expected value is the fraction of columns left
+    // of the edge.
     for (samples, edge, covered) in
         [(8, 0.3, 0.25), (7, 0.3, 2.0 / 7.0), (12, 0.3, 0.25), (6, 0.4, 1.0 / 3.0)]
     {
         for sampler in ["uniform", "jittered"] {
-            // Jittered samples may fall on either side within one column.
-            let slack = if sampler == "uniform" { 0.0 } else { 1.0 / 4.0 };
+            // In one column jittered samples may be on either side of the edge.
+            let error_bound = if sampler == "uniform" { 0.0 } else { 1.0 / 4.0 };
             let picture = left_of(edge).render(&format!("-size 1 1 -{sampler}_samples {samples}"));
-            let off = (f64::from(picture.greys()[0]) / 255.0 - covered).abs();
-            assert!(off <= slack + 1.0 / 255.0, "{samples} {sampler}: {off}");
+            let error = (f64::from(picture.greys()[0]) / 255.0 - covered).abs();
+            assert!(error <= error_bound + 1.0 / 255.0, "{samples} {sampler}: {error}");
         }
     }
 }
 
 #[test]
 fn many_samples_come_close_for_every_sampler() {
-    // 4096 samples of a coverage of 0.3 have a deviation of 0.0072 where they are all independent.
+    // If 4096 samples are independent, the standard deviation of a coverage of 0.3 is 0.0072.
     for sampler in ["random", "uniform", "jittered"] {
         let grey = left_of(0.3).render(&format!("-size 1 1 -{sampler}_samples 4096")).greys()[0];
         assert!((f64::from(grey) / 255.0 - 0.3).abs() < 0.03, "{sampler}: {grey}");
@@ -128,7 +130,7 @@ fn pixels_that_no_sample_counts_for_are_black() {
     let folder = left_of(1.0);
     let greys = |flags: &str| folder.render(&format!("-size 3 2 {flags}")).greys();
     assert_eq!(greys(""), [255; 6]);
-    // The four samples are 1/4 pixel off the centre along both axes.
+    // The four samples are 1/4 pixel from the centre along both axes.
     assert_eq!(greys("-uniform_samples 4 -box_filter .25"), [255; 6]);
     assert_eq!(greys("-uniform_samples 4 -box_filter .2499"), [0; 6]);
     assert_eq!(greys("-uniform_samples 4 -tent_filter .36"), [255; 6], "sqrt(1/8) = .354");
@@ -139,12 +141,12 @@ fn pixels_that_no_sample_counts_for_are_black() {
 
 #[test]
 fn at_the_border_the_samples_that_exist_are_averaged() {
-    // One white pixel at the left of a row of four: it is one of two, one of three, then none.
+    // The white pixel is at the left of a row of four: it is one of two pixels, then one of three, then none.
     let row = |flags: &str| left_of(0.25).render(&format!("-size 4 1 {flags}")).greys();
     let greys = |shares: [f64; 4]| shares.map(|share| (share * 255.0) as u8);
     assert_eq!(row("-box_filter 1"), greys([1.0 / 2.0, 1.0 / 3.0, 0.0, 0.0]));
     assert_eq!(row("-box_filter 2"), greys([1.0 / 3.0, 1.0 / 4.0, 1.0 / 4.0, 0.0]));
-    // Weights 1 in the middle and 1/2 beside it.
+    // The weights are 1 at the centre and 1/2 beside it.
     assert_eq!(row("-tent_filter 2"), greys([1.0 / 1.5, 0.5 / 2.0, 0.0, 0.0]));
 }
 
@@ -191,7 +193,7 @@ fn depths_and_normals_show_the_centres() {
     }
 }
 
-/// The samples' places in a picture of them, in columns and rows from the bottom left.
+/// The positions of the samples in a picture of them, in columns and rows from the bottom left.
 fn plotted(plot: &Tga) -> Vec<(usize, usize)> {
     let white = |&at: &usize| plot.pixels[at] == [255; 3];
     (0..plot.pixels.len())
@@ -227,10 +229,10 @@ fn the_picture_of_the_samples_shows_where_they_fall() {
         })
         .collect();
     assert_eq!(shown, expected);
-    // The first numbers of an unseeded drand48, y before x: 0, .001, .042, .177, .365, .091.
+    // An unseeded drand48 starts with 0, .001, .042, .177, .365, .091; y is drawn before x.
     let random = plot("-size 1 1 -random_samples 3 -render_samples s.tga 100");
     assert_eq!(plotted(&random), [(9, 36), (17, 4), (0, 0)]);
-    // In the four cells of jittered samples, x before y.
+    // In the four strata of jittered samples x is drawn before y.
     let jittered = plot("-size 1 1 -jittered_samples 4 -render_samples s.tga 100");
     let places = plotted(&jittered);
     assert_eq!(&places[2..], [(52, 8), (0, 0)]);

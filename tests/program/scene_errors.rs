@@ -1,4 +1,4 @@
-//! Malformed scenes: each is refused at the right place with the right words.
+//! Malformed scenes: each has an error at the right position and with the right message.
 
 use crate::support::unmark;
 use raytracer::scene::Position;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
 
-/// Scenes with `@` before the word at which each must be refused, and a part of the message.
+/// Scenes, with `@` before the word of the error, and a part of the message.
 const WHOLE: &[(&str, &str)] = &[
     ("@", "the scene has no camera"),
     ("Group { numObjects 0 }@", "the scene has no camera"),
@@ -60,7 +60,7 @@ const WHOLE: &[(&str, &str)] = &[
     ("PerspectiveCamera { center 1 @0x10 0", "expected a number for `center`, found `0x10`"),
 ];
 
-/// Such scenes behind a good camera.
+/// The same after a valid camera.
 const WITH_CAMERA: &[(&str, &str)] = &[
     ("Background { color 0 0 0 }@", "the scene has no group"),
     ("Background { @colour 0 0 0 }", "expected `color`, `ambientLight` or `}`, found `colour`"),
@@ -179,7 +179,7 @@ const WITH_CAMERA: &[(&str, &str)] = &[
     ("Group { numObjects 0@", "expected `}` at the end of `Group`, found the end of the file"),
 ];
 
-/// What stands for the only object of a scene with the materials 0 and 1, the first of them current.
+/// The same in place of the only object of a scene with the materials 0 and 1, of which the first is current.
 const OBJECTS: &[(&str, &str)] = &[
     ("MaterialIndex @2 ", "there is no material 2: materials 0 to 1 are declared"),
     ("MaterialIndex @4000000000 ", "there is no material 4000000000"),

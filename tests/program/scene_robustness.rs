@@ -1,4 +1,4 @@
-//! No scene, however mangled, deep or long, makes the reader panic, hang or exhaust memory.
+//! No scene makes the reader panic, hang or exhaust memory, however damaged, deeply nested or long it is.
 
 use raytracer::scene::error::SceneError;
 use raytracer::scene::parser::parse;
@@ -12,7 +12,7 @@ fn refuse(text: &str) -> SceneError {
     parse(text).map(|_| ()).expect_err("the scene should be refused")
 }
 
-/// A scene with every construct of the grammar.
+/// A scene with every element of the grammar.
 const EVERYTHING: &str = "\
 OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 5 }
 PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
@@ -91,7 +91,7 @@ fn nested(depth: usize, open: &str, close: &str) -> String {
     text
 }
 
-/// Far more than any of these takes when its time is linear, far less than when it is quadratic.
+/// A time that is far above that of a linear algorithm, and far below that of a quadratic one.
 const LONG: Duration = Duration::from_secs(20);
 
 #[test]

@@ -55,7 +55,7 @@ fn an_empty_scene_is_all_background() {
     assert_eq!([folder.tga("d.tga"), folder.tga("n.tga")].map(|p| p.pixels), [[[0; 3]; 6], [[0; 3]; 6]]);
 }
 
-/// A camera within a mirroring sphere.
+/// A camera inside a mirroring sphere.
 fn hall_of_mirrors(reflective: &str) -> String {
     format!(
         "PerspectiveCamera {{ center .1 .2 .3 direction 0 0 -1 up 0 1 0 angle 90 }}
@@ -68,7 +68,7 @@ fn hall_of_mirrors(reflective: &str) -> String {
 
 #[test]
 fn a_hall_of_mirrors_ends_by_weight() {
-    // Each bounce has .5 times the light; its weight falls by the colour's length .5 sqrt(3).
+    // Each bounce has .5 times the light of the one before, and .5 sqrt(3) times its weight.
     let folder = Folder::with_scene(&hall_of_mirrors(".5 .5 .5"));
     let line = "-input s.txt -output o.tga -size 4 4 -shade_back -bounces 2147483647 -weight 1e-6 -stats";
     let run = folder.run(line).ok();
@@ -85,7 +85,7 @@ fn a_hall_of_perfect_mirrors_ends_by_bounces() {
     assert!(run.stdout.contains("\n  num non-shadow rays        400004\n"), "{}", run.stdout);
 }
 
-/// The rows `y` of a picture from the top, each cut to `columns`.
+/// The pixels of a picture in these columns and rows, counted from the top left.
 fn cut(picture: &Tga, columns: Range<usize>, rows: Range<usize>) -> Vec<[u8; 3]> {
     rows.flat_map(|y| columns.clone().map(move |x| picture.at(x, y))).collect()
 }
@@ -122,7 +122,7 @@ fn transparent_shadows_are_tinted_by_the_way_through() {
     assert_eq!(folder.render("-size 1 1").pixels, [[255; 3]]);
     assert_eq!(folder.render("-size 1 1 -no_shadows").pixels, [[255; 3]]);
     assert_eq!(folder.render("-size 1 1 -shadows").pixels, [[0; 3]]);
-    // The colour to the power of 2, the length of the way inside.
+    // The colour to the power of 2, which is the length of the path inside.
     let tinted = [[63, 15, 255]];
     assert_eq!(folder.render("-size 1 1 -transparent_shadows").pixels, tinted);
     assert_eq!(folder.render("-size 1 1 -transparent_shadows -shadows -grid 3 3 3").pixels, tinted);

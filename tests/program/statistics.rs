@@ -1,4 +1,4 @@
-//! The counters of `-stats` against counts made by hand, and the layout of the block.
+//! The counters of `-stats`, compared with counts made by hand, and the layout of the block.
 
 use crate::support::{Folder, Run, course, finish, program};
 use std::path::Path;
@@ -43,9 +43,9 @@ fn count(folder: &Folder, flags: &str) -> Counted {
     Counted::of(folder.run(&format!("-input s.txt -stats {flags}")))
 }
 
-/// Covers the right half of the view, seen from outside.
+/// A triangle that covers the right half of the view, seen from outside.
 const RIGHT_HALF: &str = "Triangle { vertex0 0 -9 0 vertex1 9 0 0 vertex2 0 9 0 }";
-/// The same, seen from within.
+/// The same triangle, seen from inside.
 const RIGHT_HALF_BACK: &str = "Triangle { vertex0 0 9 0 vertex1 9 0 0 vertex2 0 -9 0 }";
 const WALL: &str = "Plane { normal 0 0 1 offset -1 }";
 
@@ -113,7 +113,7 @@ fn a_mirror_doubles_the_rays_that_hit_it() {
     assert_eq!(mirrored("-bounces 0"), 100);
     assert_eq!(mirrored("-bounces 1"), 150);
     assert_eq!(mirrored("-bounces 5"), 150, "what is reflected meets nothing more");
-    // The weight of a reflected ray is the colour's length, .5 sqrt(3) = .866.
+    // The weight of a reflected ray is the length of the colour, .5 sqrt(3) = .866.
     assert_eq!(mirrored("-bounces 1 -weight .86"), 150);
     assert_eq!(mirrored("-bounces 1 -weight .87"), 100);
 }
@@ -123,11 +123,11 @@ fn glass_lets_a_ray_in_and_out() {
     let sphere = "Sphere { center 0 0 0 radius 9 }";
     let folder = scene(1, "transparentColor 1 1 1 indexOfRefraction 1", 1, sphere);
     let glass = |flags: &str| count(&folder, &format!("-size 4 4 {flags}")).rays;
-    // The camera is inside: its rays began infinitely far back, so each goes in first.
+    // The camera is inside, but its rays start infinitely far behind it, so that each enters first.
     assert_eq!([glass(""), glass("-bounces 1"), glass("-bounces 2"), glass("-bounces 9")], [16, 32, 48, 48]);
 }
 
-/// A sphere of radius 1 whose box the view fills exactly.
+/// A sphere of radius 1 whose bounds fill the view exactly.
 fn boxed_sphere(direction: &str, up: &str) -> Folder {
     Folder::with_scene(&format!(
         "OrthographicCamera {{ center 0 0 0 direction {direction} up {up} size 2 }}
@@ -138,16 +138,16 @@ fn boxed_sphere(direction: &str, up: &str) -> Folder {
 
 #[test]
 fn cells_traversed_are_the_steps_to_a_next_cell() {
-    // Of the 4 x 4 rays the four in the corners miss and step through every cell and out; four meet the
-    // sphere .935 from the middle and eight .612 from it.
+    // Of the 4 x 4 rays the four in the corners miss, and step through every cell until they leave the grid.
+    // Four hit the sphere at a distance of .935 from its centre plane, and eight at .612.
     for (direction, up, grid, steps) in [
         ("0 0 -1", "0 1 0", "1 1 1", 4),
         ("0 0 -1", "0 1 0", "4 4 4", 4 * 4),
         ("0 0 1", "0 1 0", "4 4 4", 4 * 4),
         ("0 0 -1", "1 0 0", "8 2 4", 4 * 4),
-        // The first of 7 cells ends .714 from the middle: the eight go one cell farther.
+        // The first of 7 cells ends at a distance of .714, so that the eight rays visit one more cell.
         ("0 0 -1", "0 1 0", "4 4 7", 4 * 7 + 8),
-        // The first of 20 cells ends .9 from the middle, and .612 lies in the fourth.
+        // The first of 20 cells ends at a distance of .9, and .612 is in the fourth.
         ("1 0 0", "0 0 1", "20 3 6", 4 * 20 + 8 * 3),
         ("0 -1 0", "0 0 1", "3 20 6", 4 * 20 + 8 * 3),
     ] {
@@ -168,7 +168,8 @@ fn a_grid_saves_tests_and_changes_no_ray() {
     assert!(grid.intersections < brute.intersections / 4, "{grid:?}");
 }
 
-/// The rows of the README's table of rays and tests: a scene's number, flags, rays, tests.
+/// The rows of the README's table of rays and tests: the number of a scene, the flags, the rays and the
+/// tests.
 fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
     let lines = include_str!("../../README.md").lines();
     let table = lines.skip_while(|line| !line.starts_with("| Scene | Flags | Rays")).skip(2);
@@ -182,7 +183,7 @@ fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
     table.take_while(|line| line.starts_with('|')).map(row).collect()
 }
 
-/// Every ray is decided and every step counted, whatever shortcuts there are where nobody counts.
+/// Every ray is cast and every step counted, without the shortcuts of the fast mode.
 #[test]
 fn the_readme_s_rays_and_tests() {
     let folder = Folder::new();
@@ -211,7 +212,7 @@ fn threads_change_no_counter() {
     }
 }
 
-/// `text` with `#` for every digit in the values of these labels.
+/// `text`, with `#` for every digit in the values of these labels.
 fn masked(text: &str, labels: &[&str]) -> String {
     let mask = |line: &str| {
         let timed = labels.iter().any(|label| line.trim_start().starts_with(label));
@@ -220,7 +221,7 @@ fn masked(text: &str, labels: &[&str]) -> String {
     text.split_inclusive('\n').map(mask).collect()
 }
 
-/// A run of `#` as one, since times have more or fewer digits.
+/// Runs of `#` are merged, because times differ in their number of digits.
 fn squeezed(mut text: String) -> String {
     while text.contains("##") {
         text = text.replace("##", "#");
@@ -264,7 +265,7 @@ RAY TRACING STATISTICS
     assert!(run.stdout.contains("\n  num grid cells             700 (10x10x7)\n"));
 }
 
-/// The counters of the line in the course's commands that writes `picture`.
+/// The counters of that command of the course that writes `picture`.
 fn count_course(course: &Path, picture: &str) -> Counted {
     let commands = std::fs::read_to_string(course.join("commands.txt")).unwrap();
     let line = commands.lines().find(|line| line.contains(picture)).unwrap_or_else(|| panic!("{picture}"));
@@ -278,7 +279,7 @@ fn count_course(course: &Path, picture: &str) -> Counted {
     counted
 }
 
-/// Within 0.1%: the course's own epsilon decides a few rays.
+/// Equality within 0.1%, because a few rays are decided by the epsilon of the course's program.
 fn near(actual: u64, expected: u64) -> bool {
     actual.abs_diff(expected) * 1000 <= expected
 }

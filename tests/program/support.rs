@@ -1,4 +1,4 @@
-//! What the tests of the program share: a folder of its own for each test, and runs of the binary.
+//! Shared by the tests of the program: temporary folders, runs of the program, small scenes and pictures.
 
 use std::ffi::OsString;
 use std::fs;
@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// What the program said and how it ended.
+/// The output and the status of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// None where a signal ended it.
+    /// None if the program was ended by a signal.
     pub status: Option<i32>,
     pub stdout: String,
     pub stderr: String,
@@ -48,14 +48,14 @@ pub fn finish(command: &mut Command) -> Run {
     }
 }
 
-/// Where a stream leads whose reader has gone away.
+/// A pipe whose reader has been closed.
 pub fn nobody() -> Stdio {
     let (reader, writer) = pipe().expect("a pipe");
     drop(reader);
     writer.into()
 }
 
-/// A folder that is removed at the end of the test.
+/// A temporary folder, which is removed when it is dropped.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -82,7 +82,7 @@ impl Folder {
         fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// The names of everything in the folder, sorted.
+    /// The sorted names of everything in the folder.
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.path()).expect("a readable folder");
         let mut names: Vec<_> =
@@ -140,12 +140,12 @@ pub fn unmark(marked: &str) -> (String, usize, usize) {
     (format!("{before}{after}"), line, column)
 }
 
-/// A picture, read back without the program's own code.
+/// A picture, read without the program's own code.
 #[derive(Debug, PartialEq)]
 pub struct Tga {
     pub width: usize,
     pub height: usize,
-    /// Red, green, blue; rows from the top.
+    /// The red, green and blue of each pixel, in rows from the top.
     pub pixels: Vec<[u8; 3]>,
 }
 
@@ -169,8 +169,8 @@ impl Tga {
     }
 }
 
-/// The course's folder, from `COURSE_DIR`. It is no part of this project; a test that needs it says that it
-/// is skipped where it is missing.
+/// The course's folder, from `COURSE_DIR`. It is not part of this project, and a test that needs it prints
+/// that it is skipped if the variable is not set.
 pub fn course() -> Option<PathBuf> {
     let course = std::env::var_os("COURSE_DIR").map(PathBuf::from);
     if course.is_none() {

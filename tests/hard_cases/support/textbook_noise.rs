@@ -13,9 +13,9 @@ pub fn truncated_noise(p: DVec3) -> f64 {
 /// This program's noise at a point whose cell and position in the cell were computed in f32.
 pub fn noise32(p: Vec3) -> f64 {
     let cell = p.floor();
-    let place = (p - cell).as_dvec3();
+    let position = (p - cell).as_dvec3();
     let reduced = DVec3::from_array(cell.to_array().map(|c| c.rem_euclid(256.0) as f64));
-    raytracer::shading::perlin::noise(reduced + place)
+    raytracer::shading::perlin::noise(reduced + position)
 }
 
 fn blend(cell: [u64; 3], f: [f64; 3]) -> f64 {
@@ -24,12 +24,12 @@ fn blend(cell: [u64; 3], f: [f64; 3]) -> f64 {
     for corner in 0..8u64 {
         let bit = |axis: usize| corner >> axis & 1;
         let weight: f64 = (0..3).map(|a| if bit(a) == 1 { fade[a] } else { 1.0 - fade[a] }).product();
-        let place = (0..3).fold(0, |code, a| code * 256 + (cell[a] + bit(a)) % 256);
-        let hash = Rng::at(0, place).next_u64();
-        let ways = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)][(hash & 3) as usize];
+        let code = (0..3).fold(0, |code, a| code * 256 + (cell[a] + bit(a)) % 256);
+        let hash = Rng::at(0, code).next_u64();
+        let signs = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)][(hash & 3) as usize];
         let (i, j) = [(0, 1), (1, 2), (2, 0)][(hash >> 2) as usize % 3];
         let offset = |a: usize| f[a] - bit(a) as f64;
-        sum += weight * (ways.0 * offset(i) + ways.1 * offset(j));
+        sum += weight * (signs.0 * offset(i) + signs.1 * offset(j));
     }
     sum
 }
