@@ -183,9 +183,9 @@ impl World {
 
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer hit precedes. If both t are equal, the primitive does that
-    /// [`comes_first`](Self::comes_first), so that the result depends neither on the grid, nor on the order
-    /// of tests, nor on the order of a mesh's faces.
+    /// The nearer hit precedes. At equal t triangles are ordered by the coordinates of their vertices, and other
+    /// primitives by their ids, so that the result depends neither on the grid, nor on the order of tests, nor
+    /// on the order of a mesh's faces.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))

@@ -26,12 +26,12 @@ pub struct RayQuery<'a> {
     /// The primitives that were tested exactly last, and the position at which the next one is recorded.
     /// Without this a primitive that spans many cells, and that the filter does not reject, would be tested
     /// in each of them. At first it holds the primitive to exclude.
-    decided: [u32; DECIDED],
+    tested: [u32; MAX_TESTED],
     next: usize,
 }
 
-/// The number of primitives in [`RayQuery::decided`].
-const DECIDED: usize = 4;
+/// The number of primitives in [`RayQuery::tested`].
+const MAX_TESTED: usize = 4;
 
 /// A ray in the filter's coordinates, up to the nearest hit so far.
 pub struct FilterState {
@@ -93,8 +93,8 @@ impl<'a> RayQuery<'a> {
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray, exclude: u32) -> Self {
         let best = Visible { primitive: NONE, t_bound: ray.t_max };
-        let decided = [exclude, NONE, NONE, NONE];
-        Self { world, ray, shear: None, best, t_lower_bound: best.t_bound, decided, next: 1 }
+        let tested = [exclude, NONE, NONE, NONE];
+        Self { world, ray, shear: None, best, t_lower_bound: best.t_bound, tested, next: 1 }
     }
 
     /// The nearest primitive found, if there is one.
@@ -170,9 +170,9 @@ impl<'a> RayQuery<'a> {
     /// that has been tested once is the best one already, or never becomes the best.
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
-        let is_new = !self.decided.contains(&id);
+        let is_new = !self.tested.contains(&id);
         if is_new {
-            self.decided[self.next % DECIDED] = id;
+            self.tested[self.next % MAX_TESTED] = id;
             self.next += 1;
         }
         is_new

@@ -2,9 +2,9 @@
 //! pixels.
 //!
 //! If all camera rays start at one eye, and one of them goes through each pixel's centre, it is much cheaper
-//! to find the pixels of each triangle than the triangle of each pixel. For each pixel the result is the one
-//! that casting the ray gives, or that rounding errors leave it undecided, and then the ray has to be cast.
-//! `proofs/raster_*.g` prove the error bounds.
+//! to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
+//! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error
+//! bounds are proved in `proofs/raster_*.g`.
 
 mod edge_functions;
 mod tile;
@@ -32,7 +32,7 @@ pub enum Seen {
     Nothing,
     /// The ray hits this primitive first.
     Primitive(Visible),
-    /// Rounding errors leave it undecided, so that the ray has to be cast.
+    /// Rounding errors make the result uncertain, so that the ray has to be cast.
     Unsure,
 }
 
