@@ -3,7 +3,7 @@
 use crate::failed;
 use raytracer::explain::CostMap;
 use raytracer::image_io::{ImageError, OutputFile, PictureWriter};
-use raytracer::picture::{CHANNELS, Picture, RED_FIRST, cut_to_bytes};
+use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
 use std::time::{Duration, Instant};
@@ -57,7 +57,7 @@ impl Products {
             Product::Kept(bytes) => {
                 let before = bytes.len();
                 bytes.resize(before + row.len() * CHANNELS, 0);
-                cut_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
+                truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             }
             Product::Costs(_, _, counts) => counts.extend(row.iter().map(|cost| cost.x as u64)),
         }

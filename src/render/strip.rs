@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Upper bound on the memory of a strip's finished rows, in bytes. The rows in progress may take as much
 /// again.
-const MEMORY: usize = 32 << 20;
+const MEMORY: usize = 64 << 20;
 
 /// Upper bound on the number of rows that a thread traces before it takes more.
 const ROWS_AT_ONCE: usize = 4;
@@ -96,7 +96,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     fn rows_in_flight(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
         let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
-        (MEMORY / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
+        (MEMORY / 2 / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
     fn trace<P: Probe>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
