@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Upper bound on the memory of a strip's finished rows, in bytes. The rows in progress may take as much
+/// Upper bound on the memory of a strip's finished rows, in bytes. The rows in progress may take half as much
 /// again.
 const MEMORY: usize = 64 << 20;
 
