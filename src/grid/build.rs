@@ -255,3 +255,6 @@ fn nested_cells(world: &World, prims: &PrimSet, cell: &Aabb) -> (Aabb, [usize; 3
     let bounds = widened(if common.is_empty() { *cell } else { common });
     (bounds, cubic(&bounds, NESTED_CELLS * prims.count(world) as f64))
 }
+
+#[cfg(test)]
+mod tests;

@@ -238,12 +238,14 @@ mod tests {
              Group {{ numObjects 55 Material {{ }} {objects} }}"
         );
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
-        let lattice = Lattice::new(widened(world.bounds), [5, 2, 2]);
+        let lattice = Lattice::new(widened(world.bounds), [5, 2, 4]);
         let triangles = (0..50).map(|i| Aabb::around(world.corners(i)));
         let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let cell_lists =
             CellLists::new(&lattice, 55, |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
         let cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
+        assert_eq!(cells.references(), cell_lists.references());
+        let mut blocks = 0;
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];
             match cells.entries[index] {
@@ -258,6 +260,32 @@ mod tests {
             let expected: Vec<u32> =
                 (0..55).filter(|&n| cell_lists.cells_of(n as usize).contains(&(index as u32))).collect();
             assert_eq!(found, expected);
+            assert_eq!(cells.entries[index] == EMPTY, expected.is_empty(), "{index}");
+            let triangles = expected.iter().filter(|&&n| n < 50).count();
+            blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
+        }
+        assert_eq!(cells.blocks.len(), blocks);
+    }
+
+    #[test]
+    fn a_cell_has_as_many_blocks_as_it_needs_however_many() {
+        for count in [8, 111, 112, 113, 120, 121, 400] {
+            let objects = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }".repeat(count);
+            let text = format!(
+                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+                 Group {{ numObjects {count} Material {{ }} {objects} }}"
+            );
+            let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+            let lattice = Lattice::new(widened(world.bounds), [1; 3]);
+            let cell = lattice.index([0; 3]) as u32;
+            let cell_lists = CellLists::new(&lattice, count, |_, out| {
+                out.push(cell);
+                Ok(())
+            })
+            .unwrap();
+            let cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
+            let own = CellContents::blocks_of(&cells.blocks, cells.entries[cell as usize]);
+            assert_eq!(own.len(), count.div_ceil(LANES), "{count}");
         }
     }
 }

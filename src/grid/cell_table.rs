@@ -176,4 +176,19 @@ mod tests {
         let dda4 = Dda4::new(&large, &packet, &intersect_aabb4(large.simd_bounds(), &packet));
         assert_eq!([0, 1, 2, 3].map(|ray| small.cursor_of(&dda4, ray).entry()), [BORDER; 4]);
     }
+
+    #[test]
+    fn a_cursor_has_the_fixed_t_of_its_dda() {
+        let table = CellTable::new(lattice([4, 1, 3]), vec![]).unwrap();
+        for ray in rays() {
+            let along = RayLanes::<Scalar>::all_axes(Portable, &ray);
+            let Some(interval) = intersect_aabb(table.lattice().simd_bounds(), along, ray.t_min, ray.t_max)
+            else {
+                continue;
+            };
+            let cursor = table.cursor(&interval);
+            let t = 0.5 * (interval.entry + interval.exit);
+            assert_eq!((cursor.exit(), cursor.fixed_t(t)), (cursor.dda.exit(), cursor.dda.fixed_t(t)));
+        }
+    }
 }

@@ -234,3 +234,62 @@ mod avx2 {
         Verdict { possible, certain, depth: store(depth), det: store(det) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::triangle8::Frame;
+    use crate::math::aabb::Aabb;
+    use crate::scene::mesh::Mesh;
+    use crate::scene::parser::parse;
+    use crate::world::World;
+    use glam::DVec3;
+
+    /// A ray along z from -0.75 on, for a distance of 1.
+    const RAY: FilterRay =
+        FilterRay { origin: [0.0, 0.0, -0.75, 0.0], direction: [0.0, 0.0, 1.0, 0.0], max_depth: 1.0 };
+
+    /// Triangles across the z axis, each by its corners and its z.
+    fn block(triangles: [([[f64; 2]; 3], f64); LANES]) -> Block {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
+        let vertices = triangles.iter().flat_map(|(corners, z)| corners.map(|[x, y]| DVec3::new(x, y, *z)));
+        let mesh = Mesh {
+            vertices: vertices.collect(),
+            triangles: (0..LANES as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        };
+        let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
+        let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
+        let mut block: Block = bytemuck::Zeroable::zeroed();
+        block.fill(&world, &frame, true, &std::array::from_fn(|i| i as u32));
+        block
+    }
+
+    #[test]
+    fn what_is_clear_is_decided_and_what_is_within_an_error_bound_is_not() {
+        let [front, aside, edge] = [
+            [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]],
+            [[0.2, -0.5], [0.8, -0.5], [0.5, 0.5]],
+            [[0.0, -0.5], [0.5, 0.0], [0.0, 0.5]],
+        ];
+        let back = [front[0], front[2], front[1]];
+        let block = block([
+            (front, 0.0),
+            (front, -0.75),
+            (front, 0.25),
+            (aside, 0.0),
+            (edge, 0.0),
+            (back, 0.125),
+            (front, -0.875),
+            (front, 0.5),
+        ]);
+        for instructions in Instructions::available() {
+            let verdict = test(instructions, &block, &RAY);
+            assert_eq!((verdict.possible, verdict.certain), (0b0011_0111, 0b0010_0001), "{instructions:?}");
+            for (lane, t) in [(0, 0.75), (5, 0.875)] {
+                let [min, max] = verdict.depths(lane, &block);
+                assert!(min < t && t < max && max - min < 1e-3, "{instructions:?} {min} {max}");
+            }
+        }
+    }
+}

@@ -102,3 +102,16 @@ fn insert(
         (Primitive::Plane(_), _) => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn cells_are_padded_by_the_face_error_bound_and_that_of_positions() {
+        let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [4096, 2, 3]);
+        let more = padding(&lattice) - face_error_bound(&lattice);
+        assert!((0.9 * POSITION_ERROR_BOUND..1.1 * POSITION_ERROR_BOUND).contains(&more), "{more}");
+    }
+}

@@ -170,3 +170,33 @@ impl Lattice {
         (coordinate as usize).min(self.cells[axis] - 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice(cells: [usize; 3]) -> Lattice {
+        Lattice::new(Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(2.0, 4.0, 6.0) }, cells)
+    }
+
+    #[test]
+    fn the_last_index_is_that_of_the_last_corner_of_the_border() {
+        let lattice = lattice([5, 3, 4]);
+        let [sx, sy, sz] = lattice.strides();
+        assert_eq!(lattice.index([4, 2, 3]) + sx + sy + sz + 1, lattice.index_count());
+    }
+
+    #[test]
+    fn indices_must_be_less_than_the_largest_number_of_32_bits() {
+        // 255 * 257 * 65537 = 2^32 - 1.
+        assert_eq!(lattice([253, 255, 65535]).fits(), Err(GridTooLarge));
+        assert_eq!(lattice([253, 255, 65534]).fits(), Ok(()));
+    }
+
+    #[test]
+    fn points_have_coordinates_in_cells_and_those_outside_have_the_nearest_cells() {
+        let lattice = lattice([4, 2, 6]);
+        assert_eq!(lattice.to_cells(DVec3::new(1.25, 2.5, 5.0)), DVec3::new(1.0, 0.5, 4.0));
+        assert_eq!([-3.0, 0.5, 3.75, 4.0, 1e9].map(|x| lattice.cell_at(0, x)), [0, 0, 3, 3, 3]);
+    }
+}

@@ -164,6 +164,8 @@ mod tests {
     fn many_rays_through_many_primitives_get_crowded_cells() {
         assert_eq!(auto(DVec3::ONE, 216 * 1024, 1 << 30), [6; 3]);
         assert_eq!(auto(DVec3::ONE, 125_000, 1 << 30), [50; 3]);
+        // This is the least number of primitives that counts as many.
+        assert_eq!(auto(DVec3::ONE, 200_000, 1 << 30), [6; 3]);
     }
 
     #[test]

@@ -212,3 +212,52 @@ fn trace_packet_avx2<M: Mode, Q: PacketRay, P: Probe>(
 ) {
     caster.trace_packet(avx2, grid, table, rays, probe);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::GridOptions;
+    use crate::scene::parser::parse;
+    use crate::stats::Quiet;
+    use crate::world::World;
+    use glam::DVec3;
+
+    struct TestRay {
+        ray: Ray,
+        visible: Option<Visible>,
+    }
+
+    impl PacketRay for TestRay {
+        fn ray(&self) -> &Ray {
+            &self.ray
+        }
+
+        fn set_visible(&mut self, visible: Option<Visible>) {
+            self.visible = visible;
+        }
+    }
+
+    #[test]
+    fn a_ray_from_too_far_is_answered_at_any_place_of_a_packet() {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 2 Material { }
+             Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }
+             Triangle { vertex0 -1 -1 1 vertex1 1 -1 1 vertex2 0 0.5 1 } }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        for instructions in Instructions::available() {
+            let caster = Caster::with(&world, GridOptions::uniform([3; 3]), instructions).unwrap();
+            for (count, far) in (1..=PACKET_SIZE + 3).flat_map(|count| (0..count).map(move |i| (count, i))) {
+                let asked = |i| {
+                    let origin = DVec3::new(0.0, 0.75 - 0.1 * i as f64, if i == far { 1e9 } else { 3.0 });
+                    TestRay { ray: Ray::new(origin, DVec3::NEG_Z), visible: None }
+                };
+                let mut rays: Vec<TestRay> = (0..count).map(asked).collect();
+                caster.nearest_of_packet(&mut rays, &mut Quiet);
+                for TestRay { ray, visible } in &rays {
+                    let expected = caster.nearest(ray, None, &mut Quiet);
+                    assert_eq!(visible.map(|v| v.primitive), expected.map(|v| v.primitive), "{ray:?}");
+                }
+            }
+        }
+    }
+}

@@ -39,3 +39,21 @@ impl PrimSet {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    #[test]
+    fn triangles_come_first() {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 3 Material { } Sphere { center 0 0 0 radius 1 }
+             Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }
+             Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 } }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let triangles = |ids: &[u32]| PrimSet::Subset(ids.to_vec()).triangles(&world);
+        assert_eq!(PrimSet::All.triangles(&world), 2);
+        assert_eq!([&[0, 1, 2][..], &[1, 2], &[0, 1], &[2], &[]].map(triangles), [2, 1, 2, 0, 0]);
+    }
+}

@@ -153,4 +153,45 @@ mod tests {
         assert!(!simd_bounds.is_surely_missed(&parallel));
         assert!(simd_bounds.is_surely_missed(&Ray { origin: parallel.origin + DVec3::Y, ..parallel }));
     }
+
+    #[test]
+    fn a_ray_within_a_face_of_a_large_or_a_tiny_box_does_not_surely_miss_it() {
+        for size in [1e6, 1.0, 1e-200] {
+            let simd_bounds = SimdAabb::new(&Aabb { min: DVec3::ZERO, max: DVec3::splat(size) });
+            for height in [0.0, 0.5, 1.0] {
+                let ray = Ray::new(DVec3::new(0.5, height, 0.5) * size, DVec3::X);
+                assert!(!simd_bounds.is_surely_missed(&ray), "{size} {height}");
+            }
+        }
+        // Here products with the unit roundoff underflow.
+        let size = 4.0 * f64::MIN_POSITIVE;
+        let simd_bounds = SimdAabb::new(&Aabb { min: DVec3::ZERO, max: DVec3::splat(size) });
+        let touching = Ray::new(DVec3::new(-1.0, 1.0, 0.5) * size, DVec3::new(1.0, -1.0, 0.0));
+        assert!(!simd_bounds.is_surely_missed(&touching));
+    }
+
+    #[test]
+    fn four_rays_together_hit_the_boxes_that_each_one_hits() {
+        use crate::math::{f64x4::Scalar, instructions::Portable};
+        let simd_bounds = SimdAabb::new(&Aabb { min: DVec3::ZERO, max: DVec3::ONE });
+        let coordinates = [-1.0, 0.0, 0.5, 1.0, 2.0];
+        let points = (0..125).map(|k| DVec3::from([k / 25, k / 5 % 5, k % 5].map(|i| coordinates[i])));
+        let mut hits = 0;
+        for (origin, to) in points.clone().flat_map(|from| points.clone().map(move |to| (from, to))) {
+            let ray = Ray::new(origin, to - origin);
+            let one = intersect_aabb(
+                &simd_bounds,
+                RayLanes::<Scalar>::all_axes(Portable, &ray),
+                ray.t_min,
+                ray.t_max,
+            );
+            let four = intersect_aabb4(&simd_bounds, &RayPacket4::<Scalar>::new(Portable, [&ray; 4]));
+            assert_eq!(four.set, if one.is_some() { 15 } else { 0 }, "{ray:?}");
+            if let Some(one) = one {
+                assert_eq!((four.entry.to_array(), four.exit.to_array()), ([one.entry; 4], [one.exit; 4]));
+                hits += 1;
+            }
+        }
+        assert!(hits > 1000, "{hits}");
+    }
 }

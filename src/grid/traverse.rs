@@ -234,3 +234,27 @@ impl AccelerationStructure {
 #[inline(always)]
 #[cold]
 fn unlikely() {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::GridOptions;
+    use crate::math::f64x4::Scalar;
+    use crate::scene::parser::parse;
+    use crate::world::World;
+    use glam::DVec3;
+
+    #[test]
+    fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let structure = AccelerationStructure::new(&world, GridOptions::uniform([1; 3])).unwrap();
+        let is_in_proven_range = |x: f64| {
+            let ray = Ray::new(DVec3::X * x, DVec3::Y);
+            structure.is_in_proven_range(&RayLanes::<Scalar>::all_axes(Portable, &ray))
+        };
+        assert!([1000.0, 600.0, 1400.0].into_iter().all(is_in_proven_range));
+        assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));
+    }
+}

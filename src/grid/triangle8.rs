@@ -174,3 +174,58 @@ impl Frame {
         vector * self.scale
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four units are one of the frame's.
+    fn frame() -> Frame {
+        Frame::new(&Aabb { min: DVec3::splat(2.0), max: DVec3::splat(6.0) })
+    }
+
+    #[test]
+    fn the_error_bounds_are_so_many_roundings_of_edges_and_corners() {
+        let rounding = 0.5f32.powi(24);
+        for (max_abs_coord, corner) in [(0.5, 1.0), (1.0, 1.0), (1.5, 2.0), (3.0, 4.0), (4.0, 4.0)] {
+            for longest in [0.25, 0.5, 2.0] {
+                let error_bounds = FilterErrorBounds::of(longest, max_abs_coord);
+                let edge = (EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest) * longest * rounding;
+                let depth = DEPTH_ROUNDINGS * corner * longest * longest * rounding;
+                assert_eq!(
+                    (error_bounds.edge, error_bounds.depth),
+                    (-edge, -depth),
+                    "{max_abs_coord} {longest}"
+                );
+            }
+        }
+        let least = FilterErrorBounds::of(0.0, 1.0);
+        assert_eq!((least.edge, least.depth), (-UNDERFLOW, -UNDERFLOW));
+    }
+
+    #[test]
+    fn a_frame_counts_from_its_middle_in_its_unit() {
+        let point = |x: f64, y: f64, z: f64| frame().point(DVec3::new(x, y, z));
+        assert_eq!(point(6.0, 2.0, 3.0), DVec3::new(0.5, -0.5, -0.25));
+        assert_eq!(frame().vector(DVec3::new(6.0, 2.0, -4.0)), DVec3::new(1.5, 0.5, -1.0));
+        assert_eq!((frame().scale, frame().unit), (0.25, 4.0));
+        let corners = [(4.0, 4.0, 5.0), (4.0, -8.0, 4.0), (6.0, 4.0, 4.0)].map(DVec3::from);
+        assert_eq!(frame().max_abs_coord(corners), 3.0);
+    }
+
+    #[test]
+    fn a_frame_holds_what_is_within_one_unit_of_its_middle() {
+        let holds = |low: f64, high: f64| {
+            [0, 1, 2].map(|axis| {
+                let (mut min, mut max) = (DVec3::splat(3.0), DVec3::splat(5.0));
+                (min[axis], max[axis]) = (low, high);
+                frame().holds(&Aabb { min, max })
+            })
+        };
+        assert_eq!((holds(0.0, 8.0), holds(5.0, 5.0)), ([true; 3], [true; 3]));
+        assert_eq!(
+            (holds(-0.1, 5.0), holds(5.0, 8.1), holds(-0.1, 8.1)),
+            ([false; 3], [false; 3], [false; 3])
+        );
+    }
+}

@@ -190,4 +190,57 @@ mod tests {
         });
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
+
+    #[test]
+    fn padded_cells_are_touched_from_farther_away() {
+        let (l, padding) = (lattice(), 0.25);
+        let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
+        let cells = cells_of(|out| of_sphere(&l, center, radius, padding, out));
+        let by_centers = cells_of(|out| of_ball_by_centers(&l, center, radius, padding, out));
+        for (index, b) in cell_boxes(&l) {
+            let b = Aabb { min: b.min - padding * l.cell_size, max: b.max + padding * l.cell_size };
+            let nearest = center.distance(center.clamp(b.min, b.max));
+            let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
+            assert_eq!(cells.contains(&index), nearest <= radius && farthest >= radius, "{index}");
+            assert!(by_centers.contains(&index) || nearest > radius, "{index}");
+        }
+    }
+
+    /// The error bound must count the rounding of the radius, which is more than the padding here.
+    #[test]
+    fn the_surface_of_a_huge_sphere_is_inserted_where_it_passes_through_cells() {
+        let l = lattice();
+        for (far, wall) in [(1e13, 3), (-1e13, 4)] {
+            // Its surface is as good as the plane x = 1, which is where cells 3 and 4 meet.
+            let cells = cells_of(|out| of_sphere(&l, DVec3::new(1.0 + far, 2.0, 0.5), 1e13, 1e-6, out));
+            for (y, z) in (0..8).flat_map(|y| (0..8).map(move |z| (y, z))) {
+                assert!([wall, 7 - wall].iter().all(|&x| cells.contains(&(l.index([x, y, z]) as u32))));
+            }
+        }
+    }
+
+    #[test]
+    fn testing_a_cell_costs_one() {
+        let l = lattice();
+        let corner = |cells: [f64; 3]| l.cell_size * DVec3::from_array(cells);
+        let budget = crate::grid::budget::Budget::unlimited();
+        for (high, tested) in [
+            ([7.5, 4.5, 3.5], 3),
+            ([5.5, 6.5, 3.5], 3),
+            ([5.5, 4.5, 6.5], 4),
+            ([7.5, 5.5, 3.5], 6),
+            ([5.5, 6.5, 4.5], 6),
+            ([7.5, 4.5, 4.5], 6),
+            ([7.5, 5.5, 4.5], 12),
+        ] {
+            let (low, high) = (corner([5.5, 4.5, 3.5]), corner(high));
+            let [mut triangle, mut all] = [0; 2].map(|_| TouchedCells::new(&budget));
+            of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle).unwrap();
+            of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all).unwrap();
+            assert_eq!([triangle.spent, all.spent], [tested; 2], "{high}");
+            if tested < 6 {
+                assert_eq!(triangle.indices, all.indices, "{high}");
+            }
+        }
+    }
 }

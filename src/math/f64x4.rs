@@ -270,6 +270,11 @@ mod tests {
         }
         let with_nan = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
         assert_eq!((with_nan.min3(), with_nan.max3()), (2.0, 2.0));
+        // Of equal numbers the last one counts.
+        for [x, y, z] in [[0.0, 0.0, -0.0], [-0.0, -0.0, 0.0]] {
+            let zeros = F::new(proof, [x, y, z, 1.0]);
+            assert!([zeros.min3(), zeros.max3()].iter().all(|&zero| is_identical(zero, z)));
+        }
         let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
         let [lanes, next] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
         assert_eq!(lanes.round().to_array(), numbers.map(f64::round));

@@ -284,4 +284,10 @@ mod tests {
         }
         assert!(is_singular(DMat3::from_diagonal(DVec3::INFINITY)));
     }
+
+    #[test]
+    fn the_unit_roundoff_is_the_largest_number_that_one_swallows() {
+        assert_eq!(1.0 + UNIT_ROUNDOFF, 1.0);
+        assert!(1.0 + UNIT_ROUNDOFF.next_up() > 1.0);
+    }
 }

@@ -136,3 +136,42 @@ impl EdgeFunctions {
         Some(Self { edges, edge_error_bound: EDGE_ROUNDINGS * product, inv_depth_plane })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Eye;
+    use glam::DVec2;
+
+    #[test]
+    fn an_error_bound_is_a_polynomial() {
+        assert_eq!(ErrorBound([5.0, 3.0, 0.5]).at(4.0), 5.0 + 3.0 * 4.0 + 0.5 * 16.0);
+    }
+
+    #[test]
+    fn the_error_of_a_plane_grows_with_the_longest_direction_and_falls_with_its_distance() {
+        let eye = Eye {
+            center: DVec3::ZERO,
+            direction: DVec3::NEG_Z,
+            right: DVec3::X,
+            up: DVec3::Y,
+            middle: DVec2::splat(3.5),
+        };
+        let viewport = Viewport {
+            eye,
+            scale: 0.5,
+            axes: [DVec3::X, DVec3::Y],
+            max_direction_length: 3.0,
+            width: 8,
+            rows: 0..8,
+        };
+        let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });
+        assert_eq!(inv_depth_plane.error_bound.0, [PLANE_ROUNDINGS * U * 3.0 / 2.0, 0.0, 0.0]);
+        assert_eq!(inv_depth_plane.inv_depth.at(0.0, 0.0), 0.5);
+    }
+
+    #[test]
+    fn the_error_of_a_volume_grows_with_the_cube_of_the_distance() {
+        assert_eq!(volume_error_bound(4.0), 64.0 * VOLUME_ROUNDINGS * U);
+    }
+}

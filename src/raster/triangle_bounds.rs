@@ -177,3 +177,92 @@ fn is_front(corners: [ScreenVertex; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.at.map(i64::from));
     (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight rows of eight pixels, each an eighth wide at distance 1, seen along -z.
+    fn viewport() -> Viewport {
+        let (right, up) = (DVec3::X / 8.0, DVec3::Y / 8.0);
+        let eye = Eye { center: DVec3::ZERO, direction: DVec3::NEG_Z, right, up, middle: DVec2::splat(3.5) };
+        Viewport {
+            eye,
+            scale: 1.0,
+            axes: [8.0 * DVec3::X, 8.0 * DVec3::Y],
+            max_direction_length: 2.0,
+            width: 8,
+            rows: 0..8,
+        }
+    }
+
+    /// Seen in front of the eye, so many pixels aside of the picture's middle.
+    fn beside(x: f64, y: f64, depth: f64) -> DVec3 {
+        depth * DVec3::new(x / 8.0, y / 8.0, -1.0)
+    }
+
+    #[test]
+    fn only_what_is_well_ahead_is_projected() {
+        const { assert!(BEHIND < ASIDE) };
+        let inv_depth =
+            |x: f64, depth: f64| ScreenVertex::of(DVec3::new(x, 0.0, -depth), &viewport()).inv_depth;
+        for (x, depth) in [(0.0, 0.25), (1.0, 0.25), (1.0, 1.0 / 1000.0), (1.0, 2.0)] {
+            assert_eq!(inv_depth(x, depth), (1.0 / depth) as f32, "{x} {depth}");
+        }
+        for (x, depth) in [(1.0, 1.0 / 1030.0), (1.0, 0.0), (1.0, 1e-16), (1.0, -1e-16), (1e-30, -1e-46)] {
+            assert_eq!(inv_depth(x, depth), ASIDE, "{x} {depth}");
+        }
+        for (x, depth) in [(0.0, -1.0), (1.0, -1e-14), (1e-30, -1e-44), (1e-3, -1e-3)] {
+            assert_eq!(inv_depth(x, depth), BEHIND, "{x} {depth}");
+        }
+    }
+
+    #[test]
+    fn a_point_takes_the_pixels_whose_centres_are_hardly_beside_it() {
+        let columns = |parts: i32| {
+            Span::around([ScreenVertex { at: [parts, 0], inv_depth: 1.0 }; 3], 0, &(0..8)).range()
+        };
+        for off in -2..=2 {
+            assert_eq!(columns(5 * SUBPIXELS + off), 5..6, "{off}");
+        }
+        for off in [3, 4, 31, 32, 60, 61] {
+            assert!(columns(5 * SUBPIXELS + off).is_empty(), "{off}");
+        }
+        assert!(columns(-SUBPIXELS).is_empty() && columns(8 * SUBPIXELS).is_empty());
+        let spread = [-1000, 300, 200].map(|parts| ScreenVertex { at: [0, parts], inv_depth: 1.0 });
+        assert_eq!(Span::around(spread, 1, &(2..8)).range(), 2..5);
+    }
+
+    #[test]
+    fn only_what_lies_beyond_one_side_plane_is_outside_the_frustum() {
+        let triangle = |x: f64, y: f64| {
+            [beside(x, y, 0.25), beside(x + 0.1, y, 0.5), DVec3::new(x, y, 0.1 * (x.abs() + y.abs()))]
+        };
+        for (x, y) in [(5.1, 0.0), (-5.3, 1.0), (0.0, 5.1), (1.0, -5.1)] {
+            assert!(is_outside_frustum(&viewport(), triangle(x, y)), "{x} {y}");
+        }
+        for (x, y) in [(4.9, 0.0), (-4.9, 1.0), (0.0, 4.9), (1.0, -4.9), (0.0, 0.0)] {
+            assert!(!is_outside_frustum(&viewport(), triangle(x, y)), "{x} {y}");
+        }
+        let [left, right] = [-9.0, 9.0].map(|x| beside(x, 0.0, 0.5));
+        assert!(!is_outside_frustum(&viewport(), [left, right, beside(0.0, 9.0, 0.5)]));
+        // A triangle on the plane itself, or within some roundings of it, is not outside.
+        let mut nearly = beside(5.0, 0.0, 0.5);
+        for _ in 0..8 {
+            assert!(!is_outside_frustum(&viewport(), [nearly; 3]), "{nearly}");
+            nearly.x = nearly.x.next_up();
+        }
+    }
+
+    #[test]
+    fn screen_error_grows_as_the_angles_of_the_eye_are_less_right() {
+        assert_eq!(MAX_SCREEN_ERROR * f64::from(SUBPIXELS), 1.0);
+        let eye = viewport().eye;
+        let bound = |eye: &Eye| screen_error_bound(eye, viewport().axes, viewport().max_direction_length);
+        let roundings = bound(&eye) / (SCREEN_ROUNDINGS * UNIT_ROUNDOFF);
+        assert_eq!(roundings, (MAX_STEEPNESS + 2.0) * 2.0 * 8.0);
+        let skew = Eye { up: (DVec3::Y + 1e-8 * DVec3::Z) / 8.0, ..eye };
+        let ratio = bound(&skew) / ((MAX_STEEPNESS + 2.0) * 2.0 * 8.0);
+        assert!((1e-8..1.1e-8).contains(&ratio), "{ratio}");
+    }
+}

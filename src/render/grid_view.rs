@@ -298,4 +298,25 @@ mod tests {
             [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
         );
     }
+
+    #[test]
+    fn faces_stand_where_they_are_in_boxes_anywhere_of_cells_of_any_size() {
+        let scene =
+            "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
+        let bounds = Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(3.0, 8.0, 4.0) };
+        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 2, 1]).unwrap();
+        for cell in [[0, 0, 0], [2, 1, 0]] {
+            occupancy.counts[occupancy.lattice.index(cell)] += 1;
+        }
+        for (origin, direction, t, normal) in [
+            ([0.0, 5.5, 3.5], DVec3::X, 2.0, DVec3::NEG_X),
+            ([9.0, 5.5, 3.5], DVec3::NEG_X, 6.5, DVec3::X),
+            ([2.25, 3.0, 3.5], DVec3::Y, 2.0, DVec3::NEG_Y),
+            ([1.25, 0.0, 3.5], DVec3::Y, 2.0, DVec3::NEG_Y),
+            ([1.25, 4.0, 9.0], DVec3::NEG_Z, 5.0, DVec3::Z),
+        ] {
+            let face = occupancy.first_face(&ray(origin, direction.to_array())).unwrap();
+            assert_eq!((face.t, face.normal), (t, normal), "{origin:?} {direction}");
+        }
+    }
 }

@@ -193,4 +193,34 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_triangle_is_inserted_into_padded_cells_that_it_only_comes_near() {
+        let (l, padding) = (lattice(), 0.25);
+        let corners = [[1.1, 0.3, 0.2], [7.3, 6.9, 2.2], [2.7, 4.4, 7.7]].map(DVec3::from);
+        let cells = cells_of(|out| of_triangle(&l, corners.map(|cell| cell * l.cell_size), padding, out));
+        for at in points(corners) {
+            for near in (0..8)
+                .map(|i| at + 0.24 * DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f64 - 1.0)))
+            {
+                let cell = [0, 1, 2].map(|axis| l.cell_at(axis, near[axis]));
+                assert!(cells.contains(&(l.index(cell) as u32)), "{near}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_triangle_in_a_layer_is_not_inserted_beside_its_outline() {
+        let l = lattice();
+        let corner = |cells: [f64; 3]| l.cell_size * DVec3::from_array(cells);
+        for axis in 0..3 {
+            let turned = |mut cells: [f64; 3]| {
+                cells.rotate_right(axis);
+                corner(cells)
+            };
+            let corners = [[0.5, 0.5, 2.5], [7.5, 7.5, 2.5], [7.4, 7.5, 2.5]].map(turned);
+            let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+            assert!((8..=22).contains(&cells.len()), "{axis} {}", cells.len());
+        }
+    }
 }
