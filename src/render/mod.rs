@@ -151,3 +151,6 @@ fn render_filter<E>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

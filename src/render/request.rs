@@ -141,6 +141,11 @@ impl Request {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mode::Course;
+    use crate::sampling::drand48::Drand48;
+    use crate::sampling::sampler::Pattern;
+    use crate::stats::{Counts, Quiet};
+    use crate::world::World;
 
     #[test]
     fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
@@ -152,5 +157,59 @@ mod tests {
         assert_eq!((over.columns(), over.rows()), (8..10, 0..2));
         let beside = request(Some(Window { x: 11, y: 9, width: 1, height: 1 }));
         assert_eq!(beside.window_size(), [0, 0]);
+    }
+
+    const DEPTH: Layer = Layer::Depth { near: 1.0, far: 2.0 };
+
+    fn request_of(layers: &[Layer]) -> Request {
+        Request { layers: layers.to_vec(), filter: Filter::Tent { radius: 2.5 }, ..Request::new([8, 6]) }
+    }
+
+    #[test]
+    fn each_layer_asks_for_what_it_shows() {
+        let [samples, filter] = [Layer::Samples { zoom: 2 }, Layer::Filter { zoom: 2 }];
+        for (layers, traces, has_colors, measures, has_normals) in [
+            (&[][..], false, false, false, false),
+            (&[Layer::Color], true, true, false, false),
+            (&[samples], true, false, false, false),
+            (&[DEPTH], false, false, true, false),
+            (&[Layer::Normals], false, false, true, true),
+            (&[filter], false, false, false, false),
+            (&[filter, DEPTH, Layer::Color], true, true, true, false),
+        ] {
+            let request = request_of(layers);
+            assert_eq!(request.traces_colors::<Quiet>(), traces, "{layers:?}");
+            assert!(request.traces_colors::<Counts>());
+            assert_eq!(request.has_colors(), has_colors, "{layers:?}");
+            assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
+            assert_eq!((request.measures(), request.has_normals()), (measures, has_normals), "{layers:?}");
+        }
+    }
+
+    #[test]
+    fn the_rays_of_centres_are_asked_for_where_a_layer_needs_them() {
+        let text = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
+             Group { numObjects 1 Material { } Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } }";
+        let scene = crate::scene::parser::parse(text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let occupancy = Occupancy::new(&scene, &[], world.bounds, [1; 3]).unwrap();
+        let fast = Caster::new(&world, None).unwrap();
+        let course = fast.in_mode::<Course>();
+        let aside = Sampler::new(Pattern::Uniform, 4, Drand48::UNSEEDED);
+        for (layers, sampler, view, casts, asks) in [
+            (&[Layer::Color][..], Sampler::CENTER, View::Scene, true, true),
+            (&[Layer::Color], aside, View::Scene, false, false),
+            (&[Layer::Color], Sampler::CENTER, View::Cells(&occupancy), false, false),
+            (&[Layer::Color, DEPTH], aside, View::Scene, false, true),
+            (&[Layer::Color, DEPTH], Sampler::CENTER, View::Cells(&occupancy), false, true),
+            (&[DEPTH], Sampler::CENTER, View::Scene, false, true),
+        ] {
+            let request = Request { sampler, ..request_of(layers) };
+            let camera = Camera::new(&scene.camera, request.size);
+            assert_eq!(request.casts_centers::<Quiet>(view), casts, "{layers:?} {sampler:?}");
+            let visibility = request.visibility::<_, Quiet>(&camera, &fast, view, 0..6);
+            assert_eq!(visibility.is_some(), asks, "{layers:?} {sampler:?}");
+            assert!(request.visibility::<_, Quiet>(&camera, &course, view, 0..6).is_none());
+        }
     }
 }

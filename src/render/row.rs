@@ -319,3 +319,6 @@ fn cell_color(face: &Face, ray: &Ray, world: &World) -> Color {
     });
     face.color * (world.ambient + lights.sum::<Color>())
 }
+
+#[cfg(test)]
+mod tests;

@@ -163,3 +163,58 @@ fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) 
         *first = colors;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::grid::Caster;
+    use crate::mode::Fast;
+    use crate::render::View;
+    use crate::sampling::filter::Filter;
+    use crate::scene::parser::parse;
+    use crate::world::World;
+
+    /// Calls `check` with the setting of a request on one thread.
+    fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -> T + Send) -> T {
+        let text =
+            "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 } Group { numObjects 0 }";
+        let scene = parse(text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let caster = Caster::new(&world, None).unwrap();
+        let camera = Camera::new(&scene.camera, request.size);
+        let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request };
+        rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
+    }
+
+    #[test]
+    fn a_strip_has_as_many_rows_as_the_memory_holds() {
+        let rows = |layers: &[Layer], filter, end, first| {
+            let request = Request { layers: layers.to_vec(), filter, ..Request::new([1 << 16, 1 << 12]) };
+            with_setting(&request, |setting| Strip::below(setting, end, first).rows)
+        };
+        let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
+        // Memory for 21 rows of 2^16 colours of 24 bytes.
+        assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4075..4096);
+        assert_eq!(rows(&[Layer::Color], one, 4096, 4080), 4080..4096);
+        assert_eq!(rows(&[Layer::Color], one, 20, 0), 0..20);
+        assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4089..4096);
+        assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4091..4096);
+        assert_eq!(rows(&[Layer::Samples { zoom: 9 }], one, 4096, 0), 4095..4096);
+        assert_eq!(rows(&[Layer::Filter { zoom: 2 }], one, 4096, 0), 0..4096);
+        // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
+        assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
+        assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4075..4096);
+    }
+
+    #[test]
+    fn so_many_rows_are_in_flight_as_the_memory_holds() {
+        let rows = |filter, width| {
+            let request = Request { filter, ..Request::new([width, 1 << 12]) };
+            with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
+        };
+        assert_eq!([1 << 10, 1 << 16, 1 << 30].map(|width| rows(Filter::PIXEL, width)), [1024, 16, 1]);
+        // Each of the three rows of sums takes as many bytes for a pixel as the row itself.
+        assert_eq!(rows(Filter::Box { radius: 1.5 }, 1 << 16), 4);
+    }
+}

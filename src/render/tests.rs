@@ -1,0 +1,317 @@
+//! Small pictures: windows, strips, layers, and how a render ends early.
+
+use super::*;
+use crate::sampling::drand48::Drand48;
+use crate::sampling::sampler::{Pattern, Sampler};
+use crate::scene::parser::parse;
+use crate::stats::{Counts, Quiet};
+use crate::world::World;
+use std::cell::RefCell;
+use std::sync::Mutex;
+
+/// A tetrahedron's faces before a floor, seen in perspective, and a sphere where `other` says so.
+fn scene(other: &str) -> String {
+    let count = 4 + usize::from(!other.is_empty());
+    format!(
+        "PerspectiveCamera {{ center 0.1 0.4 4 direction 0 -0.1 -1 up 0 1 0 angle 40 }}
+         Background {{ color 0.2 0.1 0.3 ambientLight 0.1 0.1 0.1 }}
+         Lights {{ numLights 2 DirectionalLight {{ direction -1 -2 -1 color 0.9 0.8 0.7 }}
+         PointLight {{ position 1 2 3 color 0.5 0.6 0.9 attenuation 0.3 0.2 0.1 }} }}
+         Materials {{ numMaterials 2 Material {{ diffuseColor 1 0.5 0.2 specularColor 1 1 1 exponent 9 }}
+         Material {{ diffuseColor 0.2 0.5 1 }} }}
+         Group {{ numObjects {count} MaterialIndex 0
+         Triangle {{ vertex0 -1 -0.5 0 vertex1 0.2 -0.4 1 vertex2 0 1 0 }}
+         Triangle {{ vertex0 0.2 -0.4 1 vertex1 1 -0.6 0 vertex2 0 1 0 }} MaterialIndex 1
+         Triangle {{ vertex0 -0.9 0.3 -1 vertex1 0.9 0.7 -1 vertex2 0.1 1.2 0.5 }}
+         Plane {{ normal 0 1 0.02 offset -0.5 }} {other} }}"
+    )
+}
+
+const SPHERE: &str = "Sphere { center 0.8 0.2 0.6 radius 0.4 }";
+
+fn jittered(count: u32) -> Sampler {
+    Sampler::new(Pattern::Jittered, count, Drand48::UNSEEDED)
+}
+
+/// What a render hands out: its result, and the layer and the colours of each row.
+type HandedOut<P, E> = (Result<P, Stopped<E>>, Vec<(usize, Vec<Color>)>);
+
+/// Renders a scene on one thread, so that the heights of strips are the same on every machine.
+fn render_scene<P: Probe, E: Send>(
+    text: &str,
+    request: &Request,
+    watch: Watch,
+    take_row: TakeRow<E>,
+) -> Result<P, Stopped<E>> {
+    let scene = parse(text).unwrap();
+    let world = World::new(&scene, &[]).unwrap();
+    let caster = Caster::new(&world, None).unwrap();
+    let camera = Camera::new(&scene.camera, request.size);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| render(&camera, &caster, View::Scene, request, watch, take_row))
+}
+
+fn goes_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// All rows of a render, until `fails_at` rows have been taken.
+fn rows<P: Probe>(text: &str, request: &Request, fails_at: usize) -> HandedOut<P, &'static str> {
+    let mut rows = vec![];
+    let mut take_row = |layer: usize, colors: &[Color]| {
+        rows.push((layer, colors.to_vec()));
+        if rows.len() == fails_at { Err("no room") } else { Ok(()) }
+    };
+    let result = render_scene(text, request, &goes_on, &mut take_row);
+    (result, rows)
+}
+
+fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
+    let scene = parse(text).unwrap();
+    let world = World::new(&scene, &[]).unwrap();
+    let caster = Caster::new(&world, None).unwrap();
+    let camera = Camera::new(&scene.camera, request.size);
+    render_in_memory::<_, Quiet>(&camera, &caster, View::Scene, request).unwrap().0
+}
+
+/// The part of a picture that a window shows, where each pixel is a square of `zoom` by `zoom`.
+fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
+    let [width, height] = picture.size;
+    let cut = |from: usize, length: usize, size: usize| {
+        (from * zoom).min(size)..from.saturating_add(length).saturating_mul(zoom).min(size)
+    };
+    let (columns, rows) = (cut(window.x, window.width, width), cut(window.y, window.height, height));
+    let size = [columns.len(), rows.len()];
+    let row = |y: usize| picture.colors[y * width..][columns.clone()].to_vec();
+    FloatPicture { size, colors: rows.flat_map(row).collect() }
+}
+
+#[test]
+fn a_window_shows_its_part_of_the_whole_picture_in_every_layer() {
+    let (near, far) = (2.0, 7.0);
+    let layers =
+        [Layer::Color, Layer::Samples { zoom: 3 }, Layer::Depth { near, far }, Layer::Normals, Layer::Color];
+    for (other, sampler, filter) in [
+        ("", Sampler::CENTER, Filter::PIXEL),
+        ("", Sampler::CENTER, Filter::Gaussian { sigma: 0.8 }),
+        ("", jittered(3), Filter::PIXEL),
+        (SPHERE, jittered(2), Filter::Tent { radius: 2.7 }),
+        (SPHERE, Sampler::CENTER, Filter::PIXEL),
+    ] {
+        let whole = Request { sampler, filter, layers: layers.to_vec(), ..Request::new([37, 21]) };
+        let pictures_of = |window| pictures(&scene(other), &Request { window, ..whole.clone() });
+        let expected = pictures_of(None);
+        assert_eq!(expected[0], expected[4]);
+        for picture in &expected {
+            let mut colors: Vec<_> = picture.colors.iter().map(|c| c.to_array().map(f64::to_bits)).collect();
+            colors.sort_unstable();
+            colors.dedup();
+            assert!(colors.len() > 3, "{}", colors.len());
+        }
+        for [x, y, width, height] in [
+            [0, 0, 5, 4],
+            [7, 6, 21, 5],
+            [30, 15, 50, 50],
+            [3, 2, 1, 1],
+            [17, 0, 16, 21],
+            [0, 20, usize::MAX, 1],
+        ] {
+            let window = Window { x, y, width, height };
+            for (k, (picture, whole)) in pictures_of(Some(window)).iter().zip(&expected).enumerate() {
+                let zoom = if k == 1 { 3 } else { 1 };
+                assert!(*picture == part(whole, window, zoom), "{sampler:?} {filter:?} {window:?} layer {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_window_without_pixels_is_refused() {
+    let request = |layer, window| Request { layers: vec![layer], window, ..Request::new([5, 4]) };
+    let text = parse(&scene("")).unwrap();
+    let world = World::new(&text, &[]).unwrap();
+    let caster = Caster::new(&world, None).unwrap();
+    for (layer, size) in [(Layer::Color, [0, 2]), (Layer::Samples { zoom: 7 }, [0, 14])] {
+        let request = request(layer, Some(Window { x: 5, y: 1, width: 3, height: 2 }));
+        let camera = Camera::new(&text.camera, request.size);
+        let result = render_in_memory::<_, Quiet>(&camera, &caster, View::Scene, &request);
+        assert_eq!(result.err(), Some(BadSize { width: size[0], height: size[1] }));
+    }
+}
+
+/// A layer of samples so large that eight rows of pixels fill the memory of a strip.
+const LARGE: Layer = Layer::Samples { zoom: 64 };
+const LARGE_SIZE: [usize; 2] = [40, 20];
+const STRIP_ROWS: usize = 8;
+
+/// FNV-1a over the bits of the colours.
+fn hash(row: &[Color]) -> u64 {
+    let bits = row.iter().flat_map(|color| color.to_array().map(f64::to_bits));
+    bits.fold(0xCBF2_9CE4_8422_2325, |hash, bits| (hash ^ bits).wrapping_mul(0x100_0000_01B3))
+}
+
+/// The hashes of the rows of two layers.
+fn hashes(request: &Request) -> [Vec<u64>; 2] {
+    let mut hashes = [vec![], vec![]];
+    let mut take_row = |layer: usize, row: &[Color]| -> Result<(), Infallible> {
+        hashes[layer].push(hash(row));
+        Ok(())
+    };
+    render_scene::<Quiet, _>(&scene(SPHERE), request, &goes_on, &mut take_row).unwrap();
+    hashes
+}
+
+#[test]
+fn strips_of_several_rows_make_the_picture_of_strips_of_one_row() {
+    for (sampler, filter) in [
+        (Sampler::CENTER, Filter::PIXEL),
+        (jittered(2), Filter::PIXEL),
+        (jittered(2), Filter::Tent { radius: 1.4 }),
+    ] {
+        let whole =
+            Request { sampler, filter, layers: vec![Layer::Color, LARGE], ..Request::new(LARGE_SIZE) };
+        let mut row_by_row = [vec![], vec![]];
+        for y in 0..LARGE_SIZE[1] {
+            let window = Window { x: 0, y, width: LARGE_SIZE[0], height: 1 };
+            let row = hashes(&Request { window: Some(window), ..whole.clone() });
+            row_by_row.iter_mut().zip(row).for_each(|(all, row)| all.extend(row));
+        }
+        assert_eq!(row_by_row.each_ref().map(Vec::len), [LARGE_SIZE[1], 64 * LARGE_SIZE[1]]);
+        assert!(hashes(&whole) == row_by_row, "{sampler:?} {filter:?}");
+    }
+}
+
+#[test]
+fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
+    let request = Request {
+        filter: Filter::Tent { radius: 1.4 },
+        layers: vec![LARGE, Layer::Color],
+        ..Request::new(LARGE_SIZE)
+    };
+    for (last, handed_out) in [(1, 0), (7, 0), (9, STRIP_ROWS), (17, 2 * STRIP_ROWS), (20, 16), (21, 20)] {
+        let told = Mutex::new(vec![]);
+        let watch = |progress: Progress| {
+            told.lock().unwrap().push(progress);
+            if progress.done == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut taken = 0;
+        let mut take_row = |layer: usize, _: &[Color]| -> Result<(), Infallible> {
+            taken += layer;
+            Ok(())
+        };
+        let result = render_scene::<Quiet, _>(&scene(""), &request, &watch, &mut take_row);
+        let expected = (handed_out < LARGE_SIZE[1]).then_some(Stopped::Cancelled { rows: handed_out });
+        assert_eq!((result.err(), taken), (expected, handed_out), "{last}");
+        let expected: Vec<_> =
+            (1..=last.min(LARGE_SIZE[1])).map(|done| Progress { done, rows: LARGE_SIZE[1] }).collect();
+        assert_eq!(*told.lock().unwrap(), expected);
+    }
+}
+
+#[test]
+fn a_row_that_is_not_taken_ends_the_render() {
+    let layers = vec![Layer::Samples { zoom: 2 }, Layer::Filter { zoom: 2 }, Layer::Color];
+    let request = Request { layers, ..Request::new([3, 4]) };
+    // The seven columns and nine rows of the filter come first, then the layers of each row of pixels.
+    let order: Vec<usize> = [vec![1; 9], [0, 0, 2].repeat(4)].concat();
+    let order_of = |rows: &[(usize, Vec<Color>)]| rows.iter().map(|(layer, _)| *layer).collect::<Vec<_>>();
+    let (result, all) = rows::<Quiet>(&scene(""), &request, usize::MAX);
+    assert!(result.is_ok());
+    assert_eq!(order_of(&all), order);
+    assert_eq!(
+        all.iter().map(|(_, row)| row.len()).collect::<Vec<_>>(),
+        [vec![7; 9], [6, 6, 3].repeat(4)].concat()
+    );
+    for count in 1..=order.len() {
+        let (result, taken) = rows::<Quiet>(&scene(""), &request, count);
+        assert!(matches!(result, Err(Stopped::Output("no room"))));
+        assert_eq!(taken, all[..count]);
+    }
+}
+
+#[test]
+fn a_stopped_render_says_why() {
+    assert_eq!(Stopped::<&str>::Cancelled { rows: 7 }.to_string(), "stopped after 7 rows");
+    assert_eq!(Stopped::Output("no room").to_string(), "no room");
+}
+
+#[test]
+fn the_counts_of_every_strip_are_added_up_once() {
+    for (sampler, filter, samples) in
+        [(Sampler::CENTER, Filter::PIXEL, 1), (jittered(3), Filter::Tent { radius: 1.4 }, 3)]
+    {
+        let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
+        let (result, _) = rows::<Counts>(&scene(""), &request, usize::MAX);
+        assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 30 * samples);
+        // Where the filter reaches beyond a window, samples around it are traced but only its rows count.
+        let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
+        let (result, _) = rows::<Counts>(&scene(""), &Request { window, ..request }, usize::MAX);
+        assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 2 * samples);
+    }
+}
+
+#[test]
+fn depths_are_white_at_the_near_bound_and_black_at_the_far_bound_and_beyond() {
+    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+         Group { numObjects 1 Material { } Triangle { vertex0 0 -9 1 vertex1 9 0 1 vertex2 0 9 1 } }";
+    for (near, far, shown) in [(2.0, 10.0, 0.75), (3.0, 5.0, 0.5), (5.0, 10.0, 1.0), (1.0, 3.0, 0.0)] {
+        let layers = vec![Layer::Depth { near, far }, Layer::Normals];
+        let request = Request { layers, sampler: jittered(2), ..Request::new([4, 2]) };
+        let [depths, normals] = pictures(text, &request).try_into().unwrap();
+        let expected = |x: Color| [Color::ZERO, Color::ZERO, x, x].repeat(2);
+        assert_eq!(depths.colors, expected(Color::splat(shown)), "{near} {far}");
+        assert_eq!(normals.colors, expected(Color::Z));
+    }
+}
+
+#[test]
+fn samples_are_plotted_where_they_lie_on_a_chequered_ground() {
+    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+         Background { color 1 0.5 0.25 } Group { numObjects 0 }";
+    let ([width, height], zoom, sampler) = ([5, 4], 6, jittered(3));
+    let request = Request { sampler, layers: vec![Layer::Samples { zoom }], ..Request::new([width, height]) };
+    let picture = &pictures(text, &request)[0];
+    let mut expected: Vec<Vec<Color>> = (0..height * zoom)
+        .map(|y| {
+            let grey = |x: usize| if (x / zoom + y / zoom) % 2 == 0 { 0.2 } else { 0.0 };
+            (0..width * zoom).map(|x| Color::splat(grey(x))).collect()
+        })
+        .collect();
+    for (i, j) in (0..width).flat_map(|i| (0..height).map(move |j| (i, j))) {
+        for offset in sampler.offsets((i * height + j) as u64) {
+            let within = (offset + 0.5) * zoom as f64;
+            let [x, y] = [i * zoom + within.x as usize, j * zoom + within.y as usize];
+            expected[y][x] = Color::new(1.0, 0.5, 0.25);
+        }
+    }
+    // The first row of a picture is the last one from the bottom.
+    let expected: Vec<Color> = expected.into_iter().rev().flatten().collect();
+    assert_eq!((picture.size, &picture.colors), ([width * zoom, height * zoom], &expected));
+}
+
+#[test]
+fn a_filter_is_drawn_around_the_middle_pixel_with_lines_between_pixels() {
+    let (filter, zoom, [width, height]) = (Filter::Tent { radius: 1.4 }, 4, [7, 5]);
+    let drawn = RefCell::new(vec![]);
+    render_filter(filter, [width, height], zoom, &mut |row| {
+        drawn.borrow_mut().push(row.to_vec());
+        Ok::<_, Infallible>(())
+    })
+    .unwrap();
+    let drawn = drawn.into_inner();
+    assert_eq!((drawn.len(), drawn[0].len()), (height * zoom + 1, width * zoom + 1));
+    for (y, row) in drawn.iter().rev().enumerate() {
+        for (x, &color) in row.iter().enumerate() {
+            let is_line = x % zoom == 0 || y % zoom == 0;
+            // Pixel 3 is the middle, and the support is one pixel.
+            let is_reached = (8..20).contains(&x) && (8..20).contains(&y);
+            let from_middle = DVec2::new(x as f64, y as f64) / 4.0 - 3.5;
+            let expected = match (is_line, is_reached) {
+                (true, _) => Color::Z,
+                (false, true) => Color::splat(filter.weight(from_middle)),
+                (false, false) => 0.5 * Color::Z,
+            };
+            assert_eq!(color, expected, "{x} {y}");
+        }
+    }
+}
