@@ -10,6 +10,8 @@ mod edge_functions;
 mod tile;
 mod triangle_bounds;
 #[cfg(test)]
+mod tests;
+#[cfg(test)]
 mod worst_cases;
 
 use crate::camera::{Camera, Eye};

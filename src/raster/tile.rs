@@ -210,3 +210,93 @@ fn mask(condition: bool) -> u32 {
 fn select(mask: u32, a: f32, b: f32) -> f32 {
     f32::from_bits(mask & a.to_bits() | !mask & b.to_bits())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Eye;
+    use glam::{DVec2, DVec3};
+
+    const WIDTH: usize = 200;
+    const STRIDE: usize = WIDTH + LANES;
+
+    fn viewport() -> Viewport {
+        let [right, up] = [DVec3::X, DVec3::Y].map(|axis| axis / 100.0);
+        let eye =
+            Eye { center: DVec3::ZERO, direction: DVec3::NEG_Z, right, up, middle: DVec2::new(99.5, 40.5) };
+        Viewport {
+            eye,
+            scale: 1.0,
+            axes: [DVec3::X, DVec3::Y],
+            max_direction_length: 3.0,
+            width: WIDTH,
+            rows: 0..82,
+        }
+    }
+
+    /// An inverse depth that is `value` at a pixel, and 0 on a line through another one, which may lie beside the
+    /// picture.
+    fn inv_depth(value: f64, [x, y]: [f64; 2], per_pixel: [f64; 2]) -> InvDepthPlane {
+        let [per_x, per_y] = per_pixel;
+        let inv_depth = Affine { constant: value - per_x * x - per_y * y, per_x, per_y };
+        InvDepthPlane { inv_depth, error_bound: ErrorBound([0.0; 3]) }
+    }
+
+    /// Checks that the tile knows each of these pixels, and holds an interval there that contains the inverse depth.
+    fn check_intervals(tile: &Tile, plane: &InvDepthPlane, columns: Range<usize>, rows: Range<usize>) {
+        let middle = tile.viewport.eye.middle;
+        for (i, j) in rows.flat_map(|j| columns.clone().map(move |i| (i, j))) {
+            let exact = plane.inv_depth.at(i as f64 - middle.x, j as f64 - middle.y);
+            let k = (j - tile.rows.start) * STRIDE + i;
+            let [min, max] = [tile.min_inv_depths[k], tile.max_inv_depths[k]].map(f64::from);
+            assert_eq!(tile.visible_ids[k], 7, "{i} {j}");
+            assert!(min < exact && exact < max, "{i} {j}: {min} {exact} {max}");
+        }
+    }
+
+    /// The error bound of single precision counts the values where the triangle is, however far that is from the
+    /// middle of the picture.
+    #[test]
+    fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
+        let viewport = viewport();
+        for (k, per_pixel) in
+            (1..400).zip([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().cycle())
+        {
+            let (i, j) = (37 * k % (WIDTH - 2), 32 + 7 * k % 31);
+            let [x, y] = [i as f64 - 99.5, j as f64 - 40.5];
+            // Zero where a sign is lost: at (-x, y), at (x, -y), and as far on the other side of the middle.
+            let per_pixel = per_pixel.map(|p: f64| p * (0.37 + 0.01 * k as f64));
+            for value in [[99.5, 40.5], [199.0, 81.0], [x.abs(), y.abs()]].map(|[across, up]| {
+                (per_pixel[0].abs() * 2.0 * across + per_pixel[1].abs() * 2.0 * up)
+                    .max(2.0 * per_pixel[0].abs())
+                    .max(0.5)
+            }) {
+                let plane = inv_depth(value, [x, y], per_pixel);
+                let edges = [Affine { constant: 1.0, per_x: 0.0, per_y: 0.0 }; 3];
+                let mut visible_ids = vec![UNSURE; 32 * STRIDE];
+                let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids);
+                let edge_functions = EdgeFunctions { edges, edge_error_bound: 0.0, inv_depth_plane: plane };
+                tile.rasterize(&edge_functions, i..i + 2, j..j + 1, 7);
+                check_intervals(&tile, &edge_functions.inv_depth_plane, i..i + 2, j..j + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
+        let viewport = viewport();
+        for k in 1..100 {
+            let per_y = 0.37 + 0.01 * f64::from(k);
+            for (first_row, per_y) in [(0, per_y), (32, per_y), (64, per_y), (0, -per_y), (64, -per_y)] {
+                let y = first_row as f64 - 40.5;
+                // Zero at -y, and at the least positive in all rows of the tile.
+                let plane = inv_depth((2.0 * y * per_y).max(40.0 * per_y.abs()), [0.0, y], [0.0, per_y]);
+                let count = 32.min(82 - first_row);
+                let mut visible_ids = vec![UNSURE; count * STRIDE];
+                let mut tile = Tile::new(&viewport, first_row, STRIDE, &mut visible_ids);
+                tile.fill(&plane, 7);
+                check_intervals(&tile, &plane, 0..WIDTH, first_row..first_row + count);
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The visibility buffer against the rays that it stands for.
+
+use super::*;
+use crate::grid::options::GridOptions;
+use crate::scene::mesh::Mesh;
+use crate::scene::parser::parse;
+use crate::stats::Quiet;
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 40 }";
+
+/// The camera of a scene and its world of these triangles and objects.
+fn scene(camera: &str, triangles: &[[DVec3; 3]], objects: &[&str], size: [usize; 2]) -> (Camera, World) {
+    let text = format!(
+        "{camera} Group {{ numObjects {} Material {{ }} TriangleMesh {{ obj_file a.obj }} {} }}",
+        objects.len() + 1,
+        objects.join(" ")
+    );
+    let scene = parse(&text).unwrap();
+    let mesh = Mesh {
+        vertices: triangles.as_flattened().to_vec(),
+        triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    };
+    (Camera::new(&scene.camera, size), World::new(&scene, &[mesh]).unwrap())
+}
+
+/// Triangles of this size, spread over a cube by golden ratios, and each the other way round than the last.
+fn spread(count: u32, size: f64) -> Vec<[DVec3; 3]> {
+    let corner = |k: f64| 2.0 * (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract() - 1.0;
+    let triangle = |i: u32| {
+        let k = f64::from(i);
+        let [a, b, c] =
+            [corner(k), corner(k) + size * corner(7.3 * k + 1.0), corner(k) + size * corner(3.7 * k + 2.0)];
+        if i.is_multiple_of(2) { [a, b, c] } else { [a, c, b] }
+    };
+    (0..count).map(triangle).collect()
+}
+
+/// How many pixels of these rows show nothing, a primitive, or are unsure; each is checked against its ray.
+fn counts(camera: &Camera, world: &World, size: [usize; 2], rows: Range<usize>) -> [usize; 3] {
+    let caster =
+        Caster::with(world, GridOptions::uniform([9; 3]), crate::grid::Instructions::Portable).unwrap();
+    let buffer = VisibilityBuffer::new(camera, &caster, size, rows.clone()).unwrap();
+    let mut counts = [0; 3];
+    for (i, j) in rows.flat_map(|j| (0..size[0]).map(move |i| (i, j))) {
+        let ray = camera.ray(glam::DVec2::new(i as f64, j as f64), glam::DVec2::ZERO);
+        let cast = caster.nearest(&ray, None, &mut Quiet);
+        match buffer.seen(world, &ray, i, j) {
+            Seen::Nothing => {
+                assert_eq!(cast, None, "{i} {j}");
+                counts[0] += 1;
+            }
+            Seen::Primitive(visible) => {
+                let hit = world.hit(&ray, visible);
+                assert_eq!(cast.map(|cast| world.hit(&ray, cast)), Some(hit), "{i} {j}");
+                counts[1] += 1;
+            }
+            Seen::Unsure => counts[2] += 1,
+        }
+    }
+    counts
+}
+
+#[test]
+fn what_is_seen_is_what_rays_hit_and_little_is_unsure() {
+    let planes = ["Plane { normal 0 1 0.1 offset -0.9 }", "Plane { normal 0.2 0 1 offset -0.5 }"];
+    for (triangles, size, objects, rows) in [
+        (spread(40, 1.0), [70, 90], &[][..], 0..90),
+        (spread(40, 1.0), [70, 90], &planes, 5..70),
+        (spread(2000, 0.1), [90, 70], &planes[..1], 0..70),
+        (spread(20_000, 0.05), [200, 170], &[], 0..170),
+    ] {
+        let (camera, world) = scene(CAMERA, &triangles, objects, size);
+        let [nothing, seen, unsure] = counts(&camera, &world, size, rows);
+        assert!(25 * unsure < seen, "{nothing} {seen} {unsure}");
+        assert!(seen > 1000 && (objects.len() > 1 || nothing > 200), "{nothing} {seen} {unsure}");
+    }
+}
+
+/// Two triangles that share an edge through the centres of a column, where nothing is certain.
+#[test]
+fn pixels_on_an_edge_are_unsure() {
+    assert_ne!(UNSURE, NOTHING);
+    let [low, high, left, right] =
+        [(0.0, -0.5), (0.0, 0.5), (-0.5, 0.0), (0.5, 0.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let (camera, world) = scene(CAMERA, &[[low, high, left], [low, right, high]], &[], [33, 33]);
+    let [nothing, seen, unsure] = counts(&camera, &world, [33, 33], 0..33);
+    assert!(nothing > 500 && seen > 40 && (11..30).contains(&unsure), "{nothing} {seen} {unsure}");
+}
+
+#[test]
+fn rays_are_cast_where_that_is_less_work_or_the_world_has_other_things() {
+    let is_drawn = |camera: &str, triangles: &[[DVec3; 3]], objects: &[&str], cells: Option<[usize; 3]>| {
+        let (camera, world) = scene(camera, triangles, objects, [40, 30]);
+        let caster = Caster::new(&world, cells).unwrap();
+        VisibilityBuffer::new(&camera, &caster, [40, 30], 0..30).is_some()
+    };
+    let few = spread(40, 0.1);
+    assert!(is_drawn(CAMERA, &few, &[], None));
+    assert!(!is_drawn(CAMERA, &few, &["Sphere { center 0 0 0 radius 0.1 }"], None));
+    assert!(!is_drawn(
+        "OrthographicCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 size 2 }",
+        &few,
+        &[],
+        None
+    ));
+    // With a grid up to three triangles for four pixels, without one many more.
+    for (count, with_grid) in [(900, true), (901, false)] {
+        let tiny = spread(count, 1e-3);
+        assert!(is_drawn(CAMERA, &tiny, &[], None));
+        assert_eq!(is_drawn(CAMERA, &tiny, &[], Some([5; 3])), with_grid, "{count}");
+    }
+    // Up to sixteen triangles over every pixel.
+    let wide = |z: f64| [DVec3::new(-99.0, -99.0, z), DVec3::new(99.0, -99.0, z), DVec3::new(0.0, 99.0, z)];
+    for (count, expected) in [(16, true), (17, false)] {
+        let triangles: Vec<_> = (0..count).map(|k| wide(f64::from(k) * -0.1)).collect();
+        assert_eq!(is_drawn(CAMERA, &triangles, &[], None), expected, "{count}");
+    }
+}
