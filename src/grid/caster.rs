@@ -176,3 +176,28 @@ fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
 ) -> Visible {
     caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), exclude, probe)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    #[test]
+    fn a_caster_tells_whether_it_has_a_grid_and_of_which_cells() {
+        let world = |objects: &str| {
+            let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
+            World::new(&parse(&format!("{camera} Group {{ {objects} }}")).unwrap(), &[]).unwrap()
+        };
+        let sphere = world("numObjects 1 Material { } Sphere { center 0 0 0 radius 1 }");
+        let plane = world("numObjects 1 Material { } Plane { normal 0 0 1 offset 0 }");
+        for (world, cells, expected) in [
+            (&sphere, Some([2, 3, 4]), Some([2, 3, 4])),
+            (&sphere, None, None),
+            (&plane, Some([2, 3, 4]), None),
+        ] {
+            let caster = Caster::new(world, cells).unwrap();
+            assert_eq!((caster.has_grid(), caster.cells()), (expected.is_some(), expected));
+            assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
+        }
+    }
+}

@@ -280,3 +280,46 @@ pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+    use glam::DVec3;
+
+    #[test]
+    fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
+        let mut state = FilterState::new([[0.0; 4]; 2], 2.0, 4.0, 0.25, 2.5625);
+        assert_eq!(state.ray.max_depth, 2.25);
+        state.shorten(2.5);
+        assert_eq!((state.ray.max_depth, state.t(2.0)), (2.0, 2.5));
+        state.shorten(0.5);
+        assert_eq!(state.ray.max_depth, -6.0);
+        for far in [f64::INFINITY, f64::NAN, 1e300, 2.0 + MAX_DEPTH / 4.0] {
+            state.shorten(far);
+            assert_eq!(f64::from(state.ray.max_depth), MAX_DEPTH, "{far}");
+        }
+    }
+
+    /// Where only bounds are known on the t of the best triangle, its t decides.
+    #[test]
+    fn of_a_triangle_within_bounds_and_another_the_nearer_one_is_kept() {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 2 Material { }
+             Triangle { vertex0 -1 -1 4 vertex1 1 -1 4 vertex2 0 1 4 }
+             Triangle { vertex0 -1 -1 5 vertex1 1 -1 5 vertex2 0 1 5 } }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let ray = Ray::new(DVec3::ZERO, DVec3::Z);
+        for (t, is_kept) in [(3.4, true), (3.9, true), (4.0, false), (4.1, false), (4.6, false)] {
+            let mut query = RayQuery::new(&world, &ray, NONE);
+            query.best = Visible { primitive: 0, t_bound: 4.5 };
+            query.t_lower_bound = 3.5;
+            assert_eq!(query.offer(t, 1), is_kept, "{t}");
+            assert_eq!(query.best.primitive, u32::from(is_kept), "{t}");
+        }
+        let mut query = RayQuery::new(&world, &ray, NONE);
+        query.best = Visible { primitive: 1, t_bound: 5.0 };
+        query.t_lower_bound = 5.0;
+        assert!(!query.offer(5.5, 0) && query.offer(5.0, 0) && !query.offer(5.0, 1));
+    }
+}

@@ -237,4 +237,13 @@ mod tests {
             assert!((short - 0.4f64.sqrt()).abs() < 1e-15 && (long - 1.6f64.sqrt()).abs() < 1e-15);
         }
     }
+
+    #[test]
+    fn half_lengths_are_those_of_the_semi_axes() {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
+        let ellipsoid = Ellipsoid::new(DVec3::ONE, turn * DMat3::from_diagonal(DVec3::new(2.0, 0.5, 7.0)));
+        let mut half_lengths = ellipsoid.half_lengths();
+        half_lengths.sort_by(f64::total_cmp);
+        assert!(half_lengths.iter().zip([0.5, 2.0, 7.0]).all(|(x, y)| (x / y - 1.0).abs() < 1e-14));
+    }
 }

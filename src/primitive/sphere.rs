@@ -210,4 +210,13 @@ mod tests {
             assert!((other - far).abs() <= 16.0 * UNIT_ROUNDOFF * far, "{i}: {other} {far}");
         }
     }
+
+    #[test]
+    fn the_normal_of_a_sphere_too_small_for_its_place_points_against_the_ray() {
+        let sphere = Sphere { center: DVec3::X, radius: 1e-30 };
+        let ray = Ray::new(DVec3::new(1.0, 0.0, -5.0), DVec3::Z);
+        assert_eq!(sphere.surface(&ray, DVec3::X), (DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1e-30)));
+        let beside = DVec3::new(1.0, 3.0, 4.0);
+        assert!((sphere.surface(&ray, beside).0 - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
+    }
 }

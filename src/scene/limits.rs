@@ -73,3 +73,130 @@ fn is_phong(phong: &Phong) -> bool {
         && phong.index_of_refraction > 0.0
         && is_in_range(phong.index_of_refraction)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::material::Pattern;
+    use crate::scene::parser::parse;
+    use glam::DAffine3;
+
+    /// A scene of both kinds of lights and materials.
+    fn scene(camera: &str) -> Scene {
+        let text = format!(
+            "{camera} Background {{ color 0 0 0 ambientLight 0 0 0 }}
+             Lights {{ numLights 2 DirectionalLight {{ direction 0 0 -1 color 1 1 1 }}
+             PointLight {{ position 0 0 1 color 1 1 1 attenuation 1 0 0 }} }}
+             Materials {{ numMaterials 2 Material {{ }}
+             Noise {{ materialIndex 0 materialIndex 0 octaves 2 }} }} Group {{ numObjects 0 }}"
+        );
+        parse(&text).unwrap()
+    }
+
+    fn orthographic() -> Scene {
+        scene("OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 2 }")
+    }
+
+    /// What one change makes of a scene is refused for every one of these numbers, and accepted for none of the
+    /// others.
+    fn check_number(change: impl Fn(&mut Scene, f64), refused: &[f64], accepted: &[f64]) {
+        let is_valid = |number: f64| {
+            let mut scene = orthographic();
+            change(&mut scene, number);
+            check(&scene).is_ok()
+        };
+        assert!(refused.iter().all(|&number| !is_valid(number)), "{refused:?}");
+        assert!(accepted.iter().all(|&number| is_valid(number)), "{accepted:?}");
+    }
+
+    fn change_phong(scene: &mut Scene, change: impl Fn(&mut Phong)) {
+        match &mut scene.materials[0] {
+            Material::Phong(phong) => change(phong),
+            Material::Texture(_) => unreachable!(),
+        }
+    }
+
+    /// Just above `bound` or no number, and the largest that is accepted.
+    fn refused(bound: f64) -> [f64; 5] {
+        [bound.next_up(), -bound.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN]
+    }
+
+    #[test]
+    fn cameras_are_refused_for_each_number_out_of_range() {
+        let perspective = scene("PerspectiveCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 angle 50 }");
+        for base in [orthographic(), perspective] {
+            let changed = |change: fn(&mut DVec3, &mut DVec3, &mut DVec3, &mut f64, f64), number: f64| {
+                let mut scene = base.clone();
+                match &mut scene.camera {
+                    Camera::Orthographic { center, direction, up, size: screen }
+                    | Camera::Perspective { center, direction, up, angle: screen } => {
+                        change(center, direction, up, screen, number);
+                    }
+                }
+                check(&scene).is_ok()
+            };
+            let coordinates = refused(LARGEST).map(|x| {
+                [changed(|center, _, _, _, x| center.y = x, x), changed(|_, _, _, screen, x| *screen = x, x)]
+            });
+            assert_eq!(coordinates, [[false; 2]; 5]);
+            assert!(changed(|center, _, _, screen, x| (center.y, *screen) = (-x, x), LARGEST));
+            let vectors = [f64::INFINITY, f64::NAN].map(|x| {
+                [changed(|_, direction, _, _, x| direction.z = x, x), changed(|_, _, up, _, x| up.z = x, x)]
+            });
+            assert_eq!(vectors, [[false; 2]; 2]);
+            assert!(changed(|_, direction, up, _, x| (direction.x, up.z) = (x, x), f64::MAX));
+        }
+    }
+
+    #[test]
+    fn lights_and_backgrounds_are_refused_for_each_number_out_of_range() {
+        let colors = [BRIGHTEST, -BRIGHTEST];
+        check_number(|scene, x| scene.background.color.x = x, &refused(BRIGHTEST), &colors);
+        check_number(|scene, x| scene.background.ambient.y = x, &refused(BRIGHTEST), &colors);
+        for light in 0..2 {
+            let change = |scene: &mut Scene, x: f64| {
+                let (Light::Directional { color, .. } | Light::Point { color, .. }) =
+                    &mut scene.lights[light];
+                color.z = x;
+            };
+            check_number(change, &refused(BRIGHTEST), &colors);
+        }
+        let change = |scene: &mut Scene, x: f64| match &mut scene.lights[0] {
+            Light::Directional { direction, .. } => direction.y = x,
+            Light::Point { .. } => unreachable!(),
+        };
+        check_number(change, &[f64::INFINITY, f64::NAN], &[f64::MAX]);
+        for number in 0..4 {
+            let change = |scene: &mut Scene, x: f64| match &mut scene.lights[1] {
+                Light::Point { position, .. } if number == 3 => position.y = x,
+                Light::Point { attenuation, .. } => attenuation[number] = x,
+                Light::Directional { .. } => unreachable!(),
+            };
+            check_number(change, &refused(LARGEST), &[LARGEST, -LARGEST]);
+        }
+    }
+
+    #[test]
+    fn materials_are_refused_for_each_number_out_of_range() {
+        for color in 0..4 {
+            let change = |scene: &mut Scene, x: f64| {
+                change_phong(scene, |phong| {
+                    let Phong { diffuse, specular, reflective, transparent, .. } = phong;
+                    [diffuse, specular, reflective, transparent][color].y = x;
+                });
+            };
+            check_number(change, &refused(BRIGHTEST), &[BRIGHTEST, -BRIGHTEST]);
+        }
+        let change = |scene: &mut Scene, x: f64| change_phong(scene, |phong| phong.exponent = x);
+        check_number(change, &[LARGEST.next_up(), -1e-300, f64::NAN], &[0.0, LARGEST]);
+        let change = |scene: &mut Scene, x: f64| change_phong(scene, |phong| phong.index_of_refraction = x);
+        check_number(change, &[LARGEST.next_up(), 0.0, -1.0, f64::NAN], &[5e-324, LARGEST]);
+        let change = |scene: &mut Scene, x: f64| {
+            let mut world_to_texture = DAffine3::IDENTITY;
+            world_to_texture.translation.z = x;
+            let (pattern, children) = (Pattern::Checkerboard, [0; 2]);
+            scene.materials[1] = Material::Texture(Texture { pattern, world_to_texture, children });
+        };
+        check_number(change, &[f64::INFINITY, f64::NAN], &[f64::MAX]);
+    }
+}

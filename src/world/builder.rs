@@ -247,38 +247,4 @@ fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::parser::parse;
-
-    #[test]
-    fn a_mesh_taken_over_is_the_mesh_copied() {
-        let mesh = Mesh {
-            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-        };
-        let mirrored = "Transform { Scale { -1 2 3 } TriangleMesh { obj_file a.obj } }";
-        let sphere = "Sphere { center 0 0 0 radius 1 }";
-        let triangle = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }";
-        for objects in [
-            [mirrored, sphere],
-            [sphere, mirrored],
-            [triangle, mirrored],
-            [mirrored, triangle],
-            [mirrored, mirrored],
-            ["TriangleMesh { obj_file b.obj }", mirrored],
-        ] {
-            let text = format!(
-                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-                 Group {{ numObjects 2 Material {{ }} {} {} }}",
-                objects[0], objects[1]
-            );
-            let scene = parse(&text).unwrap();
-            let meshes = vec![mesh.clone(); scene.meshes.len()];
-            let copied = World::new(&scene, &meshes).unwrap();
-            let taken = World::of_meshes(&scene, meshes).unwrap();
-            assert_eq!((taken.vertices, taken.triangles), (copied.vertices, copied.triangles), "{objects:?}");
-            assert_eq!(taken.bounds, copied.bounds);
-        }
-    }
-}
+mod tests;

@@ -1,0 +1,100 @@
+use super::*;
+use crate::scene::Position;
+use crate::scene::parser::parse;
+
+#[test]
+fn a_mesh_taken_over_is_the_mesh_copied() {
+    let mesh = Mesh {
+        vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    let mirrored = "Transform { Scale { -1 2 3 } TriangleMesh { obj_file a.obj } }";
+    let sphere = "Sphere { center 0 0 0 radius 1 }";
+    let triangle = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }";
+    for objects in [
+        [mirrored, sphere],
+        [sphere, mirrored],
+        [triangle, mirrored],
+        [mirrored, triangle],
+        [mirrored, mirrored],
+        ["TriangleMesh { obj_file b.obj }", mirrored],
+    ] {
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Group {{ numObjects 2 Material {{ }} {} {} }}",
+            objects[0], objects[1]
+        );
+        let scene = parse(&text).unwrap();
+        let meshes = vec![mesh.clone(); scene.meshes.len()];
+        let copied = World::new(&scene, &meshes).unwrap();
+        let taken = World::of_meshes(&scene, meshes).unwrap();
+        let copied_count = copied.triangles.len();
+        assert_eq!((taken.vertices, taken.triangles), (copied.vertices, copied.triangles), "{objects:?}");
+        assert_eq!(taken.bounds, copied.bounds);
+        let count = |text: &str| {
+            let of = |name, count| if text.contains(name) { count } else { 0 };
+            of("Mesh", 2) + of("vertex0", 1)
+        };
+        assert_eq!(copied_count, objects.map(count).iter().sum::<usize>(), "{objects:?}");
+    }
+}
+
+/// The world of one object, or the position and the kind of its error.
+fn world_of(object: &str, meshes: &[Mesh]) -> Result<World, (Position, Problem)> {
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+         Group {{ numObjects 1 Material {{ }}\n{object} }}"
+    );
+    World::new(&parse(&text).unwrap(), meshes).map_err(|error| (error.at, error.problem))
+}
+
+#[test]
+fn a_mesh_with_a_corner_out_of_range_is_an_error_where_it_stands() {
+    for corner in [DVec3::X * 1e101, DVec3::NEG_Y * 1e101, DVec3::Z * f64::INFINITY, DVec3::NAN] {
+        let mesh = Mesh { vertices: vec![DVec3::ZERO, DVec3::X, corner], triangles: vec![[0, 1, 2]] };
+        let error = |object, meshes: &[Mesh]| world_of(object, meshes).map(|_| ()).unwrap_err();
+        let at = |column| (Position { line: 3, column }, Problem::CoordinatesTooLarge);
+        let meshes = [mesh];
+        assert_eq!(error("TriangleMesh { obj_file a.obj }", &meshes), at(25), "{corner}");
+        let moved = "Transform { Translate 1 0 0 TriangleMesh { obj_file a.obj } }";
+        assert_eq!(error(moved, &meshes), at(1), "{corner}");
+    }
+    let empty = Mesh { vertices: vec![], triangles: vec![] };
+    assert!(world_of("TriangleMesh { obj_file a.obj }", &[empty]).is_ok());
+}
+
+#[test]
+fn a_sphere_has_the_radius_and_the_semi_axes_of_its_transform() {
+    let transformed = |scale: &str, sphere: &str| {
+        world_of(&format!("Transform {{ Scale {scale} Sphere {{ {sphere} }} }}"), &[])
+    };
+    let world = transformed("3 3 3", "center 1 0 0 radius 0.5").unwrap();
+    assert_eq!(world.spheres, [Sphere { center: DVec3::X * 3.0, radius: 1.5 }]);
+    let world = transformed("3 4 8", "center 0 1 0 radius 0.5").unwrap();
+    assert_eq!(
+        world.boxes().collect::<Vec<_>>(),
+        [Aabb { min: DVec3::new(-1.5, 2.0, -4.0), max: DVec3::new(1.5, 6.0, 4.0) }]
+    );
+    // A radius may be 1e-100 and no less, and neither it nor the centre beyond 1e100.
+    let problem = |scale: &str, sphere: &str| transformed(scale, sphere).err().map(|(_, problem)| problem);
+    for (scale, expected) in [("1 1 1", None), ("0.9 0.9 0.9", Some(Problem::RadiusTooSmall))] {
+        assert_eq!(problem(scale, "center 0 0 0 radius 1e-100"), expected);
+    }
+    for (scale, radius, expected) in [
+        ("1e-50 1e-50 1e-50", "1e-60", Problem::RadiusTooSmall),
+        ("1 1 1e-50", "1e-60", Problem::RadiusTooSmall),
+        ("1e60 1e60 1e60", "1e60", Problem::CoordinatesTooLarge),
+        ("1 1e60 1", "1e60", Problem::CoordinatesTooLarge),
+    ] {
+        assert_eq!(problem(scale, &format!("center 0 0 0 radius {radius}")), Some(expected), "{scale}");
+    }
+    let far = problem("1e60 1e60 1e60", "center 1e60 0 0 radius 1");
+    assert_eq!(far, Some(Problem::CoordinatesTooLarge));
+}
+
+#[test]
+fn a_plane_is_transformed_with_its_points() {
+    let object = "Transform { Translate 0 0 5 Scale 1 1 3 Plane { normal 0 0 2 offset 4 } }";
+    let world = world_of(object, &[]).unwrap();
+    assert_eq!(world.planes, [Plane { normal: DVec3::Z, offset: 17.0 }]);
+}
