@@ -67,6 +67,7 @@ fn what_is_seen_is_what_rays_hit_and_little_is_unsure() {
         (spread(40, 1.0), [70, 90], &[][..], 0..90),
         (spread(40, 1.0), [70, 90], &planes, 5..70),
         (spread(2000, 0.1), [90, 70], &planes[..1], 0..70),
+        (spread(40, 1.0), [64, 64], &[], 0..64),
         (spread(20_000, 0.05), [200, 170], &[], 0..170),
     ] {
         let (camera, world) = scene(CAMERA, &triangles, objects, size);

@@ -265,4 +265,18 @@ mod tests {
         let ratio = bound(&skew) / ((MAX_STEEPNESS + 2.0) * 2.0 * 8.0);
         assert!((1e-8..1.1e-8).contains(&ratio), "{ratio}");
     }
+
+    /// In a view so wide that an axis is short, the error is mostly that of the border.
+    #[test]
+    fn the_distance_from_a_side_plane_has_the_error_of_axis_and_border() {
+        let eye = Eye { right: DVec3::X * 100.0, up: DVec3::Y * 100.0, ..viewport().eye };
+        let wide = Viewport { eye, axes: [DVec3::X / 100.0, DVec3::Y / 100.0], ..viewport() };
+        let outside = |part: f64| {
+            // On the plane x / 100 = 5, and so many error bounds beside it.
+            let on_plane = DVec3::new(500.0, 0.0, -1.0);
+            let bound = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (0.01 + 5.0) * on_plane.length();
+            is_outside_frustum(&wide, [on_plane + DVec3::X * 100.0 * part * bound; 3])
+        };
+        assert_eq!([0.1, 0.5, 0.9, 1.1, 2.0].map(outside), [false, false, false, true, true]);
+    }
 }

@@ -1,4 +1,6 @@
-//! Small pictures: windows, strips, layers, and how a render ends early.
+//! Small pictures: windows, strips, and how a render ends early.
+
+mod layers;
 
 use super::*;
 use crate::sampling::drand48::Drand48;
@@ -6,7 +8,6 @@ use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 use crate::world::World;
-use std::cell::RefCell;
 use std::sync::Mutex;
 
 /// A tetrahedron's faces before a floor, seen in perspective, and a sphere where `other` says so.
@@ -247,71 +248,5 @@ fn the_counts_of_every_strip_are_added_up_once() {
         let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
         let (result, _) = rows::<Counts>(&scene(""), &Request { window, ..request }, usize::MAX);
         assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 2 * samples);
-    }
-}
-
-#[test]
-fn depths_are_white_at_the_near_bound_and_black_at_the_far_bound_and_beyond() {
-    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
-         Group { numObjects 1 Material { } Triangle { vertex0 0 -9 1 vertex1 9 0 1 vertex2 0 9 1 } }";
-    for (near, far, shown) in [(2.0, 10.0, 0.75), (3.0, 5.0, 0.5), (5.0, 10.0, 1.0), (1.0, 3.0, 0.0)] {
-        let layers = vec![Layer::Depth { near, far }, Layer::Normals];
-        let request = Request { layers, sampler: jittered(2), ..Request::new([4, 2]) };
-        let [depths, normals] = pictures(text, &request).try_into().unwrap();
-        let expected = |x: Color| [Color::ZERO, Color::ZERO, x, x].repeat(2);
-        assert_eq!(depths.colors, expected(Color::splat(shown)), "{near} {far}");
-        assert_eq!(normals.colors, expected(Color::Z));
-    }
-}
-
-#[test]
-fn samples_are_plotted_where_they_lie_on_a_chequered_ground() {
-    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
-         Background { color 1 0.5 0.25 } Group { numObjects 0 }";
-    let ([width, height], zoom, sampler) = ([5, 4], 6, jittered(3));
-    let request = Request { sampler, layers: vec![Layer::Samples { zoom }], ..Request::new([width, height]) };
-    let picture = &pictures(text, &request)[0];
-    let mut expected: Vec<Vec<Color>> = (0..height * zoom)
-        .map(|y| {
-            let grey = |x: usize| if (x / zoom + y / zoom) % 2 == 0 { 0.2 } else { 0.0 };
-            (0..width * zoom).map(|x| Color::splat(grey(x))).collect()
-        })
-        .collect();
-    for (i, j) in (0..width).flat_map(|i| (0..height).map(move |j| (i, j))) {
-        for offset in sampler.offsets((i * height + j) as u64) {
-            let within = (offset + 0.5) * zoom as f64;
-            let [x, y] = [i * zoom + within.x as usize, j * zoom + within.y as usize];
-            expected[y][x] = Color::new(1.0, 0.5, 0.25);
-        }
-    }
-    // The first row of a picture is the last one from the bottom.
-    let expected: Vec<Color> = expected.into_iter().rev().flatten().collect();
-    assert_eq!((picture.size, &picture.colors), ([width * zoom, height * zoom], &expected));
-}
-
-#[test]
-fn a_filter_is_drawn_around_the_middle_pixel_with_lines_between_pixels() {
-    let (filter, zoom, [width, height]) = (Filter::Tent { radius: 1.4 }, 4, [7, 5]);
-    let drawn = RefCell::new(vec![]);
-    render_filter(filter, [width, height], zoom, &mut |row| {
-        drawn.borrow_mut().push(row.to_vec());
-        Ok::<_, Infallible>(())
-    })
-    .unwrap();
-    let drawn = drawn.into_inner();
-    assert_eq!((drawn.len(), drawn[0].len()), (height * zoom + 1, width * zoom + 1));
-    for (y, row) in drawn.iter().rev().enumerate() {
-        for (x, &color) in row.iter().enumerate() {
-            let is_line = x % zoom == 0 || y % zoom == 0;
-            // Pixel 3 is the middle, and the support is one pixel.
-            let is_reached = (8..20).contains(&x) && (8..20).contains(&y);
-            let from_middle = DVec2::new(x as f64, y as f64) / 4.0 - 3.5;
-            let expected = match (is_line, is_reached) {
-                (true, _) => Color::Z,
-                (false, true) => Color::splat(filter.weight(from_middle)),
-                (false, false) => 0.5 * Color::Z,
-            };
-            assert_eq!(color, expected, "{x} {y}");
-        }
     }
 }

@@ -1,0 +1,130 @@
+use super::*;
+use crate::camera::Eye;
+use glam::{DVec2, DVec3};
+
+const WIDTH: usize = 200;
+const STRIDE: usize = WIDTH + LANES;
+
+fn viewport() -> Viewport {
+    let [right, up] = [DVec3::X, DVec3::Y].map(|axis| axis / 100.0);
+    let eye = Eye { center: DVec3::ZERO, direction: DVec3::NEG_Z, right, up, middle: DVec2::new(99.5, 40.5) };
+    Viewport {
+        eye,
+        scale: 1.0,
+        axes: [DVec3::X, DVec3::Y],
+        max_direction_length: 3.0,
+        width: WIDTH,
+        rows: 0..82,
+    }
+}
+
+/// An inverse depth that is `value` at a pixel, and 0 on a line through another one, which may lie beside the
+/// picture.
+fn inv_depth(value: f64, [x, y]: [f64; 2], per_pixel: [f64; 2]) -> InvDepthPlane {
+    let [per_x, per_y] = per_pixel;
+    let inv_depth = Affine { constant: value - per_x * x - per_y * y, per_x, per_y };
+    InvDepthPlane { inv_depth, error_bound: ErrorBound([0.0; 3]) }
+}
+
+/// Checks that the tile knows each of these pixels, and holds an interval there that contains the inverse depth.
+fn check_intervals(tile: &Tile, plane: &InvDepthPlane, columns: Range<usize>, rows: Range<usize>) {
+    let middle = tile.viewport.eye.middle;
+    for (i, j) in rows.flat_map(|j| columns.clone().map(move |i| (i, j))) {
+        let exact = plane.inv_depth.at(i as f64 - middle.x, j as f64 - middle.y);
+        let k = (j - tile.rows.start) * STRIDE + i;
+        let [min, max] = [tile.min_inv_depths[k], tile.max_inv_depths[k]].map(f64::from);
+        assert_eq!(tile.visible_ids[k], 7, "{i} {j}");
+        assert!(min < exact && exact < max, "{i} {j}: {min} {exact} {max}");
+    }
+}
+
+/// The error bound of single precision counts the values where the triangle is, however far that is from the
+/// middle of the picture.
+#[test]
+fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
+    let viewport = viewport();
+    for (k, per_pixel) in (1..400).zip([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().cycle())
+    {
+        let (i, j) = (37 * k % (WIDTH - 2), 32 + 7 * k % 31);
+        let [x, y] = [i as f64 - 99.5, j as f64 - 40.5];
+        // Zero where a sign is lost: at (-x, y), at (x, -y), and as far on the other side of the middle.
+        let per_pixel = per_pixel.map(|p: f64| p * (0.37 + 0.01 * k as f64));
+        let quotients = [0.5 * (x - i as f64 / 99.5).abs(), 0.5 * (y - j as f64 / 40.5).abs()];
+        for value in [[99.5, 40.5], [199.0, 81.0], [x.abs(), y.abs()], quotients].map(|[across, up]| {
+            (per_pixel[0].abs() * 2.0 * across + per_pixel[1].abs() * 2.0 * up)
+                .max(2.0 * per_pixel[0].abs())
+                .max(0.5)
+        }) {
+            let plane = inv_depth(value, [x, y], per_pixel);
+            let edges = [Affine { constant: 1.0, per_x: 0.0, per_y: 0.0 }; 3];
+            let mut visible_ids = vec![UNSURE; 32 * STRIDE];
+            let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids);
+            let edge_functions = EdgeFunctions { edges, edge_error_bound: 0.0, inv_depth_plane: plane };
+            tile.rasterize(&edge_functions, i..i + 2, j..j + 1, 7);
+            check_intervals(&tile, &edge_functions.inv_depth_plane, i..i + 2, j..j + 1);
+        }
+    }
+}
+
+/// The pictures are so high that a row is far from the middle.
+#[test]
+fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
+    let (middle, mut viewport) = (4000.0, viewport());
+    viewport.eye.middle.y = middle;
+    for (k, first_row) in (1..200).zip([0, 1600, 3200, 4800, 7968].into_iter().cycle()) {
+        let y = first_row as f64 - middle;
+        // Zero on one of the rows where a bound would be taken from if a sign or an operator were another.
+        for zero in [y + 2.0 * middle, -y, first_row as f64 / middle, 0.0] {
+            let per_y = (0.37 + 0.01 * f64::from(k)) * (y - zero).signum();
+            let plane = inv_depth(per_y * (y - zero), [0.0, y], [1e-3, per_y]);
+            if per_y * (y + 31.0 - zero) < 1.0 || per_y * (y - zero) < 1.0 {
+                continue;
+            }
+            let mut visible_ids = vec![UNSURE; 32 * STRIDE];
+            let mut tile = Tile::new(&viewport, first_row, STRIDE, &mut visible_ids);
+            tile.fill(&plane, 7);
+            check_intervals(&tile, &plane, 0..WIDTH, first_row..first_row + 32);
+        }
+    }
+}
+
+/// Updates the first pixel of a tile with primitives, each by its interval of inverse depths, and tells what it
+/// shows at last: primitive k is the one with index k.
+fn shown(intervals: &[[f32; 2]]) -> u32 {
+    let viewport = viewport();
+    let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
+    let mut tile = Tile::new(&viewport, 0, STRIDE, &mut visible_ids);
+    for ([min, max], id) in intervals.iter().zip(0..) {
+        let (inv_depth, error_bound) = (0.5 * (min + max), 0.5 * (max - min));
+        tile.update([0, 0], &[1.0; LANES], 0.0, &[inv_depth; LANES], error_bound, id);
+    }
+    visible_ids[0]
+}
+
+#[test]
+fn a_pixel_is_unsure_until_something_is_nearer_than_all_that_it_may_show() {
+    let first = [1.0, 1.5];
+    assert_eq!([shown(&[first]), shown(&[first, [2.0, 2.5]]), shown(&[first, [0.5, 0.75]])], [0, 1, 0]);
+    let overlapping = [[1.25, 2.0], [0.75, 1.25], [0.5, 4.0], [1.125, 1.25]];
+    for other in overlapping {
+        let highest = f32::max(other[1], first[1]);
+        assert_eq!(shown(&[first, other]), UNSURE, "{other:?}");
+        // Above one of the two, and not above the other.
+        let between = [highest - 0.0625, highest + 1.0];
+        assert_eq!(shown(&[first, other, between]), UNSURE, "{other:?}");
+        assert_eq!(shown(&[first, other, [highest + 0.25, highest + 0.5]]), 2, "{other:?}");
+        assert_eq!(shown(&[first, other, [0.125, 0.25]]), UNSURE, "{other:?}");
+    }
+}
+
+#[test]
+fn where_the_depth_is_unknown_pixels_stay_unsure() {
+    let viewport = viewport();
+    let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
+    let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids);
+    tile.mark_unsure(3..22, 34..36);
+    tile.update([3, 34], &[1.0; LANES], 0.0, &[9.0; LANES], 1.0, 7);
+    let unsure = visible_ids.iter().enumerate().filter(|&(_, id)| *id == UNSURE).map(|(k, _)| k);
+    let expected = [34, 35].map(|j| (3..27).map(move |i| (j - 32) * STRIDE + i));
+    assert_eq!(unsure.collect::<Vec<_>>(), expected.into_iter().flatten().collect::<Vec<_>>());
+}
