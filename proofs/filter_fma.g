@@ -1,8 +1,11 @@
 # The errors of the filter in f32, with fused multiply-add, are within its error bounds.
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
-#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
-#@ src/grid/filter.rs MAX_DEPTH = 2.5
+#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 82.0
+#@ src/grid/triangle8.rs NORMAL_ROUNDINGS = 4.5
+#@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
+#@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
+#@ src/grid/filter.rs MAX_DEPTH = 2.03125
 #
 # The derivation is the same as in filter_portable.g, with two differences. A sum of three products is computed from
 # the third one on, so that the first is rounded once, the second twice, and the third three times. In a difference of
@@ -10,8 +13,11 @@
 
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
-DEPTH_ROUNDINGS = 113.5;
-MAX_DEPTH = 2.5;
+DEPTH_ROUNDINGS = 82.0;
+NORMAL_ROUNDINGS = 4.5;
+V_EDGE_ROUNDINGS = 18.5;
+V_AREA_ROUNDINGS = 20.5;
+MAX_DEPTH = 2.03125;
 
 # The stored numbers, whose errors filter_stored.g bounds.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
@@ -62,9 +68,19 @@ depth_error = depth_sum + depth_m;
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
-# The test against the maximum depth, and the bounds of Verdict::depths, for a t whose exact value times det is n.s.
-before = dfar * (det + det_error) + far * det_error - depth_error - t_error * det;
-depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error - t * det_error) - bound) * (ra + rb + ra * rb)
+# n.s - t det, where the exact n.(s - t d) is zero, and s - t d is -p. The error of the stored n is multiplied by p,
+# which is in units of b, so this part is in units of r b^3. The others are relative to the errors z and y without it.
+dn0 = n0 * rn0 + m0 * (1 + rn0); sz0 = ts0 * sf0 - s0; dy0 = td0 * df0 - dt0;
+dn1 = n1 * rn1 + m1 * (1 + rn1); sz1 = ts1 * sf1 - s1; dy1 = td1 * df1 - dt1;
+dn2 = n2 * rn2 + m2 * (1 + rn2); sz2 = ts2 * sf2 - s2; dy2 = td2 * df2 - dt2;
+normal_sum = n0 * rn0 * p0 + n1 * rn1 * p1 + n2 * rn2 * p2;
+normal = normal_sum + (m0 * (1 + rn0) * p0 + m1 * (1 + rn1) * p1 + m2 * (1 + rn2) * p2);
+of_depth = n0 * sz0 + n1 * sz1 + n2 * sz2;
+of_det = n0 * dy0 + n1 * dy1 + n2 * dy2;
+apart = of_depth - t * of_det + (dn0 * (sz0 - t * dy0) + dn1 * (sz1 - t * dy1) + dn2 * (sz2 - t * dy2));
+# The test against the maximum depth, and the bounds of Verdict::depths, without `normal`.
+before = dfar * (det + det_error) - apart - t_error * (det + det_error);
+depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);
 
 {
@@ -124,6 +140,13 @@ depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error -
 |of_d| <= 270337b-40 /\
 |det_sum| <= 1056770b-40 /\
 |depth_sum| <= 2367491b-40 /\
+|p0| <= 0x1.00001p0 /\
+|p1| <= 0x1.00001p0 /\
+|p2| <= 0x1.00001p0 /\
+|normal_sum| <= 0x4.0001p-24 /\
+|normal_of_c| <= 0x8.01p-24 /\
+|of_depth| <= 1843202b-40 /\
+|of_det| <= 794626b-40 /\
 |v_edges| <= 31b-25 /\
 w in [0,4.0625] /\
 uv in [0,4.0625] /\
@@ -131,9 +154,15 @@ uv in [0,4.0625] /\
 far / MAX_DEPTH in [-1, 1] /\
 |dfar| <= 0x2.0004p-24 /\
 t / MAX_DEPTH in [-1, 1] /\
-|t_error| <= 1b-23 /\
+|t_error| <= 1b-24 /\
 bound in [0, 0x1p-17]
 ->
+|sz0| <= 264192b-40 /\
+|dy0| <= 100352b-40 /\
+|sz1| <= 395264b-40 /\
+|dy1| <= 165888b-40 /\
+|sz2| <= 526336b-40 /\
+|dy2| <= 231424b-40 /\
 |x0| <= 198656b-40 /\
 |y0| <= 165888b-40 /\
 |z0| <= 395264b-40 /\
@@ -144,10 +173,14 @@ bound in [0, 0x1p-17]
 |y2| <= 296960b-40 /\
 |z2| <= 657408b-40 /\
 |u_edges| <= 31b-25 /\
+|u_edges / V_EDGE_ROUNDINGS| <= 1b-24 /\
+|of_sum / V_AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |w_edges / EDGE_ROUNDINGS| <= 0x.fffp-24 /\
 |w_area / AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |before / DEPTH_ROUNDINGS| <= 0x.fffp-24 /\
 |depths / DEPTH_ROUNDINGS| <= 0x.fffp-24 /\
+|normal / NORMAL_ROUNDINGS| <= 0x.fffp-24 /\
+(MAX_DEPTH * 19 + 41) / DEPTH_ROUNDINGS <= 0.999 /\
 |uf - u| <= 41b-24 /\
 |detf - det| <= 19b-24 /\
 |depthf - ns| <= 41b-24
@@ -164,3 +197,9 @@ depthf - ns -> depth_error;
 (1 + rn1) * ts1 * sf1 - s1 -> sf1 * ((1 + rn1) * ts1 - 1) + ds1;
 (1 + rn2) * td2 * df2 - dt2 -> df2 * ((1 + rn2) * td2 - 1) + dd2;
 (1 + rn2) * ts2 * sf2 - s2 -> sf2 * ((1 + rn2) * ts2 - 1) + ds2;
+ts0 * sf0 - s0 -> sf0 * (ts0 - 1) + ds0;
+td0 * df0 - dt0 -> df0 * (td0 - 1) + dd0;
+ts1 * sf1 - s1 -> sf1 * (ts1 - 1) + ds1;
+td1 * df1 - dt1 -> df1 * (td1 - 1) + dd1;
+ts2 * sf2 - s2 -> sf2 * (ts2 - 1) + ds2;
+td2 * df2 - dt2 -> df2 * (td2 - 1) + dd2;

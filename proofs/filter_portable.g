@@ -1,8 +1,11 @@
 # The errors of the filter in f32, with separate multiplications and additions, are within its error bounds.
 #@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
 #@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
-#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 113.5
-#@ src/grid/filter.rs MAX_DEPTH = 2.5
+#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 82.0
+#@ src/grid/triangle8.rs NORMAL_ROUNDINGS = 4.5
+#@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
+#@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
+#@ src/grid/filter.rs MAX_DEPTH = 2.03125
 #
 # The names are those of src/grid/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
 #
@@ -10,7 +13,7 @@
 # changes no rounding. Then all of them are at most 1, and t is at most MAX_DEPTH. Edges and what is computed from
 # them, u, v, w, n, det and n.s, are divided by b or b^2, which need not be powers of two. Hence their roundings are
 # modelled by relative errors of their own, re, rn, rq, ru, rd, rs, ra, rb and rp, of at most r, instead of by the
-# spacing of floats. The goals are multiples of r b c, r b^2 and r b^2 c.
+# spacing of floats. The goals are multiples of r b c, r b^2, r b^2 c and, for `normal`, r b^3.
 #
 # Underflow. A relative error does not model numbers below 2^-126: there, storing or multiplying adds an error of up
 # to 2^-150. Counted with their factors, these errors are at most 36 for w (12 for each edge, which q multiplies, and
@@ -25,22 +28,26 @@
 #   |m| <= 2^-49.
 # - The determinant of three rows of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is
 #   reached when all are 1 or -1. Then the cross product of two rows is, up to order and signs, (2, 2, 0) or zero.
-#   Hence n.x is at most twice the sum of the two largest bounds of x. The hypotheses on of_s, of_d, det_sum and
-#   depth_sum follow from this, from the bounds of ds and dd, and from those of x, y and z, which are goals.
+#   Hence n.x is at most twice the sum of the two largest bounds of x. The hypotheses on of_s, of_d, det_sum,
+#   depth_sum, of_det, of_depth and normal_sum follow from this, from the bounds of ds, dd, rn and p, and from those of
+#   x, y, z, dy and sz, which are goals.
 # - The hypothesis on of_sum follows in the same way. With p the vector from the first corner to the point where the
-#   ray meets the triangle's plane, s = t d - p and q = p x d; and in a triangle no coordinate of p exceeds b.
+#   ray meets the triangle's plane, s = t d - p and q = p x d; and in a triangle no coordinate of p exceeds that of an
+#   edge, which the rounding of a stored edge may have made larger than b. normal_of_c is `normal` in units of b^2 c:
+#   up to twice as much, since b <= 2 c.
 # - Hits have 0 <= u + v <= det and 0 <= w <= det, if all quantities are negated where det is negative.
 # - t is the result of the test in f64, in units of the frame. t_error is its error, together with that of the f64
 #   arithmetic on the filter's results: a sheared vertex has an error of 5 * 2^-53 * 2^20, which causes one of at most
-#   32 times 2 times that in t, since t is refined in double-double arithmetic if the area is smaller. That is 0.7 r;
-#   the sum with entry adds far less. The total is below 2 r.
+#   32 times 2 times that in t, since t is computed from exact determinants if the area is smaller. That is 0.63 r;
+#   the sum with entry adds far less. The total is below r.
 #
 # Conclusions.
 # - A rejected triangle is missed. For a hit, if the computed det has the right sign, then u, v >= -u_error, w >=
 #   -(w_edges + w_area), n.s >= -depth_error - t_error det, and max_depth det - n.s is at least minus the error
-#   `before`, times at most 1 + r. If the sign is wrong, det is within det_error of zero, 18 r b^2; so the negated u
+#   `before` and `normal`, times at most 1 + r. If the sign is wrong, det is within det_error of zero, 18 r b^2; so the negated u
 #   and v are at least -u_error - det_error, w is at least -(u_error + v_error), n.s is at least -depth_error - t
-#   det_error, and the last one is at least n.s >= -depth_error. All of these are within the bounds.
+#   det_error, as the last goal says in roundings, and the last one is at least n.s >= -depth_error. All of these are
+#   within the bounds.
 # - A certain hit is a hit. Let u, v and w as computed all exceed their bound B, 37 r b c + 67 r b^2. Then u + v is
 #   below det, so that w's roundings are those of numbers below det, as for a hit; and det, which is their sum,
 #   exceeds 3 B - 18 r b^2 > 183 r b^2 and has the sign that was computed. Let N be the absolute value of the sum of
@@ -53,8 +60,11 @@
 
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
-DEPTH_ROUNDINGS = 113.5;
-MAX_DEPTH = 2.5;
+DEPTH_ROUNDINGS = 82.0;
+NORMAL_ROUNDINGS = 4.5;
+V_EDGE_ROUNDINGS = 18.5;
+V_AREA_ROUNDINGS = 20.5;
+MAX_DEPTH = 2.03125;
 
 # The stored numbers, whose errors filter_stored.g bounds.
 sf0 = s0 + ds0; df0 = dt0 + dd0;
@@ -105,9 +115,19 @@ depth_error = depth_sum + depth_m;
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
-# The test against the maximum depth, and the bounds of Verdict::depths, for a t whose exact value times det is n.s.
-before = dfar * (1 + rp) * (det + det_error) + far * rp * (det + det_error) + far * det_error - depth_error - t_error * det;
-depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error - t * det_error) - bound) * (ra + rb + ra * rb)
+# n.s - t det, where the exact n.(s - t d) is zero, and s - t d is -p. The error of the stored n is multiplied by p,
+# which is in units of b, so this part is in units of r b^3. The others are relative to the errors z and y without it.
+dn0 = n0 * rn0 + m0 * (1 + rn0); sz0 = ts0 * sf0 - s0; dy0 = td0 * df0 - dt0;
+dn1 = n1 * rn1 + m1 * (1 + rn1); sz1 = ts1 * sf1 - s1; dy1 = td1 * df1 - dt1;
+dn2 = n2 * rn2 + m2 * (1 + rn2); sz2 = ts2 * sf2 - s2; dy2 = td2 * df2 - dt2;
+normal_sum = n0 * rn0 * p0 + n1 * rn1 * p1 + n2 * rn2 * p2;
+normal = normal_sum + (m0 * (1 + rn0) * p0 + m1 * (1 + rn1) * p1 + m2 * (1 + rn2) * p2);
+of_depth = n0 * sz0 + n1 * sz1 + n2 * sz2;
+of_det = n0 * dy0 + n1 * dy1 + n2 * dy2;
+apart = of_depth - t * of_det + (dn0 * (sz0 - t * dy0) + dn1 * (sz1 - t * dy1) + dn2 * (sz2 - t * dy2));
+# The test against the maximum depth, and the bounds of Verdict::depths, without `normal`.
+before = dfar * (1 + rp) * (det + det_error) + far * rp * (det + det_error) - apart - t_error * (det + det_error);
+depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);
 
 {
@@ -173,6 +193,13 @@ depths = (depth_error - t * det_error) + (t * (det + det_error) + (depth_error -
 |of_d| <= 270337b-40 /\
 |det_sum| <= 1187842b-40 /\
 |depth_sum| <= 2629635b-40 /\
+|p0| <= 0x1.00001p0 /\
+|p1| <= 0x1.00001p0 /\
+|p2| <= 0x1.00001p0 /\
+|normal_sum| <= 0x4.0001p-24 /\
+|normal_of_c| <= 0x8.01p-24 /\
+|of_depth| <= 2105346b-40 /\
+|of_det| <= 925698b-40 /\
 |v_edges| <= 37b-25 /\
 w in [0,4.0625] /\
 uv in [0,4.0625] /\
@@ -180,10 +207,16 @@ uv in [0,4.0625] /\
 far / MAX_DEPTH in [-1, 1] /\
 |dfar| <= 0x2.0004p-24 /\
 t / MAX_DEPTH in [-1, 1] /\
-|t_error| <= 1b-23 /\
+|t_error| <= 1b-24 /\
 bound in [0, 0x1p-17] /\
 |rp| <= 1b-24
 ->
+|sz0| <= 526336b-40 /\
+|dy0| <= 231424b-40 /\
+|sz1| <= 526336b-40 /\
+|dy1| <= 231424b-40 /\
+|sz2| <= 395264b-40 /\
+|dy2| <= 165888b-40 /\
 |x0| <= 329728b-40 /\
 |y0| <= 296960b-40 /\
 |z0| <= 657408b-40 /\
@@ -194,10 +227,14 @@ bound in [0, 0x1p-17] /\
 |y2| <= 231424b-40 /\
 |z2| <= 526336b-40 /\
 |u_edges| <= 37b-25 /\
+|u_edges / V_EDGE_ROUNDINGS| <= 1b-24 /\
+|of_sum / V_AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |w_edges / EDGE_ROUNDINGS| <= 0x.fffp-24 /\
 |w_area / AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |before / DEPTH_ROUNDINGS| <= 0x.fffp-24 /\
 |depths / DEPTH_ROUNDINGS| <= 0x.fffp-24 /\
+|normal / NORMAL_ROUNDINGS| <= 0x.fffp-24 /\
+(MAX_DEPTH * 19 + 41) / DEPTH_ROUNDINGS <= 0.999 /\
 |uf - u| <= 41b-24 /\
 |detf - det| <= 19b-24 /\
 |depthf - ns| <= 41b-24
@@ -214,3 +251,9 @@ depthf - ns -> depth_error;
 (1 + rn1) * ts1 * sf1 - s1 -> sf1 * ((1 + rn1) * ts1 - 1) + ds1;
 (1 + rn2) * td2 * df2 - dt2 -> df2 * ((1 + rn2) * td2 - 1) + dd2;
 (1 + rn2) * ts2 * sf2 - s2 -> sf2 * ((1 + rn2) * ts2 - 1) + ds2;
+ts0 * sf0 - s0 -> sf0 * (ts0 - 1) + ds0;
+td0 * df0 - dt0 -> df0 * (td0 - 1) + dd0;
+ts1 * sf1 - s1 -> sf1 * (ts1 - 1) + ds1;
+td1 * df1 - dt1 -> df1 * (td1 - 1) + dd1;
+ts2 * sf2 - s2 -> sf2 * (ts2 - 1) + ds2;
+td2 * df2 - dt2 -> df2 * (td2 - 1) + dd2;

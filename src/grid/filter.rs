@@ -30,11 +30,11 @@
 //! | v = e1.q | 4 b^2 | as u | |
 //! | w | 4 b^2 | 36 r b c of u and v; 66 r b^2: u and v 40, det 18, rounding 8 | 30; 60 |
 //! | n.s | 8 b^2 c | 40 r b^2 c: n 8, s 8, rounding 3 * 8 | 36 |
-//! | n.s - t det | | 113 r b^2 c for 0 <= t <= 2.5, see [`Verdict::depths`] | 104 |
+//! | n.s - t det | | 81 r b^2 c + 4 r b^3 for a hit at t <= 2.03, see [`Verdict::depths`] | 74 |
 //!
 //! `proofs/filter_portable.g` and `proofs/filter_fma.g` prove these sums, including the terms of second order
 //! and the error of the test in double precision: a few 2^-53 of the distance to the ray's origin, which is
-//! below 2 r for origins up to 2^20 frame units away. Rays from farther away are not tested by the filter.
+//! below r for origins up to 2^20 frame units away. Rays from farther away are not tested by the filter.
 //! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
 //! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
 
@@ -42,9 +42,10 @@ use super::triangle8::{Block, FilterErrorBounds, LANES};
 use crate::math::f64x4::{F64x4, Scalar};
 use crate::math::instructions::{Instructions, Portable};
 
-/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is 2 wide, and
-/// the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
-pub const MAX_DEPTH: f64 = 2.5;
+/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
+/// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
+/// The part above 2 is for the errors of the box's and of the ray's coordinates, and far more than these.
+pub const MAX_DEPTH: f64 = 2.03125;
 
 /// A ray in single precision, in the coordinates of a frame. Its origin lies in the frame's box.
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +76,9 @@ impl Verdict {
 
     /// A lower and an upper bound on the depth of the hit in a lane that is certain.
     ///
-    /// Of the error bound 40 r b^2 c are for n.s, 45 for t det and 20 for the roundings of these quotients,
-    /// which leaves 8 for the arithmetic in double precision that follows.
+    /// Of the error bound 32 r b^2 c are for s and the roundings of n.s, 28.5 for d and the roundings of det, 16.3 for
+    /// the roundings of these quotients, and 4 for the arithmetic in double precision that follows. The error of n
+    /// moves n.s and t det together: it counts times n.(s - t d) = -n.p, which makes 4 r b^3.
     #[inline(always)]
     pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
         let (depth, det) = (self.depth[lane], self.det[lane]);

@@ -97,14 +97,18 @@ pub struct FilterErrorBounds {
     pub depth: f32,
 }
 
-/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner.
+/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner. Half of
+/// it would do for u and v, but one bound for the least of the three takes one comparison less.
 const EDGE_ROUNDINGS: f32 = 37.0;
 
 /// Error bound of w: the part in roundings of an edge squared.
 const AREA_ROUNDINGS: f32 = 67.0;
 
-/// Error bound of n.s - t det, in roundings of an edge squared times a corner.
-const DEPTH_ROUNDINGS: f32 = 113.5;
+/// Error bound of n.s - t det: the part in roundings of an edge squared times a corner.
+const DEPTH_ROUNDINGS: f32 = 82.0;
+
+/// Error bound of n.s - t det: the part in roundings of an edge cubed, for the error of n.
+const NORMAL_ROUNDINGS: f32 = 4.5;
 
 /// Upper bound on the error due to underflow, which is less than 2^-144.
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
@@ -120,7 +124,7 @@ impl FilterErrorBounds {
             corner *= 2.0;
         }
         let edge = EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest;
-        let depth = DEPTH_ROUNDINGS * corner * longest;
+        let depth = (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest;
         let scale = ROUNDING * longest;
         Self { edge: -(edge * scale) - UNDERFLOW, depth: -(depth * scale) - UNDERFLOW }
     }

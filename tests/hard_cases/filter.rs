@@ -132,10 +132,10 @@ fn the_filter_is_never_wrong() {
             let lane = rng.below(LANES);
             let ray = ray(rng, &frame, world.corners(lane));
             let max_depth = match rng.below(3) {
-                0 => 2.5,
-                1 => rng.range(0.0, 2.5) as f32,
+                0 => MAX_DEPTH as f32,
+                1 => rng.range(0.0, MAX_DEPTH) as f32,
                 // Here the ray ends just at the triangle.
-                _ => hits(&world, &frame, &ray, 2.5)[lane].unwrap_or(2.5) as f32,
+                _ => hits(&world, &frame, &ray, MAX_DEPTH as f32)[lane].unwrap_or(MAX_DEPTH) as f32,
             };
             let hits = hits(&world, &frame, &ray, max_depth);
             let single = filter_ray(&frame, &ray, max_depth);
