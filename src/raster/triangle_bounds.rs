@@ -3,6 +3,7 @@
 //! This is the first step of rasterization. All vertices are projected onto the picture, then the bounds of
 //! each triangle are taken from those of its vertices. A triangle that has a vertex beside or behind the eye
 //! is either certainly outside the view frustum or gets the whole picture as its bounds.
+//! `proofs/raster_bounds.g` proves that the bounds leave out no pixel.
 
 use super::{Eye, Viewport};
 use crate::math::extremes::{max3, min3};
@@ -31,13 +32,20 @@ const BEHIND: f32 = -1.0;
 /// The largest ratio of a point's distance to its depth for which the point is projected.
 const MAX_STEEPNESS: f64 = 1024.0;
 
-/// The error bound of a screen coordinate from rounding the axis, the products and the division, in units of
-/// u times a point's distance over its depth, times the length of an axis.
-const SCREEN_ROUNDINGS: f64 = 8.0;
+/// The error bound of a screen coordinate from rounding the axis, the products, the division and the cosines
+/// in [`screen_error_bound`], in units of u times a point's distance over its depth, times the length of an
+/// axis.
+const SCREEN_ROUNDINGS: f64 = 33.0;
 
-/// The largest error of screen coordinates, in pixels, with which a view is rasterized: half of what
-/// [`Span::around`] allows. The other half covers the truncation to fixed point.
-pub const MAX_SCREEN_ERROR: f64 = 1.0 / SUBPIXELS as f64;
+/// How much of the error that is allowed [`screen_error_bound`] may be, since it leaves out terms of second order.
+const SCREEN_CLEARANCE: f64 = 0.9;
+
+/// The largest error bound of screen coordinates, in pixels, with which a view is rasterized: the error is then
+/// less than half of what [`Span::around`] allows. The other half covers the truncation to fixed point.
+pub const MAX_SCREEN_ERROR: f64 = SCREEN_CLEARANCE / SUBPIXELS as f64;
+
+/// The error bound of a point's depth, in units of u times the point's distance.
+const BEHIND_ROUNDINGS: f64 = 5.0;
 
 /// The error bound of screen coordinates in this view, in pixels. Errors come from rounding, and from the
 /// eye's vectors being not quite orthogonal, which matters when it looks almost along the upward direction.
@@ -66,7 +74,7 @@ impl ScreenVertex {
             let at = (at * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
             Self { at, inv_depth: inv_depth as f32 }
         } else {
-            let is_behind = depth < -8.0 * UNIT_ROUNDOFF * distance;
+            let is_behind = depth < -BEHIND_ROUNDINGS * UNIT_ROUNDOFF * distance;
             Self { at: [0; 2], inv_depth: if is_behind { BEHIND } else { ASIDE } }
         }
     }
@@ -117,7 +125,7 @@ impl TriangleBounds {
 
 /// The error bound of a point's signed distance from a side plane of the frustum, in units of u times the
 /// point's distance from the eye, times the plane's coefficients.
-const SIDE_ROUNDINGS: f64 = 6.0;
+const SIDE_ROUNDINGS: f64 = 7.0;
 
 /// Whether a triangle certainly lies beyond one of the four side planes of the view frustum.
 fn is_outside_frustum(viewport: &Viewport, corners: [DVec3; 3]) -> bool {
