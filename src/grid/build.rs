@@ -189,9 +189,9 @@ impl AccelerationStructure {
     }
 }
 
-/// Maximum distance of a ray's origin in cells, 2^32: the rounding errors of a hit point then stay below the
+/// Maximum distance of a ray's origin in cells, 2^31: the rounding errors of a hit point then stay below the
 /// padding that `proofs/dda.g` assumes.
-const MAX_ORIGIN_CELLS: f64 = 4294967296.0;
+pub const MAX_ORIGIN_CELLS: f64 = 2147483648.0;
 
 /// Maximum distance of a ray's origin in box sizes. That is at most 2^20 units of the filter's frame, for
 /// which the proof of the filter holds.

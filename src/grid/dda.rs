@@ -33,7 +33,7 @@ const T_NEVER: f64 = (1u64 << 30) as f64;
 /// Error bound of the face crossings of a DDA, in cells.
 pub fn face_error_bound(lattice: &Lattice) -> f64 {
     let of_axis = |&n: &usize| (n as f64 + SETUP_ROUNDINGS) * n as f64 / (2.0 * T_ONE);
-    lattice.cells().iter().map(of_axis).fold(1e-6, f64::max)
+    lattice.cells().iter().map(of_axis).fold(0.0, f64::max)
 }
 
 /// Roundings of half a unit in addition to those of the steps: one for the first face, and one for all

@@ -106,6 +106,10 @@ fn insert(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::build::MAX_ORIGIN_CELLS;
+    use crate::grid::dda::{Dda, T_ONE};
+    use crate::math::double_double::Dd;
+    use crate::math::ray::Ray;
     use glam::DVec3;
 
     #[test]
@@ -113,5 +117,73 @@ mod tests {
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [4096, 2, 3]);
         let more = padding(&lattice) - face_error_bound(&lattice);
         assert!((0.9 * POSITION_ERROR_BOUND..1.1 * POSITION_ERROR_BOUND).contains(&more), "{more}");
+    }
+
+    /// In a flat lattice, how far the faces along y lie, in cells, from where an exact ray is at the t at which the
+    /// DDA crosses them.
+    fn largest_position_error(lattice: &Lattice, ray: &Ray) -> Option<f64> {
+        let (mut dda, [entry, exit]) = Dda::of_ray(lattice, ray)?;
+        let t_per_unit = Dd::from(1.0 / (T_ONE / (exit - entry)));
+        let y = |unit: i32| {
+            let t = Dd::from(entry) + Dd::from(f64::from(unit)) * t_per_unit;
+            let from_min = Dd::from(ray.origin.y) + t * ray.direction.y.into() - lattice.bounds.min.y.into();
+            (from_min * (lattice.cells()[1] as f64).into()).value() / lattice.bounds.extent().y
+        };
+        let mut largest = 0.0f64;
+        loop {
+            let [cell, unit] = [lattice.cell_of(dda.index()), DVec3::splat(f64::from(dda.exit()))];
+            dda.step();
+            let next = lattice.cell_of(dda.index());
+            if next.x != cell.x || next.z != cell.z {
+                return Some(largest);
+            }
+            largest = largest.max((y(unit.x as i32) - next.y.max(cell.y)).abs());
+            if !(0.0..lattice.cells()[1] as f64).contains(&next.y) {
+                return Some(largest);
+            }
+        }
+    }
+
+    /// The position error of a ray, and the padding of its lattice, both in cells. The numbers from 0 to 1 choose the
+    /// lattice's size and place, where the ray passes it, and the length of its direction. Its origin is as far away
+    /// as it may be, where rounding errors are those just above a power of two.
+    fn errors([size, place, target, length]: [f64; 4]) -> Option<[f64; 2]> {
+        let extent = DVec3::new(1.0, (1.0 + size) / 1024.0, 1.0);
+        let min = DVec3::new(0.0, place, 0.0);
+        let lattice = Lattice::new(Aabb { min, max: min + extent }, [1, 7, 1]);
+        let target = min + extent * DVec3::new(0.5, target, 0.5);
+        let far = MAX_ORIGIN_CELLS * lattice.cell_size.y;
+        let origin = target + far * DVec3::new(0.3, 1.0, 0.2);
+        let ray = Ray::new(origin, (1.0 + length) * (target - origin));
+        Some([largest_position_error(&lattice, &ray)?, padding(&lattice)])
+    }
+
+    #[test]
+    fn crossings_of_rays_from_far_away_need_a_tenth_of_the_padding() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut worst = [0.0; 2];
+        for _ in 0..16 {
+            let mut input = [0; 4].map(|_| random());
+            let mut best = [0.0; 2];
+            for _ in 0..10_000 {
+                let mut next = input;
+                let k = (4.0 * random()) as usize;
+                next[k] = (next[k] + f64::powf(10.0, -12.0 * random()) * (random() - 0.5)).clamp(0.0, 1.0);
+                if let Some(found) = errors(next)
+                    && found[0] >= best[0]
+                {
+                    (input, best) = (next, found);
+                }
+            }
+            worst = if best[0] > worst[0] { best } else { worst };
+        }
+        let [error, padding] = worst;
+        println!("crossings are off by {error:e} cells, of a padding of {padding:e}");
+        // The rest is for the hits' own errors.
+        assert!(error < padding && error > 0.1 * padding, "{error:e} of {padding:e}");
     }
 }

@@ -7,6 +7,7 @@ use super::budget::TouchedCells;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
 use crate::math::aabb::Aabb;
+use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 pub use triangle::of_triangle;
 
@@ -66,11 +67,15 @@ pub fn of_sphere(
         let (min, max) = (cell - padding, cell + (1.0 + padding));
         let nearest = (center_in_cells - center_in_cells.clamp(min, max)) * size;
         let farthest = (center_in_cells - min).abs().max((max - center_in_cells).abs()) * size;
-        // For a radius of very many cells the padding is lost in rounding, so a relative tolerance is needed.
-        let touches_ball = nearest.length_squared() <= square * (1.0 + 1e-12);
-        touches_ball && farthest.length_squared() >= square * (1.0 - 1e-12)
+        // For a radius of very many cells the padding is lost in rounding.
+        let touches_ball = nearest.length_squared() <= square * (1.0 + SPHERE_ROUNDINGS * UNIT_ROUNDOFF);
+        touches_ball && farthest.length_squared() >= square * (1.0 - SPHERE_ROUNDINGS * UNIT_ROUNDOFF)
     })
 }
+
+/// Error bound of a squared distance from a sphere's centre and of the points that a ray finds on the sphere, in
+/// roundings of the squared radius: see `proofs/spheres.g`.
+const SPHERE_ROUNDINGS: f64 = 128.0;
 
 /// A box of cells, as a half-open range of coordinates along each axis; never empty.
 struct CellRange {
@@ -145,6 +150,8 @@ impl CellRange {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::ray::Ray;
+    use crate::primitive::sphere::Sphere;
 
     pub fn lattice() -> Lattice {
         Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])
@@ -177,6 +184,32 @@ mod tests {
             let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
             assert_eq!(cells.contains(&index), nearest <= radius && farthest >= radius, "{index}");
             assert!(by_centers.contains(&index) || nearest > radius);
+        }
+    }
+
+    /// The sphere's surface is all but a plane, close to the faces of cells.
+    #[test]
+    fn a_sphere_of_very_many_cells_is_listed_where_a_ray_finds_it() {
+        let l = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(1.1, 1.3, 0.7) }, [11, 13, 7]);
+        for radius in [1e9, 1e11, 1e13, 1e15].map(|cells| cells * l.cell_size.x) {
+            for k in 1..200 {
+                let (y, z) = ((0.618 * k as f64) % 1.0, (0.414 * k as f64) % 1.0);
+                let aside = DVec3::new(0.3 * y, 0.9 * z, 0.5);
+                let direction = DVec3::new(1.0, y - 0.5, z - 0.5) * if k % 2 == 0 { 1.0 } else { -1.0 };
+                // The surface passes the point at a corner of cells.
+                let corner = DVec3::new(5.0, (k % 13) as f64, (k % 7) as f64) * l.cell_size;
+                let outward = (DVec3::X + 1e-3 * aside).normalize();
+                let sphere = Sphere { center: corner - radius * outward, radius };
+                let target = corner + 1e-9 * aside;
+                let ray = Ray::new(target - 2.0 * direction, direction);
+                let Some(t) = sphere.intersect(&ray) else { continue };
+                let found = l.to_cells(ray.at(t));
+                let cell = [0, 1, 2].map(|axis| l.cell_at(axis, found[axis]));
+                if found.clamp(DVec3::ZERO, DVec3::from_array(l.cells().map(|n| n as f64))) == found {
+                    let cells = cells_of(|out| of_sphere(&l, sphere.center, radius, 1e-5, out));
+                    assert!(cells.contains(&(l.index(cell) as u32)), "{radius:e} {k}: {found}");
+                }
+            }
         }
     }
 
