@@ -1,6 +1,7 @@
 # A triangle's bounds on the screen leave out no pixel whose ray hits it.
 #@ src/raster/triangle_bounds.rs MAX_STEEPNESS = 1024.0
-#@ src/raster/triangle_bounds.rs SCREEN_ROUNDINGS = 33.0
+#@ src/raster/triangle_bounds.rs SCREEN_ROUNDINGS = 8.0
+#@ src/raster/triangle_bounds.rs EYE_ROUNDINGS = 31.0
 #@ src/raster/triangle_bounds.rs SCREEN_CLEARANCE = 0.9
 #@ src/raster/triangle_bounds.rs BEHIND_ROUNDINGS = 5.0
 #@ src/raster/triangle_bounds.rs SIDE_ROUNDINGS = 7.0
@@ -29,8 +30,8 @@
 # of the length, 1 of the reciprocal, 1 of the product), which R and U are: 12, 7.5 and 7.5. The sum of the cosines and
 # the bound's other operations are 10 more roundings of the bound, which the clearance covers.
 #
-# The sum of all errors is compared with (S + M) M (c + SCREEN_ROUNDINGS), for the coefficients of M^2 and of S M; in
-# the latter S <= S M and M <= S M / S. SCREEN_CLEARANCE of a subpixel is left for the error, so that the error can be
+# The sum of all errors is compared with the source's bound, for the coefficients of M^2 (with c, to which the errors of
+# the cosines are added) and of S M; in the latter S <= S M and M <= S M / S. SCREEN_CLEARANCE of a subpixel is left for the error, so that the error can be
 # 1 / SCREEN_CLEARANCE times its bound.
 #
 # Behind the eye. p.D has an error of 4 |p|; the length of p and the bound have at most 5 roundings of their own.
@@ -41,7 +42,8 @@
 # border |p| |D|. |A|, |p|, |D| and the bound itself are off by at most 16 roundings.
 u = 1b-53;
 MAX_STEEPNESS = 1024.0;
-SCREEN_ROUNDINGS = 33.0;
+SCREEN_ROUNDINGS = 8.0;
+EYE_ROUNDINGS = 31.0;
 SCREEN_CLEARANCE = 0.9;
 BEHIND_ROUNDINGS = 5.0;
 SIDE_ROUNDINGS = 7.0;
@@ -55,13 +57,13 @@ bound = (1 - u) * (1 - u) * (1 - u) * (1 - u) * (1 - u) * (1 - u) * (1 - u) * (1
 exceed = 1.0001 / (1 - 1b-6 - 1b-40);
 cosines = 12 + 7.5 + 7.5;
 needed_mm = (cosines + 6) * exceed;
-needed_sm = (cosines + 4 + 4 + (13 + 6 + 4) / MAX_STEEPNESS) * exceed;
+needed_sm = (4 + 4 + (13 + 6 + 4) / MAX_STEEPNESS) * exceed;
 
 { (e1 in [-1b-53, 1b-53] /\ e2 in [-1b-53, 1b-53] /\ e3 in [-1b-53, 1b-53] /\ e4 in [-1b-53, 1b-53]
  /\ e5 in [-1b-53, 1b-53] /\ e6 in [-1b-53, 1b-53]
     -> BEHIND_ROUNDINGS * u * bound - |f4 - 1| >= 1b-54
     /\ SIDE_ROUNDINGS * u * bound - |f4 - 1| >= 1b-54
     /\ SIDE_ROUNDINGS * u * bound - |f6 - 1| >= 1b-54)
-/\ needed_mm * SCREEN_CLEARANCE * 1.0001 / SCREEN_ROUNDINGS <= 1
+/\ needed_mm * SCREEN_CLEARANCE * 1.0001 / EYE_ROUNDINGS <= 1
 /\ needed_sm * SCREEN_CLEARANCE * 1.0001 / SCREEN_ROUNDINGS <= 1
 /\ exceed * SCREEN_CLEARANCE * 1.0001 <= 1 }

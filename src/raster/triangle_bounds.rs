@@ -32,10 +32,13 @@ const BEHIND: f32 = -1.0;
 /// The largest ratio of a point's distance to its depth for which the point is projected.
 const MAX_STEEPNESS: f64 = 1024.0;
 
-/// The error bound of a screen coordinate from rounding the axis, the products, the division and the cosines
-/// in [`screen_error_bound`], in units of u times a point's distance over its depth, times the length of an
-/// axis.
-const SCREEN_ROUNDINGS: f64 = 33.0;
+/// The error bound of a screen coordinate from rounding a point's products and the division, in units of u times
+/// the point's distance over its depth, times `max_direction_length` and the length of an axis.
+const SCREEN_ROUNDINGS: f64 = 8.0;
+
+/// The error bound of a screen coordinate from rounding the rays, the axis and the cosines in
+/// [`screen_error_bound`], in units of u times the square of `max_direction_length` and the length of an axis.
+const EYE_ROUNDINGS: f64 = 31.0;
 
 /// How much of the error that is allowed [`screen_error_bound`] may be, since it leaves out terms of second order.
 const SCREEN_CLEARANCE: f64 = 0.9;
@@ -56,10 +59,9 @@ const BEHIND_ROUNDINGS: f64 = 5.0;
 pub fn screen_error_bound(eye: &Eye, axes: [DVec3; 2], max_direction_length: f64) -> f64 {
     let [right, up] = [eye.right, eye.up].map(DVec3::normalize);
     let cosines = DVec3::new(right.dot(up), right.dot(eye.direction), up.dot(eye.direction));
-    let skew = cosines.abs().element_sum() + SCREEN_ROUNDINGS * UNIT_ROUNDOFF;
-    skew * (MAX_STEEPNESS + max_direction_length)
-        * max_direction_length
-        * axes[0].length().max(axes[1].length())
+    let skew = cosines.abs().element_sum() * (MAX_STEEPNESS + max_direction_length);
+    let roundings = SCREEN_ROUNDINGS * MAX_STEEPNESS + EYE_ROUNDINGS * max_direction_length;
+    (skew + roundings * UNIT_ROUNDOFF) * max_direction_length * axes[0].length().max(axes[1].length())
 }
 
 impl ScreenVertex {
