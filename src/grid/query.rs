@@ -289,8 +289,8 @@ mod tests {
 
     #[test]
     fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
-        let mut state = FilterState::new([[0.0; 4]; 2], 2.0, 4.0, 0.25, 2.5625);
-        assert_eq!(state.ray.max_depth, 2.25);
+        let mut state = FilterState::new([[0.0; 4]; 2], 2.0, 4.0, 0.25, 2.4375);
+        assert_eq!(state.ray.max_depth, 1.75);
         state.shorten(2.5);
         assert_eq!((state.ray.max_depth, state.t(2.0)), (2.0, 2.5));
         state.shorten(0.5);

@@ -190,12 +190,13 @@ mod tests {
 
     #[test]
     fn the_error_bounds_are_so_many_roundings_of_edges_and_corners() {
-        let rounding = 0.5f32.powi(24);
+        let rounding = 2f32.powi(-24);
         for (max_abs_coord, corner) in [(0.5, 1.0), (1.0, 1.0), (1.5, 2.0), (3.0, 4.0), (4.0, 4.0)] {
             for longest in [0.25, 0.5, 2.0] {
                 let error_bounds = FilterErrorBounds::of(longest, max_abs_coord);
                 let edge = (EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest) * longest * rounding;
-                let depth = DEPTH_ROUNDINGS * corner * longest * longest * rounding;
+                let depth =
+                    (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest * longest * rounding;
                 assert_eq!(
                     (error_bounds.edge, error_bounds.depth),
                     (-edge, -depth),

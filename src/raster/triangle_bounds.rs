@@ -266,11 +266,11 @@ mod tests {
 
     #[test]
     fn screen_error_grows_as_the_angles_of_the_eye_are_less_right() {
-        assert_eq!(MAX_SCREEN_ERROR * f64::from(SUBPIXELS), 1.0);
+        assert_eq!(MAX_SCREEN_ERROR * f64::from(SUBPIXELS), SCREEN_CLEARANCE);
         let eye = viewport().eye;
         let bound = |eye: &Eye| screen_error_bound(eye, viewport().axes, viewport().max_direction_length);
-        let roundings = bound(&eye) / (SCREEN_ROUNDINGS * UNIT_ROUNDOFF);
-        assert_eq!(roundings, (MAX_STEEPNESS + 2.0) * 2.0 * 8.0);
+        let roundings = SCREEN_ROUNDINGS * MAX_STEEPNESS + EYE_ROUNDINGS * 2.0;
+        assert_eq!(bound(&eye), roundings * UNIT_ROUNDOFF * 2.0 * 8.0);
         let skew = Eye { up: (DVec3::Y + 1e-8 * DVec3::Z) / 8.0, ..eye };
         let ratio = bound(&skew) / ((MAX_STEEPNESS + 2.0) * 2.0 * 8.0);
         assert!((1e-8..1.1e-8).contains(&ratio), "{ratio}");

@@ -194,17 +194,17 @@ mod tests {
             with_setting(&request, |setting| Strip::below(setting, end, first).rows)
         };
         let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
-        // Memory for 21 rows of 2^16 colours of 24 bytes.
-        assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4075..4096);
+        // Memory for 42 rows of 2^16 colours of 24 bytes.
+        assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4054..4096);
         assert_eq!(rows(&[Layer::Color], one, 4096, 4080), 4080..4096);
         assert_eq!(rows(&[Layer::Color], one, 20, 0), 0..20);
-        assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4089..4096);
-        assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4091..4096);
+        assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4082..4096);
+        assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4086..4096);
         assert_eq!(rows(&[Layer::Samples { zoom: 9 }], one, 4096, 0), 4095..4096);
         assert_eq!(rows(&[Layer::Filter { zoom: 2 }], one, 4096, 0), 0..4096);
         // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
         assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
-        assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4075..4096);
+        assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4054..4096);
     }
 
     #[test]

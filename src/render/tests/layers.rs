@@ -26,7 +26,7 @@ fn samples_are_plotted_where_they_lie_on_a_chequered_ground() {
     let picture = &pictures(text, &request)[0];
     let mut expected: Vec<Vec<Color>> = (0..height * zoom)
         .map(|y| {
-            let grey = |x: usize| if (x / zoom + y / zoom) % 2 == 0 { 0.2 } else { 0.0 };
+            let grey = |x: usize| if (x / zoom + y / zoom).is_multiple_of(2) { 0.2 } else { 0.0 };
             (0..width * zoom).map(|x| Color::splat(grey(x))).collect()
         })
         .collect();
