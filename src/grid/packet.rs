@@ -11,7 +11,7 @@ use super::lattice::Lattice;
 use super::query::{FilterState, RayQuery, lanes, to_frame};
 use super::ray_aabb::intersect_aabb4;
 use super::traverse::TraversalKernel;
-use super::triangle8::NONE;
+use super::triangle8::{Block, NONE};
 use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
@@ -159,16 +159,8 @@ impl<M: Mode> Caster<'_, M> {
         let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
         let mut pending = 0;
         for i in lanes(passing) {
-            let mut cursor = table.cursor_of(&setups[i / GROUP].dda4, i % GROUP);
-            cursor.skip();
-            let entry = cursor.entry();
-            if entry != BORDER {
-                if let Some(block) = CellContents::first_block(blocks, entry) {
-                    prefetch(block);
-                }
-                cursors[i] = Some(cursor);
-                pending |= 1 << i;
-            }
+            cursors[i] = first_occupied_cell(table, blocks, &setups[i / GROUP].dda4, i % GROUP);
+            pending |= u32::from(cursors[i].is_some()) << i;
         }
         for i in lanes(too_far) {
             self.cast_alone(&mut rays[i], probe);
@@ -196,6 +188,26 @@ impl<M: Mode> Caster<'_, M> {
             rays[i].set_visible(visible);
         }
     }
+}
+
+/// The first cell along one of four rays that is not empty; none if the ray leaves the grid before it. The cell's first
+/// block is prefetched.
+#[inline(always)]
+fn first_occupied_cell<'t>(
+    table: &'t CellTable,
+    blocks: &[Block],
+    dda4: &Dda4,
+    ray: usize,
+) -> Option<CellCursor<'t>> {
+    let mut cursor = table.cursor_of(dda4, ray);
+    cursor.skip();
+    if cursor.entry() == BORDER {
+        return None;
+    }
+    if let Some(block) = CellContents::first_block(blocks, cursor.entry()) {
+        prefetch(block);
+    }
+    Some(cursor)
 }
 
 /// The same compiled for AVX2.
