@@ -4,6 +4,7 @@ mod job;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
+mod rendering;
 
 use raytracer::cli::{self, Command};
 use std::fmt::Display;

@@ -10,6 +10,7 @@ use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, View, Watch};
 use crate::scene::Scene;
+use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
 use crate::stats::{Probe, Quiet};
@@ -26,12 +27,12 @@ pub struct Renderer {
     /// The text of the scene, to show the position of an error in it.
     pub source: Source,
     world: World,
-    /// Kept only for the view of the grid's cells.
+    /// Kept only for the view of the grid's cells, and for other scenes with the same meshes.
     meshes: Vec<Mesh>,
     threads: Option<Arc<ThreadPool>>,
 }
 
-/// Whether the meshes are kept as they were read, which only the view of the grid's cells needs.
+/// Whether the meshes are kept as they were read. The view of the grid's cells and [`Renderer::with_scene`] need them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meshes {
     /// The meshes are moved into the world.
@@ -58,6 +59,19 @@ impl Renderer {
             Ok(world) => Ok(Self { scene, source, world, meshes, threads: None }),
             Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
         }
+    }
+
+    /// Another scene that names the same meshes, in the same order. The renderer must have kept them, which the new
+    /// one does not.
+    pub fn with_scene(&self, scene: Scene) -> Result<Self, SceneError> {
+        let world = World::new(&scene, &self.meshes)?;
+        let (source, threads) = (self.source.clone(), self.threads.clone());
+        Ok(Self { scene, source, world, meshes: vec![], threads })
+    }
+
+    /// The meshes that the scene names, if they were kept.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
     }
 
     /// The same renderer, with its work done on this thread pool.
@@ -107,7 +121,8 @@ impl Renderer {
         })
     }
 
-    fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+    /// Does some work on the renderer's threads.
+    pub(crate) fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         match &self.threads {
             Some(threads) => threads.install(work),
             None => work(),

@@ -100,12 +100,13 @@ fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
     a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Comparison {
+    /// The lines of the block, each a label and what is said of it.
+    fn lines(&self) -> [(&'static str, String); 8] {
         let [width, height] = self.size;
         let counted = |count| format!("{count} ({})", percent(count, self.pixels()));
         let differing = self.pixels_that_differ();
-        let lines = [
+        [
             ("size", format!("{width}x{height}")),
             ("pixels that differ", counted(differing)),
             ("by more than one level", counted(self.pixels_differing_by_more_than(1))),
@@ -114,10 +115,21 @@ impl fmt::Display for Comparison {
             ("PSNR", format!("{:.2} dB", self.psnr())),
             ("mean FLIP", format!("{:.6}", self.mean_flip)),
             ("differing beside an edge", percent(self.differing_near_edges, differing)),
-        ];
-        writeln!(f, "{RULE}\nPICTURE COMPARISON")?;
-        lines.into_iter().try_for_each(|(label, value)| writeln!(f, "  {label:<27}{value}"))?;
-        writeln!(f, "{RULE}")
+        ]
+    }
+
+    /// The block, with one more line at its end if there is a cause of the difference to tell.
+    pub fn block(&self, cause: Option<&dyn fmt::Display>) -> String {
+        let cause = cause.map(|cause| ("cause", cause.to_string()));
+        let lines = self.lines().into_iter().chain(cause);
+        let lines: String = lines.map(|(label, value)| format!("  {label:<27}{value}\n")).collect();
+        format!("{RULE}\nPICTURE COMPARISON\n{lines}{RULE}\n")
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.block(None))
     }
 }
 
@@ -215,6 +227,13 @@ PICTURE COMPARISON
 ********************************************
 ";
         assert_eq!(found.to_string(), expected);
+    }
+
+    #[test]
+    fn a_cause_is_the_last_line_of_the_block() {
+        let block = comparison(&[]).block(Some(&"none of 3 tried"));
+        let end = "\n  differing beside an edge   NULL\n  cause                      none of 3 tried\n****";
+        assert!(block.contains(end), "{block}");
     }
 
     #[test]

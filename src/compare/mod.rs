@@ -12,6 +12,7 @@ mod tolerance;
 
 pub use difference::{Comparison, LargestDifference};
 pub use difference_picture::DifferencePicture;
+pub(crate) use edges::EdgeMap;
 pub use error::CompareError;
 pub use flip::{Flip, PIXELS_PER_DEGREE};
 pub use tolerance::Tolerance;
@@ -19,15 +20,15 @@ pub use tolerance::Tolerance;
 use crate::picture::Picture;
 
 /// A pixel's red, green and blue byte.
-type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// The pixels row by row from the top.
-fn colors(picture: &Picture) -> &[Rgb] {
+pub(crate) fn colors(picture: &Picture) -> &[Rgb] {
     picture.pixels().as_chunks().0
 }
 
 /// The largest difference of a channel, in levels.
-fn largest_channel_difference(a: Rgb, b: Rgb) -> u8 {
+pub(crate) fn largest_channel_difference(a: Rgb, b: Rgb) -> u8 {
     let [red, green, blue] = [0, 1, 2].map(|channel: usize| a[channel].abs_diff(b[channel]));
     red.max(green).max(blue)
 }

@@ -22,6 +22,7 @@ mod transform;
 
 use glam::{DAffine3, DVec3};
 use material::Material;
+pub(crate) use transform::TRANSFORMATIONS;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
 pub type Color = DVec3;

@@ -1,6 +1,8 @@
 //! Tests of the program from outside: command lines, scenes and their errors, files, statistics, and the
 //! commands of the README.
 
+mod broken_rules;
+mod causes;
 mod command_line;
 mod comparison;
 mod cost_map;
@@ -8,6 +10,7 @@ mod command_line_errors;
 mod course;
 mod image_files;
 mod malformed_scenes;
+mod partial_causes;
 mod proofs;
 mod readme;
 mod runs;

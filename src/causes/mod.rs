@@ -1,0 +1,127 @@
+//! Why a picture differs from this program's: what those who write a ray tracer get wrong is tried, one mistake
+//! after the other.
+//!
+//! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
+//! or by a textbook's tracer that breaks a rule. The one that makes the picture in question is the cause.
+
+mod finding;
+mod object_space;
+mod paint;
+mod pixels;
+mod requests;
+mod rules;
+mod scenes;
+mod speckles;
+mod textbook;
+mod transform_order;
+
+pub use finding::Finding;
+pub use pixels::PixelChange;
+pub use requests::RequestChange;
+pub use rules::Rule;
+pub use scenes::SceneChange;
+
+use crate::grid::options::Resolution;
+use crate::mode::Fast;
+use crate::picture::{FloatPicture, Picture};
+use crate::render::{Layer, Request};
+use crate::renderer::Renderer;
+use crate::scene::Scene;
+use std::fmt;
+
+/// A mistake that explains a difference. `Display` completes "this program's picture".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause {
+    /// None: the picture is this program's, and it is the reference that differs.
+    Unchanged,
+    /// The finished picture is changed.
+    Pixels(PixelChange),
+    /// Something else is rendered of the same scene.
+    Request(RequestChange),
+    /// The scene is understood otherwise.
+    Scene(SceneChange),
+    /// Rays are generated, traced or shaded otherwise.
+    Rule(Rule),
+}
+
+impl Cause {
+    /// Every cause that is tried, the cheap ones first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        std::iter::once(Self::Unchanged)
+            .chain(PixelChange::ALL.map(Self::Pixels))
+            .chain(RequestChange::ALL.map(Self::Request))
+            .chain(SceneChange::ALL.map(Self::Scene))
+            .chain(Rule::all().map(Self::Rule))
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unchanged => Ok(()),
+            Self::Pixels(change) => write!(f, " {change}"),
+            Self::Request(change) => write!(f, " {change}"),
+            Self::Scene(change) => write!(f, " {change}"),
+            Self::Rule(rule) => write!(f, " {rule}"),
+        }
+    }
+}
+
+/// This program's colour picture, and what it was rendered from.
+#[derive(Debug)]
+pub struct Original<'a> {
+    renderer: &'a Renderer,
+    grid: Option<Resolution>,
+    request: Request,
+    colors: FloatPicture,
+}
+
+impl<'a> Original<'a> {
+    /// Renders the request's colours with this grid; none where there is no memory for it. The renderer must have
+    /// kept the meshes.
+    pub fn new(renderer: &'a Renderer, grid: Option<Resolution>, request: &Request) -> Option<Self> {
+        let request = Request { layers: vec![Layer::Color], window: None, ..request.clone() };
+        let colors = colors(renderer, grid, &request)?;
+        Some(Self { renderer, grid, request, colors })
+    }
+
+    /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
+    /// show.
+    pub fn picture(&self, cause: Cause) -> Option<Picture> {
+        let Self { renderer, grid, ref request, ref colors } = *self;
+        let scene = &renderer.scene;
+        match cause {
+            Cause::Unchanged => Some(cut(colors)),
+            Cause::Pixels(change) => Some(change.apply(colors)),
+            Cause::Request(change) => {
+                let request = change.apply(scene, request)?;
+                Some(cut(&self::colors(renderer, grid, &request)?))
+            }
+            Cause::Scene(change) => self.picture_of(change.apply(scene, &renderer.source.text)?),
+            Cause::Rule(rule) if rule.applies(scene, request) => rules::picture(self, Some(rule)),
+            Cause::Rule(_) => None,
+        }
+    }
+
+    /// The picture of another scene with the same meshes.
+    fn picture_of(&self, scene: Scene) -> Option<Picture> {
+        let renderer = self.renderer.with_scene(scene).ok()?;
+        Some(cut(&colors(&renderer, self.grid, &self.request)?))
+    }
+}
+
+/// Renders the colours of a request.
+fn colors(renderer: &Renderer, grid: Option<Resolution>, request: &Request) -> Option<FloatPicture> {
+    let prepared = renderer.prepare::<Fast>(grid, camera_rays(request)).ok()?;
+    prepared.render(request).ok()?.pop()
+}
+
+fn camera_rays(request: &Request) -> usize {
+    request.size[0] * request.size[1] * request.sampler.count() as usize
+}
+
+/// The picture's bytes, as they are written.
+fn cut(colors: &FloatPicture) -> Picture {
+    let [width, height] = colors.size.map(|n| n as u32);
+    Picture::from_rgb(width, height, colors.to_bytes().0)
+}

@@ -1,0 +1,65 @@
+//! The transforms around the primitives, which the world has applied to them.
+
+use crate::math::robust::similarity_scale;
+use crate::scene::mesh::Mesh;
+use crate::scene::{Object, Scene};
+use crate::world::{Placement, Primitive, World, placements};
+use glam::{DMat3, DVec3};
+
+/// The matrix that took each primitive to the world.
+#[derive(Debug)]
+pub struct ObjectSpaces<'a> {
+    world: &'a World,
+    /// Of triangles, spheres, ellipsoids and planes: the index of the first that a matrix took to the world.
+    runs: [Vec<(usize, DMat3)>; 4],
+}
+
+/// How many triangles a box has.
+const BOX_TRIANGLES: usize = 12;
+
+impl<'a> ObjectSpaces<'a> {
+    /// The world is that of the scene and its meshes.
+    pub fn new(scene: &Scene, meshes: &[Mesh], world: &'a World) -> Self {
+        let mut spaces = Self { world, runs: Default::default() };
+        let mut counts = [0; 4];
+        for placement in placements(scene) {
+            let Some((kind, count)) = primitives(&placement, meshes) else { continue };
+            spaces.runs[kind].push((counts[kind], placement.matrix.matrix3));
+            counts[kind] += count;
+        }
+        spaces
+    }
+
+    /// The normal in the primitive's own space, of any length.
+    pub fn normal(&self, primitive: u32, normal: DVec3) -> DVec3 {
+        // The inverse transpose took it to the world.
+        self.matrix(primitive).transpose() * normal
+    }
+
+    /// The matrix that took a primitive to the world.
+    pub fn matrix(&self, primitive: u32) -> DMat3 {
+        let (kind, index) = match self.world.primitive(primitive) {
+            Primitive::Triangle(index) => (0, index),
+            Primitive::Sphere(index) => (1, index),
+            Primitive::Ellipsoid(index) => (2, index),
+            Primitive::Plane(index) => (3, index),
+        };
+        let runs = &self.runs[kind];
+        let run = runs.partition_point(|&(first, _)| first <= index);
+        runs.get(run.wrapping_sub(1)).map_or(DMat3::IDENTITY, |&(_, matrix)| matrix)
+    }
+}
+
+/// The kind of the primitives that become of an object, and their number.
+fn primitives(placement: &Placement, meshes: &[Mesh]) -> Option<(usize, usize)> {
+    // The world makes ellipsoids of the others.
+    let is_sphere_in_world = similarity_scale(placement.matrix.matrix3).is_some();
+    match *placement.object {
+        Object::Triangle { .. } => Some((0, 1)),
+        Object::Box { .. } => Some((0, BOX_TRIANGLES)),
+        Object::Mesh { mesh, .. } => Some((0, meshes.get(mesh)?.triangles.len())),
+        Object::Sphere { .. } => Some((if is_sphere_in_world { 1 } else { 2 }, 1)),
+        Object::Plane { .. } => Some((3, 1)),
+        Object::Group(_) | Object::Transform { .. } => None,
+    }
+}

@@ -1,0 +1,147 @@
+//! Mistakes that this program makes if it is asked for them: other effects, another camera.
+
+use crate::render::Request;
+use crate::scene::material::{Material, Phong};
+use crate::scene::{Camera, Color, Scene};
+use crate::trace::{Effects, Shadows};
+use std::fmt;
+
+/// A change of what is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RequestChange {
+    /// The axis to the right is up x direction, which turns the picture by 180 degrees.
+    OtherHandedness,
+    /// The camera's angle or size is taken for the shorter side of the picture.
+    AngleOfShorterSide,
+    /// Nothing casts shadows.
+    NoShadows,
+    /// Shadows that were not asked for.
+    Shadows,
+    /// Opaque shadows of transparent things.
+    OpaqueShadows,
+    /// Tinted shadows of transparent things.
+    TransparentShadows,
+    /// Surfaces seen from behind are black.
+    NoShadeBack,
+    /// Surfaces seen from behind are lit.
+    ShadeBack,
+    /// One bounce is missing.
+    OneBounceFewer,
+    /// There is one bounce too many.
+    OneBounceMore,
+    /// Rays are followed whatever they weigh.
+    WeightIgnored,
+}
+
+impl RequestChange {
+    pub(super) const ALL: [Self; 11] = [
+        Self::OtherHandedness,
+        Self::AngleOfShorterSide,
+        Self::NoShadows,
+        Self::Shadows,
+        Self::OpaqueShadows,
+        Self::TransparentShadows,
+        Self::NoShadeBack,
+        Self::ShadeBack,
+        Self::OneBounceFewer,
+        Self::OneBounceMore,
+        Self::WeightIgnored,
+    ];
+
+    /// The changed request; none where the change cannot show.
+    pub(super) fn apply(self, scene: &Scene, request: &Request) -> Option<Request> {
+        let effects = request.effects;
+        match self {
+            Self::OtherHandedness => return Some(with_camera(turned(scene.camera), request)),
+            Self::AngleOfShorterSide => {
+                return Some(with_camera(widened(scene.camera, request.size)?, request));
+            }
+            _ => {}
+        }
+        let changed = self.effects(effects, scene);
+        (changed != effects).then(|| Request { effects: changed, ..request.clone() })
+    }
+
+    /// The changed effects, which are the same where the change cannot show.
+    fn effects(self, effects: Effects, scene: &Scene) -> Effects {
+        let bounces = effects.bounces;
+        match (self, effects.shadows) {
+            (Self::NoShadows, _) => Effects { shadows: Shadows::None, ..effects },
+            (Self::Shadows, Shadows::None) | (Self::OpaqueShadows, Shadows::Transparent) => {
+                Effects { shadows: Shadows::Opaque, ..effects }
+            }
+            (Self::TransparentShadows, _) if has(scene, |phong| phong.transparent) => {
+                Effects { shadows: Shadows::Transparent, ..effects }
+            }
+            (Self::NoShadeBack, _) => Effects { shade_back: false, ..effects },
+            (Self::ShadeBack, _) => Effects { shade_back: true, ..effects },
+            (Self::OneBounceFewer, _) if has_secondary_rays(scene) => {
+                Effects { bounces: bounces.saturating_sub(1), ..effects }
+            }
+            (Self::OneBounceMore, _) if has_secondary_rays(scene) => {
+                Effects { bounces: bounces.saturating_add(1), ..effects }
+            }
+            (Self::WeightIgnored, _) if bounces > 0 && has_secondary_rays(scene) => {
+                Effects { min_weight: 0.0, ..effects }
+            }
+            _ => effects,
+        }
+    }
+}
+
+/// Whether any material reflects or lets through.
+pub fn has_secondary_rays(scene: &Scene) -> bool {
+    has(scene, |phong| phong.reflective) || has(scene, |phong| phong.transparent)
+}
+
+/// Whether any material has a colour of this kind that is not black.
+pub fn has(scene: &Scene, color: impl Fn(&Phong) -> Color) -> bool {
+    scene.materials.iter().any(|material| match material {
+        Material::Phong(phong) => color(phong) != Color::ZERO,
+        Material::Texture(_) => false,
+    })
+}
+
+fn with_camera(camera: Camera, request: &Request) -> Request {
+    Request { camera: Some(camera), ..request.clone() }
+}
+
+/// The same camera upside down.
+fn turned(mut camera: Camera) -> Camera {
+    let (Camera::Orthographic { up, .. } | Camera::Perspective { up, .. }) = &mut camera;
+    *up = -*up;
+    camera
+}
+
+/// The camera whose screen spans the shorter side; none of a square picture.
+fn widened(camera: Camera, size: [usize; 2]) -> Option<Camera> {
+    let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])].map(|side| side as f64);
+    let ratio = longer / shorter;
+    (ratio > 1.0).then_some(match camera {
+        Camera::Orthographic { center, direction, up, size } => {
+            Camera::Orthographic { center, direction, up, size: size * ratio }
+        }
+        Camera::Perspective { center, direction, up, angle } => {
+            let half = libm::atan(ratio * libm::tan(angle.to_radians() / 2.0));
+            Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() }
+        }
+    })
+}
+
+impl fmt::Display for RequestChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OtherHandedness => "by a camera of the other handedness (turned by 180 degrees)",
+            Self::AngleOfShorterSide => "with the camera's angle or size over the shorter side",
+            Self::NoShadows => "without -shadows",
+            Self::Shadows => "with -shadows",
+            Self::OpaqueShadows => "with -shadows in place of -transparent_shadows",
+            Self::TransparentShadows => "with -transparent_shadows",
+            Self::NoShadeBack => "without -shade_back",
+            Self::ShadeBack => "with -shade_back",
+            Self::OneBounceFewer => "with one bounce fewer",
+            Self::OneBounceMore => "with one bounce more",
+            Self::WeightIgnored => "without -weight",
+        })
+    }
+}

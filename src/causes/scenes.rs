@@ -1,0 +1,137 @@
+//! Mistakes in what a scene means: its lights, its materials, its transformations.
+
+use super::transform_order;
+use crate::scene::material::{Material, Pattern, Phong};
+use crate::scene::{Color, Light, Scene};
+use std::fmt;
+
+/// A change of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneChange {
+    /// There is no ambient light.
+    NoAmbient,
+    /// Rays that hit nothing are black.
+    BlackBackground,
+    /// A point light is as bright at any distance.
+    NotAttenuated,
+    /// The direction of a directional light is taken for the one towards it.
+    LightsReversed,
+    /// There are no highlights.
+    NoHighlights,
+    /// One over the index of refraction is taken for it.
+    IndexInverted,
+    /// The two materials of a checkerboard are swapped.
+    CheckerboardSwapped,
+    /// The transformations in a list are multiplied in the opposite order.
+    ListsReversed,
+    /// The matrices of nested transforms are multiplied in the opposite order.
+    NestingReversed,
+}
+
+impl SceneChange {
+    pub(super) const ALL: [Self; 9] = [
+        Self::NoAmbient,
+        Self::BlackBackground,
+        Self::NotAttenuated,
+        Self::LightsReversed,
+        Self::NoHighlights,
+        Self::IndexInverted,
+        Self::CheckerboardSwapped,
+        Self::ListsReversed,
+        Self::NestingReversed,
+    ];
+
+    /// The changed scene, whose text this is; none where the change cannot show.
+    pub(super) fn apply(self, scene: &Scene, text: &str) -> Option<Scene> {
+        match self {
+            Self::ListsReversed => return transform_order::with_lists_reversed(text),
+            Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
+            _ => {}
+        }
+        let mut scene = scene.clone();
+        let changes = match self {
+            Self::NoAmbient => scene.put_out_ambient(),
+            Self::BlackBackground => replaced(&mut scene.background.color, Color::ZERO),
+            Self::NotAttenuated => any(&mut scene.lights, not_attenuated),
+            Self::LightsReversed => any(&mut scene.lights, reversed),
+            Self::NoHighlights => scene.change_phongs(|phong| replaced(&mut phong.specular, Color::ZERO)),
+            Self::IndexInverted => scene.change_phongs(|phong| {
+                let index = phong.index_of_refraction;
+                phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
+            }),
+            _ => any(&mut scene.materials, swapped),
+        };
+        changes.then_some(scene)
+    }
+}
+
+impl Scene {
+    /// A scene without lights is lit evenly by a rule of its own, which this breaks, too.
+    fn put_out_ambient(&mut self) -> bool {
+        if self.lights.is_empty() {
+            self.lights.push(Light::Directional { direction: Color::X, color: Color::ZERO });
+            self.background.ambient = Color::ZERO;
+            return true;
+        }
+        replaced(&mut self.background.ambient, Color::ZERO)
+    }
+
+    fn change_phongs(&mut self, change: impl Fn(&mut Phong) -> bool) -> bool {
+        any(&mut self.materials, |material| match material {
+            Material::Phong(phong) => change(phong),
+            Material::Texture(_) => false,
+        })
+    }
+}
+
+/// Replaces a value; says whether the new one is another.
+fn replaced<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let changes = *place != value;
+    *place = value;
+    changes
+}
+
+/// Changes all of them; says whether any is changed.
+fn any<T>(all: &mut [T], change: impl Fn(&mut T) -> bool) -> bool {
+    all.iter_mut().fold(false, |changes, one| change(one) | changes)
+}
+
+fn not_attenuated(light: &mut Light) -> bool {
+    match light {
+        Light::Point { attenuation, .. } => replaced(attenuation, [1.0, 0.0, 0.0]),
+        Light::Directional { .. } => false,
+    }
+}
+
+fn reversed(light: &mut Light) -> bool {
+    match light {
+        Light::Directional { direction, .. } => replaced(direction, -*direction),
+        Light::Point { .. } => false,
+    }
+}
+
+fn swapped(material: &mut Material) -> bool {
+    match material {
+        Material::Texture(texture) if texture.pattern == Pattern::Checkerboard => {
+            texture.children.swap(0, 1);
+            true
+        }
+        _ => false,
+    }
+}
+
+impl fmt::Display for SceneChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoAmbient => "without ambient light",
+            Self::BlackBackground => "with a black background",
+            Self::NotAttenuated => "with lights that are not attenuated",
+            Self::LightsReversed => "with directional lights from the other side",
+            Self::NoHighlights => "without highlights",
+            Self::IndexInverted => "with the index of refraction inverted",
+            Self::CheckerboardSwapped => "with the other parity of checkerboards",
+            Self::ListsReversed => "with the transformations of a list multiplied in the other order",
+            Self::NestingReversed => "with nested transforms multiplied in the other order",
+        })
+    }
+}

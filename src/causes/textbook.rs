@@ -1,0 +1,217 @@
+//! A recursive ray tracer as in a textbook, which can break a rule. It finds what rays hit by the same means as the
+//! real one, and is not fast.
+
+use super::object_space::ObjectSpaces;
+use super::rules::Rule;
+use crate::grid::Caster;
+use crate::math::ray::Ray;
+use crate::math::robust::{offset_origin, unit};
+use crate::scene::material::{Material, Pattern, Texture};
+use crate::scene::{Color, MaterialId};
+use crate::shading::light::{Incident, incident};
+use crate::shading::phong::PointMaterial;
+use crate::shading::texture::material_at;
+use crate::stats::Quiet;
+use crate::trace::{Effects, Shadows, reflected, refracted};
+use crate::world::SurfacePoint;
+use glam::DVec3;
+
+/// Traces rays, and breaks at most one rule.
+pub struct Textbook<'a> {
+    pub caster: &'a Caster<'a>,
+    pub effects: Effects,
+    pub rule: Option<Rule>,
+    pub spaces: &'a ObjectSpaces<'a>,
+}
+
+/// A ray on its way from the camera.
+struct Path {
+    ray: Ray,
+    /// The triangle that it starts at.
+    exclude: Option<u32>,
+    weight: f64,
+    bounces: u32,
+    /// Index of refraction of what the ray runs through.
+    index: f64,
+}
+
+impl Textbook<'_> {
+    /// The colour along a camera ray.
+    pub fn color(&self, ray: &Ray) -> Color {
+        let path = Path { ray: *ray, exclude: None, weight: 1.0, bounces: 0, index: 1.0 };
+        self.clamped_by(Rule::SamplesClamped, self.seen(&path))
+    }
+
+    fn breaks(&self, rule: Rule) -> bool {
+        self.rule == Some(rule)
+    }
+
+    fn clamped_by(&self, rule: Rule, color: Color) -> Color {
+        if self.breaks(rule) { color.clamp(Color::ZERO, Color::ONE) } else { color }
+    }
+
+    /// A result in the precision of the computation.
+    fn number(&self, color: Color) -> Color {
+        if self.breaks(Rule::SinglePrecision) { color.as_vec3().as_dvec3() } else { color }
+    }
+
+    /// The colour along a ray.
+    fn seen(&self, path: &Path) -> Color {
+        let Some(surface) = self.nearest(path) else {
+            return self.clamped_by(Rule::RaysClamped, self.background(path));
+        };
+        let material = self.material(&surface);
+        let mut color = self.shade(path, &surface, &material);
+        if path.bounces < self.effects.bounces {
+            let branches = [self.refract(path, &surface, &material), self.reflect(path, &surface, &material)];
+            for (tint, branch) in branches.into_iter().flatten() {
+                color = self.number(color + self.number(self.number(tint) * self.seen(&branch)));
+            }
+        }
+        self.clamped_by(Rule::RaysClamped, color)
+    }
+
+    fn background(&self, path: &Path) -> Color {
+        let is_missing = path.bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly);
+        if is_missing { Color::ZERO } else { self.number(self.caster.world.background) }
+    }
+
+    fn nearest(&self, path: &Path) -> Option<SurfacePoint> {
+        let visible = self.caster.nearest(&path.ray, path.exclude, &mut Quiet)?;
+        let surface = self.caster.world.visible_surface(&path.ray, visible);
+        let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
+        let normal = match self.rule {
+            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
+            Some(Rule::NormalsOfObjectSpace) => unit(object_normal()),
+            _ => return Some(surface),
+        };
+        Some(if normal.is_finite() { SurfacePoint { normal, ..surface } } else { surface })
+    }
+
+    fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
+        let (materials, point) = (&self.caster.world.materials, surface.position);
+        match &materials[surface.material] {
+            Material::Texture(texture)
+                if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
+            {
+                material_at(materials, child_by_cutting(texture, point), point)
+            }
+            _ => material_at(materials, surface.material, point),
+        }
+    }
+
+    fn shade(&self, path: &Path, surface: &SurfacePoint, material: &PointMaterial) -> Color {
+        let from_within = surface.normal.dot(path.ray.direction) > 0.0;
+        if from_within && !self.effects.shade_back {
+            return Color::ZERO;
+        }
+        let normal = if from_within { -surface.normal } else { surface.normal };
+        let world = self.caster.world;
+        let mut color = self.number(self.number(world.ambient) * self.number(material.phong.diffuse));
+        for light in &world.lights {
+            let light = incident(light, surface.position);
+            let cosine = normal.dot(light.direction);
+            if cosine > 0.0 {
+                let passed = self.light_passed(surface, &light);
+                let light = Incident { color: self.number(light.color), ..light };
+                let lit = self.number(passed * material.reflect(&light, cosine, normal, -path.ray.direction));
+                color = self.number(color + self.clamped_by(Rule::LightsClamped, lit));
+            }
+        }
+        color
+    }
+
+    fn light_passed(&self, surface: &SurfacePoint, light: &Incident) -> Color {
+        let ends = !self.breaks(Rule::ShadowsFromBehindLight);
+        let t_max = if ends { light.distance } else { f64::INFINITY };
+        let ray = Ray { t_max, ..self.leaving(surface, light.direction) };
+        match self.effects.shadows {
+            Shadows::None => Color::ONE,
+            Shadows::Transparent => self.filtered(ray),
+            Shadows::Opaque => {
+                let is_blocked = self.caster.any_from(&ray, surface.triangle, &mut Quiet);
+                if is_blocked { Color::ZERO } else { Color::ONE }
+            }
+        }
+    }
+
+    /// What transparent things leave of the light along a shadow ray.
+    fn filtered(&self, mut ray: Ray) -> Color {
+        let mut passed = Color::ONE;
+        while let Some(hit) = self.caster.closest(&ray, &mut Quiet) {
+            let surface = self.caster.world.surface(&ray, &hit);
+            let tint = self.material(&surface).phong.transparent;
+            if tint == Color::ZERO {
+                return Color::ZERO;
+            }
+            if surface.normal.dot(ray.direction) >= 0.0 {
+                passed *=
+                    Color::from_array(tint.to_array().map(|channel| libm::pow(channel.max(0.0), hit.t)));
+            }
+            ray = Ray { t_max: ray.t_max - hit.t, ..self.leaving(&surface, ray.direction) };
+        }
+        passed
+    }
+
+    /// A ray that leaves a surface.
+    fn leaving(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
+        if let Some(Rule::Epsilon(t_min)) = self.rule {
+            return Ray { t_min, ..Ray::new(surface.position, direction) };
+        }
+        let largest = self.caster.world.max_abs_coord;
+        Ray::new(offset_origin(surface.position, surface.normal, direction, largest), direction)
+    }
+
+    fn reflect(
+        &self,
+        path: &Path,
+        surface: &SurfacePoint,
+        material: &PointMaterial,
+    ) -> Option<(Color, Path)> {
+        let tint = material.phong.reflective;
+        let weight = self.weight(path, tint)?;
+        let (d, n) = (path.ray.direction, surface.normal);
+        let direction = match self.rule {
+            Some(Rule::NormalFlippedInReflection) => (d + 2.0 * d.dot(n) * n).normalize(),
+            Some(Rule::ReflectionReversed) => -reflected(d, n),
+            _ => reflected(d, n),
+        };
+        let ray = match self.rule {
+            Some(Rule::ReflectionFromBelow) => {
+                let origin = self.leaving(surface, -direction).origin;
+                Ray::new(origin, direction)
+            }
+            _ => self.leaving(surface, direction),
+        };
+        let exclude = if self.breaks(Rule::ReflectionFromBelow) { None } else { surface.triangle };
+        Some((tint, Path { ray, exclude, weight, bounces: path.bounces + 1, index: path.index }))
+    }
+
+    fn refract(
+        &self,
+        path: &Path,
+        surface: &SurfacePoint,
+        material: &PointMaterial,
+    ) -> Option<(Color, Path)> {
+        let tint = material.phong.transparent;
+        let weight = self.weight(path, tint)?;
+        let (d, n) = (path.ray.direction, surface.normal);
+        let entering = d.dot(n) < 0.0;
+        let (normal, index) = if entering { (n, material.phong.index_of_refraction) } else { (-n, 1.0) };
+        let ray = self.leaving(surface, refracted(d, normal, path.index / index)?);
+        Some((tint, Path { ray, exclude: surface.triangle, weight, bounces: path.bounces + 1, index }))
+    }
+
+    /// The weight of a secondary ray, if it weighs enough to be followed.
+    fn weight(&self, path: &Path, tint: Color) -> Option<f64> {
+        let weight = path.weight * tint.length();
+        (weight > self.effects.min_weight).then_some(weight)
+    }
+}
+
+/// The child of a checkerboard where coordinates are cut to whole numbers, towards zero.
+fn child_by_cutting(texture: &Texture, point: DVec3) -> MaterialId {
+    let cells = texture.world_to_texture.transform_point3(point).to_array().map(|q| q as i64);
+    let is_odd = cells.iter().fold(false, |is_odd, cell| is_odd ^ (cell % 2 != 0));
+    texture.children[usize::from(is_odd)]
+}

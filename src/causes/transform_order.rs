@@ -1,0 +1,126 @@
+//! Transformations multiplied in the other order.
+
+use crate::scene::lexer::Lexer;
+use crate::scene::parser::parse;
+use crate::scene::{Object, ObjectId, Scene, TRANSFORMATIONS};
+use glam::DAffine3;
+
+/// The scene of a text in which the transformations of each list are written in the opposite order; none where no
+/// list has two.
+pub fn with_lists_reversed(text: &str) -> Option<Scene> {
+    let words = words(text);
+    let mut rest = words.as_slice();
+    let (mut reversed, mut changes) = (Vec::with_capacity(words.len()), false);
+    while let Some(&word) = rest.first() {
+        let list = split_list(&mut rest);
+        changes |= list.len() > 1;
+        if list.is_empty() {
+            reversed.push(word);
+            rest = &rest[1..];
+        }
+        reversed.extend(list.into_iter().rev().flatten());
+    }
+    if changes { parse(&reversed.join(" ")).ok() } else { None }
+}
+
+fn words(text: &str) -> Vec<&str> {
+    let mut lexer = Lexer::new(text);
+    std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()))
+        .map(|word| word.text)
+        .collect()
+}
+
+/// Takes the transformations that come next, each with its values.
+fn split_list<'w, 't>(words: &mut &'w [&'t str]) -> Vec<&'w [&'t str]> {
+    let mut list = Vec::new();
+    while words.first().is_some_and(|word| TRANSFORMATIONS.contains(word)) {
+        let (transformation, rest) = words.split_at(1 + values(&words[1..]));
+        list.push(transformation);
+        *words = rest;
+    }
+    list
+}
+
+/// How many of the words are a transformation's values: numbers, or all up to the closing brace.
+fn values(words: &[&str]) -> usize {
+    match words.first() {
+        Some(&"{") => words.iter().position(|&word| word == "}").map_or(words.len(), |end| end + 1),
+        _ => words.iter().take_while(|word| word.parse::<f64>().is_ok()).count(),
+    }
+}
+
+/// The scene whose nested transforms are multiplied from the innermost to the outermost; none where none is nested.
+pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
+    let mut objects = Vec::new();
+    let (mut children, mut is_nested) = (Vec::new(), false);
+    let mut stack: Vec<(ObjectId, Option<DAffine3>)> = vec![(scene.root, None)];
+    while let Some((id, outer)) = stack.pop() {
+        match &scene.objects[id] {
+            Object::Group(members) => stack.extend(members.iter().rev().map(|&member| (member, outer))),
+            Object::Transform { matrix, child, .. } => {
+                is_nested |= outer.is_some();
+                stack.push((*child, Some(outer.map_or(*matrix, |outer| *matrix * outer))));
+            }
+            leaf => {
+                objects.push(leaf.clone());
+                let child = objects.len() - 1;
+                objects.extend(outer.map(|matrix| Object::Transform {
+                    matrix,
+                    child,
+                    at: Default::default(),
+                }));
+                children.push(objects.len() - 1);
+            }
+        }
+    }
+    objects.push(Object::Group(children));
+    let root = objects.len() - 1;
+    is_nested.then(|| Scene { objects, root, ..scene.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::placements;
+
+    fn scene(objects: &str) -> String {
+        format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }}
+             Materials {{ numMaterials 1 Material {{ }} }}
+             Group {{ numObjects 1 MaterialIndex 0 {objects} }}"
+        )
+    }
+
+    fn matrix(scene: &Scene) -> DAffine3 {
+        placements(scene).next().unwrap().matrix
+    }
+
+    const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
+
+    #[test]
+    fn the_transformations_of_a_list_change_their_order() {
+        let pairs = [
+            ("Translate 1 2 3 XRotate { 90 } Scale 1 2 -.5", "Scale 1 2 -.5 XRotate { 90 } Translate 1 2 3"),
+            ("Rotate { 0 1 0 30 } # a\n Scale 2 1 1", "Scale 2 1 1 Rotate { 0 1 0 30 }"),
+        ];
+        for (list, reversed) in pairs {
+            let [list, reversed] =
+                [list, reversed].map(|list| scene(&format!("Transform {{ {list} {SPHERE} }}")));
+            let found = with_lists_reversed(&list).unwrap();
+            assert_eq!(matrix(&found), matrix(&parse(&reversed).unwrap()), "{list}");
+            assert_ne!(matrix(&found), matrix(&parse(&list).unwrap()), "{list}");
+        }
+        assert!(with_lists_reversed(&scene(&format!("Transform {{ Scale 1 2 3 {SPHERE} }}"))).is_none());
+    }
+
+    #[test]
+    fn nested_transforms_change_their_order() {
+        let nested = |outer: &str, inner: &str| {
+            let inner = format!("Group {{ numObjects 1 Transform {{ {inner} {SPHERE} }} }}");
+            parse(&scene(&format!("Transform {{ {outer} {inner} }}"))).unwrap()
+        };
+        let found = with_nesting_reversed(&nested("Translate 1 2 3", "Scale 1 2 3")).unwrap();
+        assert_eq!(matrix(&found), matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
+        assert!(with_nesting_reversed(&parse(&scene(SPHERE)).unwrap()).is_none());
+    }
+}

@@ -1,0 +1,107 @@
+//! The rendering of a scene, with everything that is written and printed of it.
+
+use crate::failed;
+use crate::products::Products;
+use rayon::ThreadPool;
+use raytracer::cli::{Comparison, Options};
+use raytracer::explain::CostReport;
+use raytracer::image_io::OutputFile;
+use raytracer::mode::Mode;
+use raytracer::picture::Picture;
+use raytracer::render::Layer;
+use raytracer::renderer::{Meshes, Prepared, Renderer};
+use raytracer::scene::Color;
+use raytracer::scene_io;
+use raytracer::stats::{Probe, Report, Timings};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What a rendering leaves.
+pub struct Rendered {
+    pub renderer: Renderer,
+    /// What there is to print.
+    pub text: String,
+    /// The colour picture, if it is one of two to compare.
+    pub picture: Option<Picture>,
+}
+
+/// Reads, prepares, renders and writes.
+pub fn render<M: Mode, P: Probe>(
+    options: &Options,
+    input: &Path,
+    threads: &Arc<ThreadPool>,
+    tell: &dyn Fn(&str),
+) -> Result<Rendered, String> {
+    let files = options.outputs.iter().map(|output| OutputFile::prepare(&output.file));
+    let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
+
+    let mut clock = Clock(Instant::now());
+    let loaded = scene_io::load(input).map_err(|error| error.to_string())?;
+    if loaded.scene.lights.is_empty() {
+        tell("WARNING:  No lights specified");
+    }
+    let reading = clock.lap();
+    let comparison = options.comparison.as_ref();
+    // Other scenes with the same meshes may be rendered to find the cause of a difference.
+    let has_outside = comparison.is_some_and(|wanted| wanted.picture.is_some());
+    let meshes = if options.visualize_grid || has_outside { Meshes::Kept } else { Meshes::Moved };
+    let renderer = Renderer::new(loaded, meshes).map_err(|error| error.to_string())?;
+    let renderer = renderer.on_threads(threads.clone());
+    let prepared = prepare::<M>(options, &renderer)?;
+    let building = clock.lap();
+
+    let mut request = options.request();
+    let mut products = Products::begin(files, &request)?;
+    if comparison.is_some_and(Comparison::needs_scene) {
+        request.layers.push(Layer::Color);
+        products.keep();
+    }
+    let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
+    let goes_on = |_| ControlFlow::Continue(());
+    let probe: P = prepared.render_rows(&request, &goes_on, &mut take_row).map_err(failed)?;
+    let encoding = products.encoding;
+    let rendering = clock.lap() - encoding;
+
+    let finished = products.finish(options.size)?;
+    if finished.nans > 0 {
+        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
+    }
+    let report = Report {
+        size: options.size,
+        bounds: renderer.bounds(),
+        grid: prepared.cells(),
+        counts: probe.counts(),
+        timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
+        threads: threads.current_num_threads(),
+    };
+    let mut text = if options.stats { report.to_string() } else { String::new() };
+    if let Some(costs) = finished.costs {
+        text += &CostReport { map: &costs, cells: prepared.fullness(FULLEST) }.to_string();
+    }
+    Ok(Rendered { renderer, text, picture: finished.kept })
+}
+
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
+
+fn prepare<'r, M: Mode>(options: &Options, renderer: &'r Renderer) -> Result<Prepared<'r, M>, String> {
+    let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
+    let prepared = match options.grid {
+        Some(grid) if options.visualize_grid => renderer.prepare_cells(grid, rays),
+        grid => renderer.prepare(grid, rays),
+    };
+    prepared.map_err(failed)
+}
+
+/// Measures one stage after the other.
+struct Clock(Instant);
+
+impl Clock {
+    /// The time since the last lap.
+    fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        now - std::mem::replace(&mut self.0, now)
+    }
+}

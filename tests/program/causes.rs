@@ -1,0 +1,287 @@
+//! The causes of a difference: each wrong picture is made in an independent way where there is one, and its cause must
+//! be named.
+
+use crate::support::{Folder, Tga};
+use raytracer::causes::{Cause, Original, PixelChange, Rule};
+use raytracer::cli::{self, Command};
+use raytracer::image_io::OutputFile;
+use raytracer::picture::Picture;
+use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene_io;
+
+/// A little of everything: both kinds of lights, textures, mirrors, glass, transforms, and something behind a light.
+pub const SCENE: &str = "
+    PerspectiveCamera { center 0 2.5 8 direction 0 -.25 -1 up 0 1 0 angle 40 }
+    Background { color .10980392 .3 .5 ambientLight .2 .15 .2 }
+    Lights { numLights 2
+        PointLight { position .5 3 2 color 2.2 2 1.8 attenuation 1 .2 0 }
+        DirectionalLight { direction -1 -1 -.5 color .4 .4 .5 } }
+    Materials { numMaterials 5
+        Material { diffuseColor .8 .4 .2 specularColor .9 .9 .9 exponent 20 }
+        Material { diffuseColor .1 .1 .2 reflectiveColor .7 .7 .7 }
+        Material { diffuseColor .1 .1 .1 transparentColor .8 .9 .7 indexOfRefraction 1.5 }
+        Material { diffuseColor .9 .9 .9 }
+        Checkerboard { materialIndex 0 materialIndex 3 } }
+    Group { numObjects 7
+        MaterialIndex 4 Plane { normal 0 1 0 offset -.2 }
+        MaterialIndex 1 Sphere { center -1.2 .6 0 radius .8 }
+        MaterialIndex 2 Sphere { center .8 .4 1.5 radius .6 }
+        MaterialIndex 0 Transform { Translate 1.6 .8 -1 ZRotate 30 Scale 1 .4 .6 Sphere { center 0 0 0 radius 1 } }
+        MaterialIndex 0 Sphere { center .6 4.5 2 radius .7 }
+        MaterialIndex 3 Triangle { vertex0 -2.5 .2 1.5 vertex1 -2.5 1.2 1.5 vertex2 -1.7 .2 1.5 }
+        Transform { Translate -.3 .5 2 Group { numObjects 1 MaterialIndex 0
+            Transform { YRotate 30 Scale .3 .5 .3 TriangleMesh { obj_file cube.obj } } } } }";
+
+pub const CUBE: &str = include_str!("../../scenes/cube.obj");
+
+pub const FLAGS: &str = "-size 48 36 -shadows -bounces 2";
+
+pub fn folder() -> Folder {
+    let folder = Folder::with_scene(SCENE);
+    folder.write("cube.obj", CUBE);
+    folder
+}
+
+/// What stands behind `cause` where `a.png` is compared with the scene's picture.
+pub fn cause(folder: &Folder, flags: &str) -> String {
+    let run = folder.run(&format!("-input s.txt {flags} -compare a.png")).ok();
+    let line = run.stdout.lines().find_map(|line| line.strip_prefix("  cause "));
+    line.map_or(String::new(), |line| line.trim_start().to_owned())
+}
+
+pub fn equal(words: &str) -> String {
+    format!("equals this program's picture {words} (0 pixels differ)")
+}
+
+pub fn write(folder: &Folder, picture: &Picture) {
+    OutputFile::prepare(&folder.path().join("a.png")).unwrap().write(picture).unwrap();
+}
+
+fn check_all(failures: &[String]) {
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
+
+#[test]
+fn what_another_command_line_renders_is_named() {
+    let rows = [
+        (FLAGS, "-size 48 36 -bounces 2", "without -shadows"),
+        ("-size 48 36", "-size 48 36 -shadows", "with -shadows"),
+        (FLAGS, "-size 48 36 -transparent_shadows -bounces 2", "with -transparent_shadows"),
+        (
+            "-size 48 36 -transparent_shadows",
+            "-size 48 36 -shadows",
+            "with -shadows in place of -transparent_shadows",
+        ),
+        (FLAGS, "-size 48 36 -shadows -bounces 2 -shade_back", "with -shade_back"),
+        ("-size 48 36 -shadows -shade_back", "-size 48 36 -shadows", "without -shade_back"),
+        (FLAGS, "-size 48 36 -shadows -bounces 1", "with one bounce fewer"),
+        (FLAGS, "-size 48 36 -shadows -bounces 3", "with one bounce more"),
+        ("-size 48 36 -bounces 2 -weight 1.3", "-size 48 36 -bounces 2", "without -weight"),
+        (
+            "-size 48 36 -shadows -uniform_samples 4 -tent_filter 1",
+            "-size 48 36 -uniform_samples 4 -tent_filter 1",
+            "without -shadows",
+        ),
+        ("-size 48 36 -shadows -grid 5 5 5", "-size 48 36 -grid 5 5 5", "without -shadows"),
+    ];
+    let folder = folder();
+    let mut failures = Vec::new();
+    for (flags, wrong, words) in rows {
+        folder.run(&format!("-input s.txt {wrong} -output a.png")).ok();
+        let found = cause(&folder, flags);
+        if found != equal(words) {
+            failures.push(format!("{words}: {found}"));
+        }
+    }
+    check_all(&failures);
+}
+
+#[test]
+fn what_another_scene_shows_is_named() {
+    let rows: [(&[[&str; 2]], &str); 12] = [
+        (&[["up 0 1 0", "up 0 -1 0"]], "by a camera of the other handedness (turned by 180 degrees)"),
+        (&[["ambientLight .2 .15 .2", ""]], "without ambient light"),
+        (&[["color .10980392 .3 .5 a", "color 0 0 0 a"]], "with a black background"),
+        (&[["attenuation 1 .2 0", ""]], "with lights that are not attenuated"),
+        (&[["direction -1 -1 -.5", "direction 1 1 .5"]], "with directional lights from the other side"),
+        (&[["specularColor .9 .9 .9", ""]], "without highlights"),
+        (
+            &[["indexOfRefraction 1.5", "indexOfRefraction .6666666666666666"]],
+            "with the index of refraction inverted",
+        ),
+        (
+            &[["materialIndex 0 materialIndex 3", "materialIndex 3 materialIndex 0"]],
+            "with the other parity of checkerboards",
+        ),
+        (
+            &[
+                [
+                    "Translate 1.6 .8 -1 ZRotate 30 Scale 1 .4 .6",
+                    "Scale 1 .4 .6 ZRotate 30 Translate 1.6 .8 -1",
+                ],
+                ["YRotate 30 Scale .3 .5 .3", "Scale .3 .5 .3 YRotate 30"],
+            ],
+            "with the transformations of a list multiplied in the other order",
+        ),
+        (
+            &[
+                ["Translate -.3 .5 2 G", "YRotate 30 Scale .3 .5 .3 G"],
+                ["YRotate 30 Scale .3 .5 .3 T", "Translate -.3 .5 2 T"],
+            ],
+            "with nested transforms multiplied in the other order",
+        ),
+        // 255 times the number is below 28, and 28 in single precision.
+        (&[["color .10980392", "color .10980393"]], "seen through single precision (f32)"),
+        // The longer side spans the tangent of twice the half angle times 48 / 36.
+        (&[["angle 40", "angle 51.77400875924256"]], "with the camera's angle or size over the shorter side"),
+    ];
+    let folder = folder();
+    let mut failures = Vec::new();
+    for (edits, words) in rows {
+        let edited = edits.iter().fold(SCENE.to_owned(), |text, [from, to]| {
+            assert_eq!(text.matches(from).count(), 1, "{from}");
+            text.replace(from, to)
+        });
+        folder.write("wrong.txt", edited);
+        folder.run(&format!("-input wrong.txt {FLAGS} -output a.png")).ok();
+        let found = cause(&folder, FLAGS);
+        if found != equal(words) {
+            failures.push(format!("{words}: {found}"));
+        }
+    }
+    check_all(&failures);
+}
+
+/// Pixels of the true picture, moved or changed here.
+pub fn transformed(tga: &Tga, at: impl Fn(usize, usize) -> [u8; 3]) -> Picture {
+    let pixels = (0..tga.height).flat_map(|y| (0..tga.width).map(move |x| (x, y)));
+    let bytes = pixels.flat_map(|(x, y)| at(x, y)).collect();
+    Picture::from_rgb(tga.width as u32, tga.height as u32, bytes)
+}
+
+#[test]
+fn pixels_that_are_moved_or_changed_are_named() {
+    let folder = folder();
+    let tga = folder.render(FLAGS);
+    let (right, bottom) = (tga.width - 1, tga.height - 1);
+    let encoded = |byte: u8| (255.0 * (f64::from(byte) / 255.0).powf(1.0 / 2.2)).round() as u8;
+    let rows = [
+        (transformed(&tga, |x, y| tga.at(x, bottom - y)), "upside down"),
+        (transformed(&tga, |x, y| tga.at(right - x, y)), "mirrored left to right"),
+        (
+            transformed(&tga, |x, y| tga.at(right - x, bottom - y)),
+            "by a camera of the other handedness (turned by 180 degrees)",
+        ),
+        (
+            transformed(&tga, |x, y| {
+                let [red, green, blue] = tga.at(x, y);
+                [blue, green, red]
+            }),
+            "with red and blue swapped",
+        ),
+        (transformed(&tga, |x, y| tga.at(x, y).map(encoded)), "with a gamma of 2.2 applied to its bytes"),
+    ];
+    let mut failures = Vec::new();
+    for (picture, words) in rows {
+        write(&folder, &picture);
+        let found = cause(&folder, FLAGS);
+        if found != equal(words) {
+            failures.push(format!("{words}: {found}"));
+        }
+    }
+    check_all(&failures);
+}
+
+/// The colour picture of a scene by way of the library.
+fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Original) -> T) -> T {
+    let loaded = scene_io::load(&folder.path().join("s.txt")).unwrap();
+    let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+    let line = format!("raytracer -input s.txt {flags}");
+    let Ok(Command::Render(options)) = cli::parse(line.split_whitespace().map(Into::into)) else {
+        panic!("{line}")
+    };
+    work(&Original::new(&renderer, options.grid, &options.request()).unwrap())
+}
+
+#[test]
+fn broken_rules_are_named() {
+    const SAMPLES: &str = "-size 48 36 -bounces 2 -jittered_samples 4 -gaussian_filter .6";
+    let rows = [
+        (FLAGS, Cause::Pixels(PixelChange::Rounded), "with colours rounded to bytes instead of cut"),
+        (FLAGS, Cause::Pixels(PixelChange::Times256), "with colours times 256 instead of 255"),
+        (FLAGS, Cause::Pixels(PixelChange::GammaEncoded), "with a gamma of 2.2"),
+        (FLAGS, Cause::Pixels(PixelChange::GammaDecoded), "with an inverse gamma of 2.2"),
+        (FLAGS, Cause::Rule(Rule::ShadowsFromBehindLight), "with shadows from behind the light"),
+        (FLAGS, Cause::Rule(Rule::NormalFlippedInReflection), "with reflections from the flipped normal"),
+        (FLAGS, Cause::Rule(Rule::ReflectionReversed), "with reflected rays reversed"),
+        (FLAGS, Cause::Rule(Rule::ReflectionFromBelow), "with reflected rays that start below the surface"),
+        (
+            SAMPLES,
+            Cause::Rule(Rule::SamplesClamped),
+            "with the colours of samples clamped before they are summed",
+        ),
+        (FLAGS, Cause::Rule(Rule::RaysClamped), "with the colours of rays clamped before they are summed"),
+        (
+            FLAGS,
+            Cause::Rule(Rule::LightsClamped),
+            "with the light of each source clamped before it is summed",
+        ),
+        (
+            FLAGS,
+            Cause::Rule(Rule::BackgroundForCameraOnly),
+            "with black where reflected or refracted rays hit nothing",
+        ),
+        (
+            FLAGS,
+            Cause::Rule(Rule::NormalsByMatrix),
+            "with normals transformed by the matrix instead of its inverse transpose",
+        ),
+        (FLAGS, Cause::Rule(Rule::NormalsOfObjectSpace), "with normals that are not transformed"),
+        (
+            FLAGS,
+            Cause::Rule(Rule::CheckerboardCut),
+            "with checkerboards whose coordinates are cut instead of floored",
+        ),
+        (
+            FLAGS,
+            Cause::Rule(Rule::Epsilon(0.3)),
+            "with an epsilon of 0.3 for secondary rays, which is too large",
+        ),
+        (FLAGS, Cause::Rule(Rule::SinglePrecision), "seen through single precision (f32)"),
+        (
+            FLAGS,
+            Cause::Rule(Rule::Shifted { half_pixels: [-1, -1] }),
+            "with rays through the lower left corners of the pixels instead of their centres",
+        ),
+        (
+            SAMPLES,
+            Cause::Rule(Rule::Shifted { half_pixels: [-1, 1] }),
+            "with rays through the upper left corners of the pixels instead of their centres",
+        ),
+        (
+            FLAGS,
+            Cause::Rule(Rule::Shifted { half_pixels: [1, 0] }),
+            "with rays half a pixel further to the right",
+        ),
+        (
+            FLAGS,
+            Cause::Rule(Rule::Shifted { half_pixels: [2, -2] }),
+            "with rays one pixel further down and to the right",
+        ),
+    ];
+    let folder = folder();
+    let mut failures = Vec::new();
+    for (flags, wrong, words) in rows {
+        let picture = with_original(&folder, flags, |original| original.picture(wrong));
+        let Some(picture) = picture else {
+            failures.push(format!("{words}: does not apply"));
+            continue;
+        };
+        write(&folder, &picture);
+        let found = cause(&folder, flags);
+        if found != equal(words) {
+            failures.push(format!("{words}: {found}"));
+        }
+    }
+    check_all(&failures);
+}
