@@ -13,7 +13,8 @@ use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
-use crate::stats::{Probe, Quiet};
+use crate::stats::Quiet;
+use crate::trace::Observer;
 use crate::world::World;
 use rayon::ThreadPool;
 use std::path::Path;
@@ -27,7 +28,8 @@ pub struct Renderer {
     /// The text of the scene, to show the position of an error in it.
     pub source: Source,
     world: World,
-    /// Kept only for the view of the grid's cells, and for other scenes with the same meshes.
+    /// Kept only for the view of the grid's cells, for the objects behind a pixel, and for other scenes with the same
+    /// meshes.
     meshes: Vec<Mesh>,
     threads: Option<Arc<ThreadPool>>,
 }
@@ -161,7 +163,7 @@ impl<M: Mode> Prepared<'_, M> {
     }
 
     /// Renders a request row by row, as [`render::render`] does, and returns the probe.
-    pub fn render_rows<P: Probe, E: Send>(
+    pub fn render_rows<P: Observer, E: Send>(
         &self,
         request: &Request,
         watch: Watch,
@@ -172,7 +174,17 @@ impl<M: Mode> Prepared<'_, M> {
             .on_own_threads(|| render::render(&camera, &self.caster, self.view(), request, watch, take_row))
     }
 
-    fn camera(&self, request: &Request) -> Camera {
+    pub(crate) fn renderer(&self) -> &Renderer {
+        self.renderer
+    }
+
+    /// Finds what rays hit.
+    pub(crate) fn caster(&self) -> &Caster<'_, M> {
+        &self.caster
+    }
+
+    /// The camera that a request's pictures are seen with.
+    pub(crate) fn camera(&self, request: &Request) -> Camera {
         Camera::new(request.camera.as_ref().unwrap_or(&self.renderer.scene.camera), request.size)
     }
 

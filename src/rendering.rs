@@ -4,15 +4,16 @@ use crate::failed;
 use crate::products::Products;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
-use raytracer::explain::CostReport;
+use raytracer::explain::{CostReport, Explainer};
 use raytracer::image_io::OutputFile;
-use raytracer::mode::Mode;
+use raytracer::mode::{Course, Mode};
 use raytracer::picture::Picture;
 use raytracer::render::Layer;
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Probe, Report, Timings};
+use raytracer::stats::{Report, Timings};
+use raytracer::trace::Observer;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -28,7 +29,7 @@ pub struct Rendered {
 }
 
 /// Reads, prepares, renders and writes.
-pub fn render<M: Mode, P: Probe>(
+pub fn render<M: Mode, P: Observer>(
     options: &Options,
     input: &Path,
     threads: &Arc<ThreadPool>,
@@ -46,7 +47,8 @@ pub fn render<M: Mode, P: Probe>(
     let comparison = options.comparison.as_ref();
     // Other scenes with the same meshes may be rendered to find the cause of a difference.
     let has_outside = comparison.is_some_and(|wanted| wanted.picture.is_some());
-    let meshes = if options.visualize_grid || has_outside { Meshes::Kept } else { Meshes::Moved };
+    let keeps = options.visualize_grid || options.pixel.is_some() || has_outside;
+    let meshes = if keeps { Meshes::Kept } else { Meshes::Moved };
     let renderer = Renderer::new(loaded, meshes).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
     let prepared = prepare::<M>(options, &renderer)?;
@@ -80,7 +82,17 @@ pub fn render<M: Mode, P: Probe>(
     if let Some(costs) = finished.costs {
         text += &CostReport { map: &costs, cells: prepared.fullness(FULLEST) }.to_string();
     }
+    if let Some(pixel) = options.pixel {
+        text += &explanation(options, &renderer, pixel)?;
+    }
     Ok(Rendered { renderer, text, picture: finished.kept })
+}
+
+/// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
+fn explanation(options: &Options, renderer: &Renderer, pixel: [usize; 2]) -> Result<String, String> {
+    let prepared = prepare::<Course>(options, renderer)?;
+    let explainer = Explainer::new(&prepared).map_err(failed)?;
+    Ok(explainer.pixel(&options.request(), pixel).map_or(String::new(), |tree| tree.to_string()))
 }
 
 /// How many of the fullest cells are named.

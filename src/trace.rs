@@ -10,9 +10,12 @@ use crate::scene::limits::{BRIGHTEST, LARGEST};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
-use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
+
+mod event;
+
+pub use event::{End, Event, Observer, Secondary};
 
 /// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +98,7 @@ impl<M: Mode> Tracer<'_, M> {
     /// Secondary rays are kept on an explicit stack instead of being traced by recursion, so that the number
     /// of bounces is limited by nothing but memory.
     #[inline(always)]
-    pub fn color<P: Probe>(
+    pub fn color<P: Observer>(
         &self,
         ray: &Ray,
         surface: Option<&SurfacePoint>,
@@ -108,10 +111,16 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// Adds the colours of the pending secondary rays, and of those that they cause in turn.
     #[cold]
-    fn with_pending<P: Probe>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
+    fn with_pending<P: Observer>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
         while let Some(Branch { ray, exclude, path }) = pending.0.pop() {
+            if P::OBSERVES {
+                probe.observe(Event::Popped);
+            }
             probe.non_shadow_ray();
             let visible = self.caster.nearest(&ray, exclude, probe);
+            if P::OBSERVES {
+                probe.observe(Event::Met(visible));
+            }
             let surface = visible.map(|visible| self.world().visible_surface(&ray, visible));
             color += path.filter * self.follow(&ray, &path, surface.as_ref(), pending, probe);
         }
@@ -123,7 +132,7 @@ impl<M: Mode> Tracer<'_, M> {
     /// This is inlined because a colour that is returned through memory would be written in two parts and
     /// read as a whole, so that store forwarding fails and the processor stalls.
     #[inline(always)]
-    fn follow<P: Probe>(
+    fn follow<P: Observer>(
         &self,
         ray: &Ray,
         path: &Path,
@@ -131,26 +140,48 @@ impl<M: Mode> Tracer<'_, M> {
         pending: &mut Pending,
         probe: &mut P,
     ) -> Color {
-        let Some(surface) = surface else { return self.world().background };
+        let Some(surface) = surface else {
+            if P::OBSERVES {
+                probe.observe(Event::Shaded(self.world().background));
+            }
+            return self.world().background;
+        };
         let material = material_at(&self.world().materials, surface.material, surface.position);
+        if P::OBSERVES {
+            probe.observe(Event::Surface { point: surface, material: &material.phong });
+        }
         let lit = Lit { ray, surface, material: &material };
         if path.bounces < self.effects.bounces {
-            self.reflect(path, &lit, pending);
-            self.refract(path, &lit, pending);
+            self.reflect(path, &lit, pending, probe);
+            self.refract(path, &lit, pending, probe);
+        } else if P::OBSERVES {
+            let phong = &material.phong;
+            probe.observe(Secondary::Reflected.ends(End::of(phong.reflective, End::Bounces)));
+            probe.observe(Secondary::Refracted.ends(End::of(phong.transparent, End::Bounces)));
         }
-        self.shade(&lit, probe)
+        let color = self.shade(&lit, probe);
+        if P::OBSERVES {
+            probe.observe(Event::Shaded(color));
+        }
+        color
     }
 
     /// The local colour: ambient light, and the lights that are visible from the point.
-    fn shade<P: Probe>(&self, lit: &Lit, probe: &mut P) -> Color {
+    fn shade<P: Observer>(&self, lit: &Lit, probe: &mut P) -> Color {
         let Lit { ray, surface, material } = *lit;
         let is_inside = surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
+            if P::OBSERVES {
+                probe.observe(Event::BlackWithin);
+            }
             return Color::ZERO;
         }
         let normal = if is_inside { -surface.normal } else { surface.normal };
         let to_viewer = -ray.direction;
         let mut color = self.world().ambient * material.phong.diffuse;
+        if P::OBSERVES {
+            probe.observe(Event::Ambient(color));
+        }
         let is_black = material.is_black();
         for light in &self.world().lights {
             let light = incident(light, surface.position);
@@ -163,12 +194,16 @@ impl<M: Mode> Tracer<'_, M> {
             if has_effect && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
+            if P::OBSERVES {
+                let parts = material.parts(&light, cosine, normal, to_viewer);
+                probe.observe(Event::Light { incident: light, cosine, passed, parts });
+            }
         }
         color
     }
 
     /// How much of a light reaches the surface, per channel.
-    fn light_passed<P: Probe>(&self, lit: &Lit, light: &Incident, probe: &mut P) -> Color {
+    fn light_passed<P: Observer>(&self, lit: &Lit, light: &Incident, probe: &mut P) -> Color {
         if self.effects.shadows == Shadows::None {
             return Color::ONE;
         }
@@ -176,6 +211,9 @@ impl<M: Mode> Tracer<'_, M> {
         let mut ray = self.secondary(lit.surface, light.direction);
         // The distance to a point light is measured from the origin of the shadow ray.
         ray.t_max = light.distance;
+        if P::OBSERVES {
+            probe.observe(Event::ShadowRay(ray));
+        }
         match self.effects.shadows {
             Shadows::Transparent => self.filtered(ray, probe),
             _ if self.caster.any_from(&ray, lit.surface.triangle, probe) => Color::ZERO,
@@ -185,17 +223,21 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
     /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
-    fn filtered<P: Probe>(&self, mut ray: Ray, probe: &mut P) -> Color {
+    fn filtered<P: Observer>(&self, mut ray: Ray, probe: &mut P) -> Color {
         let mut passed = Color::ONE;
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, &hit);
             let material = material_at(&self.world().materials, surface.material, surface.position);
-            let color = material.phong.transparent;
-            if color == Color::ZERO {
+            let tint = material.phong.transparent;
+            let leaves = surface.normal.dot(ray.direction) >= 0.0;
+            if P::OBSERVES {
+                probe.observe(Event::Crossed { hit, tint, leaves });
+            }
+            if tint == Color::ZERO {
                 return Color::ZERO;
             }
-            if surface.normal.dot(ray.direction) >= 0.0 {
-                passed = (passed * transmittance(color, hit.t)).min(Color::splat(LARGEST));
+            if leaves {
+                passed = (passed * transmittance(tint, hit.t)).min(Color::splat(LARGEST));
             }
             ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
         }
@@ -209,25 +251,47 @@ impl<M: Mode> Tracer<'_, M> {
         )
     }
 
-    fn reflect(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
-        let Some((filter, weight)) = self.filter_and_weight(path, lit.material.phong.reflective) else {
+    fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, pending: &mut Pending, probe: &mut P) {
+        let color = lit.material.phong.reflective;
+        let Some((filter, weight)) = self.filter_and_weight(path, color) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Reflected.ends(too_light(path, color)));
+            }
             return;
         };
         let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
+        let exclude = lit.surface.triangle;
+        if P::OBSERVES {
+            probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
+        }
+        pending.0.push(Branch { ray, exclude, path });
     }
 
-    fn refract(&self, path: &Path, lit: &Lit, pending: &mut Pending) {
+    fn refract<P: Observer>(&self, path: &Path, lit: &Lit, pending: &mut Pending, probe: &mut P) {
         let material = &lit.material.phong;
-        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else { return };
+        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Refracted.ends(too_light(path, material.transparent)));
+            }
+            return;
+        };
         let (d, n) = (lit.ray.direction, lit.surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
-        let Some(direction) = refracted(d, normal, path.index / index) else { return };
+        let Some(direction) = refracted(d, normal, path.index / index) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Refracted.ends(End::TotalReflection));
+            }
+            return;
+        };
         let ray = self.secondary(lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        pending.0.push(Branch { ray, exclude: lit.surface.triangle, path });
+        let exclude = lit.surface.triangle;
+        if P::OBSERVES {
+            probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
+        }
+        pending.0.push(Branch { ray, exclude, path });
     }
 
     /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
@@ -236,6 +300,11 @@ impl<M: Mode> Tracer<'_, M> {
         let bound = Color::splat(BRIGHTEST);
         (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
     }
+}
+
+/// Why a secondary ray ends that weighs too little, or nothing at all.
+fn too_light(path: &Path, color: Color) -> End {
+    End::of(color, End::Weight(path.weight * color.length()))
 }
 
 /// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour

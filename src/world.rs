@@ -260,6 +260,13 @@ impl World {
         let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
         self.material_runs[run - 1].1 as MaterialId
     }
+
+    /// The first of the primitives around this one that share its material, and the material.
+    pub(crate) fn material_run(&self, primitive: u32) -> (u32, MaterialId) {
+        let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
+        let (first, material) = self.material_runs[run - 1];
+        (first, material as MaterialId)
+    }
 }
 
 fn with_unit_direction(light: Light) -> Light {

@@ -73,6 +73,11 @@ pub enum CliError {
     },
     /// `-visualize_grid` without `-grid`.
     GridNeeded,
+    /// `-pixel` with a place outside the picture.
+    PixelOutside {
+        /// The last column and the last row of the picture.
+        last: [usize; 2],
+    },
     /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
@@ -164,6 +169,9 @@ impl CliError {
                 format!("`-grid`: {x} x {y} x {z} cells are too many, 2147483647 is the most")
             }
             Self::GridNeeded => "`-visualize_grid` needs `-grid nx ny nz`".into(),
+            Self::PixelOutside { last: [x, y] } => {
+                format!("`-pixel`: outside the picture, whose columns are 0 to {x} and rows 0 to {y}")
+            }
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }

@@ -125,6 +125,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &TOLERANCE,
     &STATS,
     &COST_MAP,
+    &PIXEL,
     &THREADS,
     &GUI,
     &TESSELLATION,
@@ -309,6 +310,14 @@ pub(super) const COST_MAP: Flag = Flag::new(
     &["kind", "file"],
     "Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.",
 );
+
+pub(super) const PIXEL: Flag = Flag::new(
+    Section::Statistics,
+    "pixel",
+    &["x", "y"],
+    "Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.",
+)
+.conflicts(&["visualize_grid"]);
 
 pub(super) const THREADS: Flag = Flag::new(
     Section::Other,

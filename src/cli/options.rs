@@ -39,6 +39,8 @@ pub struct Options {
     pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
+    /// The pixel to explain, by column and row from the top left. It lies in the picture.
+    pub pixel: Option<[usize; 2]>,
     /// Whether the command line requests the course's preview, which this program does not have.
     pub preview: bool,
     /// The number of threads, 1 to 4096; `None` for all cores.
@@ -120,6 +122,7 @@ impl Options {
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: comparison(raw)?,
             stats: raw.given(&flags::STATS),
+            pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
         };
@@ -128,8 +131,14 @@ impl Options {
     }
 
     fn check_together(&self) -> Result<(), CliError> {
-        if self.input.is_none() && self.comparison.as_ref().is_none_or(Comparison::needs_scene) {
+        let needs_scene =
+            self.pixel.is_some() || self.comparison.as_ref().is_none_or(Comparison::needs_scene);
+        if self.input.is_none() && needs_scene {
             return Err(CliError::InputNeeded);
+        }
+        let [width, height] = self.size;
+        if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
+            return Err(CliError::PixelOutside { last: [width - 1, height - 1] });
         }
         if self.visualize_grid && self.grid.is_none() {
             return Err(CliError::GridNeeded);

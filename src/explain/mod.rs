@@ -1,9 +1,19 @@
-//! Where the work of a picture goes.
+//! Where the work of a picture goes, and what is behind a pixel.
 
+mod close_call;
 pub mod color_scale;
 mod cost_map;
 mod cost_report;
 mod digits;
+mod objects;
+mod pixel;
+mod pixel_text;
+mod ray_tree;
+mod short;
 
+pub use close_call::{CloseCall, Kind};
 pub use cost_map::CostMap;
 pub use cost_report::CostReport;
+pub use objects::{ObjectPart, TextureWeight};
+pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
+pub use ray_tree::{Crossing, Lighting, RayNode, Shadow, Surface};

@@ -49,6 +49,11 @@ impl Ellipsoid {
         first_on_ray(self.crossings(ray)?.t, ray)
     }
 
+    /// The two t at which the ray's line crosses it, in order.
+    pub fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
+        self.crossings(ray).map(|crossings| crossings.t)
+    }
+
     /// The outward unit normal and the point of the surface where `ray` hits it at `t`, as found by
     /// [`Ellipsoid::intersect`].
     pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
@@ -59,6 +64,14 @@ impl Ellipsoid {
         };
         let normal = unit(self.inverse.transpose() * on_sphere);
         (normal, self.center + self.linear * on_sphere)
+    }
+
+    /// Whether the ray's line is tangent to the ellipsoid within roundings.
+    pub fn is_almost_tangent(&self, ray: &Ray) -> bool {
+        const TANGENT_ROUNDINGS: f64 = 16.0;
+        let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
+        let (moment, length) = (o.cross(d).length(), d.length());
+        (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length)
     }
 
     /// Both crossings of the ray's line.

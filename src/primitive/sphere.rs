@@ -31,6 +31,7 @@ impl Sphere {
     /// product of the roots, so that neither suffers from cancellation. Two differences can still cancel: the
     /// discriminant where the line is almost tangent to the sphere, and the origin's power with respect to
     /// the sphere where the origin is almost on it. There they are computed in double-double arithmetic.
+    #[inline(always)]
     pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let from_center = origin - self.center;
         let a = direction.length_squared();
@@ -47,6 +48,15 @@ impl Sphere {
         let c = self.power(origin, from_center);
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
         Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
+    }
+
+    /// Whether the line of a ray with a unit direction is tangent to the sphere within roundings.
+    pub fn is_almost_tangent(&self, ray: &Ray) -> bool {
+        const TANGENT_ROUNDINGS: f64 = 16.0;
+        let from_center = ray.origin - self.center;
+        let nearest = from_center - from_center.dot(ray.direction) * ray.direction;
+        let bound = TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (from_center.length() + self.radius);
+        (nearest.length() - self.radius).abs() <= bound
     }
 
     /// Where the discriminant is below this times the radius, it may have lost more than half of its digits.

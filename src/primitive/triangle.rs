@@ -108,6 +108,12 @@ impl<'r> Shear<'r> {
         }
     }
 
+    /// On which side of the edges the ray passes, as far as rounded numbers tell.
+    pub fn sides(&self, corners: [&DVec3; 3]) -> Sides {
+        let (a, b, c) = self.sheared(corners);
+        sides(edge_functions([a, b, c]), [a, b, c])
+    }
+
     #[inline(always)]
     fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (DVec3, DVec3, DVec3) {
         // Written out, because a mapped array would be stored to memory and loaded again.

@@ -17,7 +17,7 @@ use crate::mode::Mode;
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
-use crate::stats::Probe;
+use crate::trace::Observer;
 use glam::DVec2;
 use row::Setting;
 use std::convert::Infallible;
@@ -70,7 +70,7 @@ impl<E: std::error::Error> std::error::Error for Stopped<E> {}
 /// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither
 /// the colours nor the probe depend on the number of threads. Only some rows are in memory at a time, never
 /// the whole picture.
-pub fn render<M: Mode, P: Probe, E>(
+pub fn render<M: Mode, P: Observer, E>(
     camera: &Camera,
     caster: &Caster<M>,
     view: View,
@@ -102,7 +102,7 @@ pub fn render<M: Mode, P: Probe, E>(
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without
 /// pixels, or with more than there is memory for, is an error.
-pub fn render_in_memory<M: Mode, P: Probe>(
+pub fn render_in_memory<M: Mode, P: Observer>(
     camera: &Camera,
     caster: &Caster<M>,
     view: View,

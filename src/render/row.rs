@@ -12,8 +12,7 @@ use crate::render::grid_view::Face;
 use crate::sampling::film::{Spread, Sum};
 use crate::scene::Color;
 use crate::shading::light::incident;
-use crate::stats::Probe;
-use crate::trace::{Pending, Tracer};
+use crate::trace::{Observer, Pending, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
@@ -61,7 +60,12 @@ impl<M: Mode> Setting<'_, M> {
     /// Traces row `j`. `visibility` has the first hits of the rays through its centres, as far as they are
     /// known. If
     /// `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row<P: Probe>(&self, visibility: Option<&VisibilityBuffer>, j: usize, is_shown: bool) -> Row<P> {
+    pub fn row<P: Observer>(
+        &self,
+        visibility: Option<&VisibilityBuffer>,
+        j: usize,
+        is_shown: bool,
+    ) -> Row<P> {
         let Setting { request, .. } = *self;
         let shown = request.columns();
         let mut painter: Painter<M, P> = Painter {
@@ -88,7 +92,7 @@ impl<M: Mode> Setting<'_, M> {
         painter.row
     }
 
-    fn empty_row<P: Probe>(&self, j: usize) -> Row<P> {
+    fn empty_row<P: Observer>(&self, j: usize) -> Row<P> {
         let Setting { request, .. } = *self;
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
@@ -130,7 +134,7 @@ struct Painter<'a, M, P> {
     row: Row<P>,
 }
 
-impl<M: Mode, P: Probe> Painter<'_, M, P> {
+impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// Traces the pixels in these columns, of which there are no more than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, .. } = *self.setting.request;

@@ -12,7 +12,7 @@ use super::{TakeRow, Watch};
 use crate::mode::Mode;
 use crate::sampling::film::{Film, Spread};
 use crate::scene::Color;
-use crate::stats::Probe;
+use crate::trace::Observer;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -76,7 +76,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    pub fn render<P: Probe>(&self, tally: &Tally) -> Option<Finished<P>> {
+    pub fn render<P: Observer>(&self, tally: &Tally) -> Option<Finished<P>> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
@@ -99,7 +99,7 @@ impl<'a, M: Mode> Strip<'a, M> {
         (MEMORY / 2 / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
-    fn trace<P: Probe>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
+    fn trace<P: Observer>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
         let Setting { camera, caster, view, request } = *self.setting;
         let visibility = request.visibility::<M, P>(camera, caster, view, rows.clone());
         let trace = |j| {
@@ -118,7 +118,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 }
 
-impl<P: Probe> Finished<P> {
+impl<P: Observer> Finished<P> {
     fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) {
         let Setting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);

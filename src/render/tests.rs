@@ -6,7 +6,7 @@ use super::*;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
-use crate::stats::{Counts, Quiet};
+use crate::stats::{Counts, Probe, Quiet};
 use crate::world::World;
 use std::sync::Mutex;
 
@@ -38,7 +38,7 @@ fn jittered(count: u32) -> Sampler {
 type HandedOut<P, E> = (Result<P, Stopped<E>>, Vec<(usize, Vec<Color>)>);
 
 /// Renders a scene on one thread, so that the heights of strips are the same on every machine.
-fn render_scene<P: Probe, E: Send>(
+fn render_scene<P: Observer, E: Send>(
     text: &str,
     request: &Request,
     watch: Watch,
@@ -57,7 +57,7 @@ fn goes_on(_: Progress) -> ControlFlow<()> {
 }
 
 /// All rows of a render, until `fails_at` rows have been taken.
-fn rows<P: Probe>(text: &str, request: &Request, fails_at: usize) -> HandedOut<P, &'static str> {
+fn rows<P: Observer>(text: &str, request: &Request, fails_at: usize) -> HandedOut<P, &'static str> {
     let mut rows = vec![];
     let mut take_row = |layer: usize, colors: &[Color]| {
         rows.push((layer, colors.to_vec()));

@@ -27,7 +27,8 @@ impl Sum {
         }
     }
 
-    fn join(&mut self, other: Sum) {
+    /// Adds the sum of other samples.
+    pub fn join(&mut self, other: Sum) {
         self.color += other.color;
         self.weight += other.weight;
     }
@@ -41,6 +42,12 @@ impl Sum {
             weight => self.color / weight,
         }
     }
+}
+
+/// The weight for the pixel `target` of a sample of the pixel `own`, at `offset` from the latter's centre.
+pub fn weight_for(target: [usize; 2], filter: Filter, own: [usize; 2], offset: DVec2) -> f64 {
+    let from_target = DVec2::new(own[0] as f64 - target[0] as f64, own[1] as f64 - target[1] as f64);
+    filter.weight(from_target + offset)
 }
 
 /// The contributions of the samples in one row of pixels to that row and the rows around it.
@@ -82,8 +89,7 @@ impl Spread {
     }
 
     fn add_to(&mut self, column: usize, row: usize, x: usize, offset: DVec2, color: Color) {
-        let from_target = DVec2::new(x as f64 - column as f64, self.row as f64 - row as f64);
-        let weight = self.filter.weight(from_target + offset);
+        let weight = weight_for([column, row], self.filter, [x, self.row], offset);
         self.sums[(row - self.target_rows.start()) * self.width + column].add(weight, color);
     }
 }

@@ -49,6 +49,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
+    /// The position of each object's keyword in the text.
+    pub positions: Vec<Position>,
     /// The group that contains all objects.
     pub root: ObjectId,
     /// The mesh files that the scene names, each once. [`Object::Mesh`] has an index into this list.

@@ -18,6 +18,8 @@ const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle",
 pub struct ObjectTree {
     /// The arena, in which every object comes after its children.
     pub objects: Vec<Object>,
+    /// Where each of them stands.
+    pub positions: Vec<Position>,
     pub meshes: Vec<MeshFile>,
     mesh_indices: HashMap<String, usize>,
     /// The declared materials, followed by those written inside groups.
@@ -31,7 +33,7 @@ pub struct ObjectTree {
 
 /// A group or transform whose closing brace has not been read yet.
 enum Open {
-    Group { announced: u64, children: Vec<ObjectId> },
+    Group { announced: u64, children: Vec<ObjectId>, at: Position },
     Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
 }
 
@@ -40,9 +42,9 @@ enum Step {
     /// The start of a group or transform.
     Opened(Open),
     /// A whole primitive.
-    Finished(Object),
+    Finished(Object, Position),
     /// The end of the innermost open object.
-    Closed(Object),
+    Closed(Object, Position),
 }
 
 impl ObjectTree {
@@ -57,6 +59,7 @@ impl ObjectTree {
     /// constant size.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
         self.objects.clear();
+        self.positions.clear();
         self.meshes.clear();
         self.mesh_indices.clear();
         let mut innermost = open_group(reader)?;
@@ -64,9 +67,9 @@ impl ObjectTree {
         loop {
             match self.step(reader, &mut innermost)? {
                 Step::Opened(inner) => ancestors.push(std::mem::replace(&mut innermost, inner)),
-                Step::Finished(object) => innermost.add_child(self.add(object)),
-                Step::Closed(object) => {
-                    let id = self.add(object);
+                Step::Finished(object, at) => innermost.add_child(self.add(object, at)),
+                Step::Closed(object, at) => {
+                    let id = self.add(object, at);
                     let Some(parent) = ancestors.pop() else { return Ok(id) };
                     innermost = parent;
                     innermost.add_child(id);
@@ -75,17 +78,18 @@ impl ObjectTree {
         }
     }
 
-    fn add(&mut self, object: Object) -> ObjectId {
+    fn add(&mut self, object: Object, at: Position) -> ObjectId {
         self.objects.push(object);
+        self.positions.push(at);
         self.objects.len() - 1
     }
 
     fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
         match innermost {
-            Open::Group { announced, children } => self.step_in_group(reader, *announced, children),
+            Open::Group { announced, children, at } => self.step_in_group(reader, *announced, children, *at),
             Open::Transform { matrix, at, child: Some(child) } => {
                 close_transform(reader)?;
-                Ok(Step::Closed(Object::Transform { matrix: *matrix, child: *child, at: *at }))
+                Ok(Step::Closed(Object::Transform { matrix: *matrix, child: *child, at: *at }, *at))
             }
             Open::Transform { child: None, .. } => self.parse_transformed_object(reader),
         }
@@ -97,6 +101,7 @@ impl ObjectTree {
         reader: &mut Reader<'_>,
         announced: u64,
         children: &mut Vec<ObjectId>,
+        at: Position,
     ) -> Parsed<Step> {
         if (children.len() as u64) < announced {
             self.parse_material_choices(reader)?;
@@ -105,7 +110,7 @@ impl ObjectTree {
             }
         }
         close_group(reader, announced, children.len())?;
-        Ok(Step::Closed(Object::Group(std::mem::take(children))))
+        Ok(Step::Closed(Object::Group(std::mem::take(children)), at))
     }
 
     /// Reads any number of choices of material: `MaterialIndex`, or a whole material as in the 2003 edition.
@@ -147,7 +152,8 @@ impl ObjectTree {
             "Group" => open_group(reader).map(Step::Opened),
             "Transform" => open_transform(reader).map(Step::Opened),
             "Sphere" | "Plane" | "Triangle" | "TriangleMesh" | "Box" => {
-                self.parse_primitive(reader).map(Step::Finished)
+                let at = reader.peek().at;
+                self.parse_primitive(reader).map(|object| Step::Finished(object, at))
             }
             "Grid" => Err(unsupported_grid(reader)),
             _ => Err(reader.unexpected(what, keywords)),
@@ -208,9 +214,9 @@ impl Open {
 }
 
 fn open_group(reader: &mut Reader<'_>) -> Parsed<Open> {
-    reader.open()?;
+    let at = reader.open()?.at;
     reader.keyword("numObjects")?;
-    Ok(Open::Group { announced: reader.whole("numObjects")?, children: Vec::new() })
+    Ok(Open::Group { announced: reader.whole("numObjects")?, children: Vec::new(), at })
 }
 
 fn close_group(reader: &mut Reader<'_>, announced: u64, found: usize) -> Parsed<()> {

@@ -70,6 +70,7 @@ impl Blocks {
             lights: self.lights,
             materials: self.tree.materials,
             objects: self.tree.objects,
+            positions: self.tree.positions,
             root,
             meshes: self.tree.meshes,
         })
@@ -224,6 +225,17 @@ mod tests {
         );
         let color = DVec3::new(0.5, 0.0, -1.0);
         assert_eq!(scene.lights[1], Light::Directional { direction: DVec3::NEG_Y, color });
+    }
+
+    #[test]
+    fn every_object_has_the_position_of_its_keyword() {
+        let group = "Group { numObjects 2 MaterialIndex 1 Sphere { center 0 0 0 radius 1 }
+            Transform { Scale 1 1 1 Group { numObjects 1 Box { min 0 0 0 max 1 1 0 } } } }";
+        // The later group replaces the earlier one.
+        let scene = objects(&format!("{group}\n\n{group}"));
+        let at = |line, column| Position { line, column };
+        // Sphere, box, inner group, transform, outer group: each after its children.
+        assert_eq!(scene.positions, [at(4, 38), at(5, 58), at(5, 37), at(5, 13), at(4, 1)]);
     }
 
     #[test]

@@ -66,6 +66,12 @@ impl PointMaterial<'_> {
         light.color * reflected
     }
 
+    /// The diffuse and the specular part of what [`reflect`](Self::reflect) returns, for whoever wants to know.
+    pub fn parts(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> [Color; 2] {
+        [self.phong.diffuse * cosine, self.specular(light.direction, normal, to_viewer)]
+            .map(|part| light.color * part)
+    }
+
     /// Blinn's specular term, per unit of light.
     fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
         let half = (to_light + to_viewer).normalize_or_zero();

@@ -105,6 +105,17 @@ fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     (parity % 2 == 0) as u8 as f64
 }
 
+/// Whether a point lies in a boundary of a checkerboard within roundings.
+pub fn is_in_boundary(texture: &Texture, point: DVec3) -> bool {
+    let map = &texture.world_to_texture;
+    let (q, rows) = (map.transform_point3(point), map.matrix3.transpose());
+    let is_near = |axis: usize| {
+        let bound = coordinate_error_bound(rows.col(axis), map.translation[axis], point);
+        (q[axis] - q[axis].round()).abs() <= bound
+    };
+    texture.pattern == Pattern::Checkerboard && (0..3).any(is_near)
+}
+
 /// The error bound of `row . point + translation` for a point of a surface that lies in a boundary.
 fn coordinate_error_bound(row: DVec3, translation: f64, point: DVec3) -> f64 {
     // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.

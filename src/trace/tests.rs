@@ -28,7 +28,7 @@ impl Setting {
         Self { world, effects }
     }
 
-    fn seen_by<M: Mode>(&self, ray: &Ray, probe: &mut impl Probe) -> Color {
+    fn seen_by<M: Mode>(&self, ray: &Ray, probe: &mut impl Observer) -> Color {
         let caster = Caster::new(&self.world, None).unwrap().in_mode::<M>();
         let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, &hit));
         let tracer = Tracer { caster: &caster, effects: self.effects };

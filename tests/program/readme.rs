@@ -45,6 +45,20 @@ fn the_first_command_renders_the_front_picture() {
 }
 
 #[test]
+fn the_pixel_is_explained_as_it_says() {
+    let (_, after) = README.split_once("    raytracer -input scenes/").expect("a command");
+    let (line, after) = after.split_once('\n').expect("more lines");
+    let words = line.split_whitespace().skip(1).map(OsString::from);
+    let scene =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(line.split(' ').next().expect("a name"));
+    let folder = Folder::new();
+    let all = ["-input".into(), scene.into_os_string()].into_iter().chain(words);
+    let said = finish(&mut program(folder.path(), all)).ok().stdout;
+    let shown: Vec<&str> = after.lines().skip(1).map_while(|line| line.strip_prefix("    ")).collect();
+    assert_eq!(said.lines().collect::<Vec<_>>(), shown);
+}
+
+#[test]
 fn the_test_command_is_the_one_that_ci_runs() {
     let ci = include_str!("../../.ci/run");
     let test = commands().find(|line| line.starts_with("test")).expect("a command to test");

@@ -1,0 +1,170 @@
+//! Decisions that other roundings could turn: where another tracer may rightly differ.
+
+use super::objects::ObjectPart;
+use crate::math::ray::Ray;
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::primitive::edge_functions::Sides;
+use crate::primitive::triangle::Shear;
+use crate::world::{Primitive, World};
+use std::fmt;
+
+/// What is close.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The ray passes an edge of a triangle within the error bound of its edge function.
+    Edge,
+    /// The ray is tangent to a sphere or an ellipsoid.
+    Tangent,
+    /// The ray is parallel to a plane.
+    Parallel,
+    /// The ray meets something as near as what it sees.
+    SameT,
+    /// The ray meets something where it starts.
+    Start,
+    /// The ray meets something at the light.
+    End,
+    /// The cosine between a normal and a direction is about 0.
+    Cosine,
+    /// The point lies in a boundary of a checkerboard's squares.
+    Boundary,
+}
+
+/// A decision that a few roundings could turn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CloseCall {
+    /// What is close.
+    pub kind: Kind,
+    /// The object that it is about, if it is about one.
+    pub object: Option<ObjectPart>,
+}
+
+/// Cosines up to this are about 0. The scalar product of two rounded unit vectors is right to within half of it.
+const COSINE_BOUND: f64 = 8.0 * UNIT_ROUNDOFF;
+
+/// Two t closer to each other than so many roundings of the coordinates involved count as the same.
+const SAME_T_ROUNDINGS: f64 = 16.0;
+
+/// What lies so close to the origin of a ray may be the surface that it leaves: secondary rays start up to 128
+/// roundings from it.
+const START_ROUNDINGS: f64 = 256.0;
+
+/// Whether a cosine is about 0.
+pub fn is_about_zero(cosine: f64) -> bool {
+    cosine.abs() <= COSINE_BOUND
+}
+
+/// What a ray starts from and sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The primitive that it leaves, which is not looked at.
+    pub leaves: Option<u32>,
+    /// The primitive that it sees first, and at which t.
+    pub sees: Option<(u32, f64)>,
+}
+
+/// The primitives of the world with which a ray has a close call. Every primitive is looked at, one by one.
+pub fn close_primitives(world: &World, ray: &Ray, seen: Seen) -> Vec<(Kind, u32)> {
+    let search = Search { world, ray, seen, shear: Shear::new(ray) };
+    let count = world.finite_count() + world.planes.len();
+    (0..count as u32)
+        .filter(|&id| seen.leaves != Some(id))
+        .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
+        .collect()
+}
+
+struct Search<'a> {
+    world: &'a World,
+    ray: &'a Ray,
+    seen: Seen,
+    shear: Shear<'a>,
+}
+
+impl Search<'_> {
+    fn close_call(&self, id: u32) -> Option<Kind> {
+        // The line, as far as other roundings could let the ray reach.
+        let far = self.seen.sees.map_or(self.ray.t_max, |(_, t)| t);
+        let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
+        let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
+        match self.world.primitive(id) {
+            Primitive::Triangle(i) => {
+                let corners = self.world.corners_in_place(i);
+                match self.shear.sides(corners) {
+                    Sides::Outside => None,
+                    Sides::Unsure => self.overlaps(&reach, i).then_some(Kind::Edge),
+                    Sides::Inside => self.shear.intersect(corners).and_then(|t| self.same_t(t, id)),
+                }
+            }
+            Primitive::Sphere(i) => {
+                let sphere = &self.world.spheres[i];
+                let middle = (sphere.center - self.ray.origin).dot(self.ray.direction);
+                if reach.covers(middle) && sphere.is_almost_tangent(self.ray) {
+                    return Some(Kind::Tangent);
+                }
+                let roots = sphere.roots(self.ray.origin, self.ray.direction)?;
+                roots.into_iter().find_map(|t| self.same_t(t, id))
+            }
+            Primitive::Ellipsoid(i) => {
+                let ellipsoid = &self.world.ellipsoids[i];
+                if ellipsoid.is_almost_tangent(self.ray) {
+                    return Some(Kind::Tangent);
+                }
+                ellipsoid.roots(self.ray)?.into_iter().find_map(|t| self.same_t(t, id))
+            }
+            Primitive::Plane(i) => {
+                let plane = &self.world.planes[i];
+                if is_about_zero(plane.normal.dot(self.ray.direction)) {
+                    let height = plane.ahead_of(self.ray.origin).abs();
+                    return (height <= self.roundings(START_ROUNDINGS, 0.0)).then_some(Kind::Parallel);
+                }
+                plane.intersect(&reach).and_then(|t| self.same_t(t, id))
+            }
+        }
+    }
+
+    /// So many roundings of the coordinates where the ray is at `t`.
+    fn roundings(&self, count: f64, t: f64) -> f64 {
+        let largest = self.ray.origin.abs().max_element() + self.world.max_abs_coord + t.abs();
+        count * UNIT_ROUNDOFF * largest
+    }
+
+    fn same_t(&self, t: f64, id: u32) -> Option<Kind> {
+        let near = |other: f64, count: f64| (t - other).abs() <= self.roundings(count, t);
+        match self.seen.sees {
+            Some((sees, at)) if sees != id && near(at, SAME_T_ROUNDINGS) => Some(Kind::SameT),
+            _ if near(self.ray.t_min, START_ROUNDINGS) => Some(Kind::Start),
+            seen if near(self.ray.t_max, START_ROUNDINGS) && seen.is_none_or(|(sees, _)| sees == id) => {
+                Some(Kind::End)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether any t of a triangle's corners lies on the ray, or one before and one behind it.
+    fn overlaps(&self, reach: &Ray, triangle: usize) -> bool {
+        let corners = self.world.corners(triangle);
+        let t = corners.map(|corner| (corner - reach.origin).dot(reach.direction));
+        let (first, last) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
+        let exact = self.shear.intersect(self.world.corners_in_place(triangle));
+        exact.map_or(first < reach.t_max && last >= reach.t_min, |t| reach.covers(t))
+    }
+}
+
+impl fmt::Display for CloseCall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("close call: ")?;
+        f.write_str(match self.kind {
+            Kind::Edge => "within roundings the ray passes through an edge",
+            Kind::Tangent => "within roundings the ray is tangent",
+            Kind::Parallel => "within roundings the ray lies in a plane",
+            Kind::SameT => "within roundings something else is as near",
+            Kind::Start => "within roundings the ray starts in a surface",
+            Kind::End => "within roundings the ray ends in a surface",
+            Kind::Cosine => "the cosine between normal and direction is 0 within roundings",
+            Kind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
+        })?;
+        match &self.object {
+            Some(object) => write!(f, ": {object}"),
+            None => Ok(()),
+        }
+    }
+}

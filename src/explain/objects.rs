@@ -1,0 +1,118 @@
+//! Which object of the scene's text a primitive of the world comes from.
+
+use crate::escape::escape;
+use crate::renderer::Renderer;
+use crate::scene::error::SceneError;
+use crate::scene::material::{Material, Pattern};
+use crate::scene::{MaterialId, Object, Position, Scene};
+use crate::shading::texture::first_weight;
+use crate::world::World;
+use glam::DVec3;
+use std::fmt;
+
+/// A primitive, as a part of an object in the scene's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ObjectPart {
+    /// The keyword of the object, and the name of its file if it has one.
+    pub name: String,
+    /// Where the object stands.
+    pub at: Position,
+    /// Which of the object's triangles, counted from 0; none for what is a single primitive.
+    pub triangle: Option<u32>,
+}
+
+/// How a texture mixes its two materials at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureWeight {
+    /// The texture's keyword.
+    pub name: &'static str,
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// Its two materials.
+    pub children: [MaterialId; 2],
+    /// The weight of the first; the second has the rest.
+    pub first: f64,
+}
+
+/// Looks objects up.
+///
+/// The numbering of primitives is the world's own affair. So a second world is built from a copy of the scene in which
+/// the material of every object is its own id. Runs that do not ask pay nothing for it.
+#[derive(Debug)]
+pub struct Objects<'r> {
+    scene: &'r Scene,
+    labelled: World,
+}
+
+impl<'r> Objects<'r> {
+    /// The objects of a renderer that has kept its meshes.
+    pub fn new(renderer: &'r Renderer) -> Result<Self, SceneError> {
+        let scene = &renderer.scene;
+        let mut copy = scene.clone();
+        for (id, object) in copy.objects.iter_mut().enumerate() {
+            match object {
+                Object::Sphere { material, .. }
+                | Object::Plane { material, .. }
+                | Object::Triangle { material, .. }
+                | Object::Box { material, .. }
+                | Object::Mesh { material, .. } => *material = id,
+                Object::Group(_) | Object::Transform { .. } => {}
+            }
+        }
+        Ok(Self { scene, labelled: World::new(&copy, renderer.meshes())? })
+    }
+
+    /// The object that a primitive belongs to.
+    pub fn of(&self, primitive: u32) -> Option<ObjectPart> {
+        let (first, id) = self.labelled.material_run(primitive);
+        let name = match self.scene.objects.get(id)? {
+            Object::Sphere { .. } => "Sphere".into(),
+            Object::Plane { .. } => "Plane".into(),
+            Object::Triangle { .. } => "Triangle".into(),
+            Object::Box { .. } => "Box".into(),
+            Object::Mesh { mesh, .. } => format!("TriangleMesh {}", self.scene.meshes.get(*mesh)?.name),
+            Object::Group(_) | Object::Transform { .. } => return None,
+        };
+        let has_parts = matches!(self.scene.objects[id], Object::Box { .. } | Object::Mesh { .. });
+        let triangle = has_parts.then(|| primitive - first);
+        Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
+    }
+
+    /// The textures that have weight in a material at a point, the outermost first.
+    pub fn textures(&self, material: MaterialId, point: DVec3) -> Vec<TextureWeight> {
+        let mut weights = vec![0.0; material + 1];
+        weights[material] = 1.0;
+        let mut textures = vec![];
+        for id in (0..=material).rev() {
+            let Some(Material::Texture(texture)) = self.scene.materials.get(id) else { continue };
+            if weights[id] == 0.0 {
+                continue;
+            }
+            let first = first_weight(texture, point);
+            weights[texture.children[0]] += weights[id] * first;
+            weights[texture.children[1]] += weights[id] * (1.0 - first);
+            let name = pattern_name(texture.pattern);
+            textures.push(TextureWeight { name, material: id, children: texture.children, first });
+        }
+        textures
+    }
+}
+
+fn pattern_name(pattern: Pattern) -> &'static str {
+    match pattern {
+        Pattern::Checkerboard => "Checkerboard",
+        Pattern::Noise { .. } => "Noise",
+        Pattern::Marble { .. } => "Marble",
+        Pattern::Wood { .. } => "Wood",
+    }
+}
+
+impl fmt::Display for ObjectPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, at, triangle } = self;
+        if let Some(triangle) = triangle {
+            write!(f, "triangle {triangle} of ")?;
+        }
+        write!(f, "{} in line {}", escape(name), at.line)
+    }
+}

@@ -1,0 +1,223 @@
+//! The tree of rays behind a pixel in words.
+
+use super::objects::ObjectPart;
+use super::pixel::{PixelTree, SampleTree};
+use super::ray_tree::{Crossing, Lighting, RayNode, Shadow, Surface};
+use super::short::{Short, Triple};
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::scene::Color;
+use crate::stats::{Counts, RULE};
+use crate::trace::{End, Secondary};
+use std::fmt::{Display, Formatter, Result};
+
+/// From this depth on, lines are not indented any further: a mirror hall may be thousands of rays deep.
+const DEEPEST: usize = 20;
+
+/// Lines that are indented alike.
+struct Lines<'f, 'g> {
+    f: &'f mut Formatter<'g>,
+    indent: usize,
+}
+
+impl<'g> Lines<'_, 'g> {
+    fn line(&mut self, text: impl Display) -> Result {
+        writeln!(self.f, "{:1$}{text}", "", self.indent)
+    }
+
+    fn deeper(&mut self) -> Lines<'_, 'g> {
+        Lines { f: &mut *self.f, indent: self.indent + 2 }
+    }
+}
+
+impl Display for PixelTree {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let [x, y] = self.pixel;
+        writeln!(f, "{RULE}\nPIXEL ({x}, {y})")?;
+        for sample in &self.samples {
+            write_sample(sample, self.has_grid, &mut Lines { f: &mut *f, indent: 2 })?;
+        }
+        let [red, green, blue] = self.bytes;
+        let [r, g, b] = self.color.to_array();
+        let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
+        line("samples", self.samples.len().to_string())?;
+        line("counted", counted(self.counts(), self.has_grid))?;
+        // All digits, since the bytes are cut from them.
+        line("sum", format!("({r}, {g}, {b})"))?;
+        line("bytes", format!("({red}, {green}, {blue})"))?;
+        for (name, channel) in [("red", r), ("green", g), ("blue", b)] {
+            if is_about_to_change(channel) {
+                line("close call", format!("255 times {name} is within roundings of a whole number"))?;
+            }
+        }
+        writeln!(f, "{RULE}")
+    }
+}
+
+/// Whether a few roundings could change the byte of a channel.
+fn is_about_to_change(channel: f64) -> bool {
+    const ROUNDINGS: f64 = 16.0;
+    let level = 255.0 * channel;
+    let whole = level.round();
+    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
+}
+
+fn write_sample(sample: &SampleTree, has_grid: bool, lines: &mut Lines) -> Result {
+    let SampleTree { pixel: [x, y], number, offset, weight, color, rays } = sample;
+    let place = format!("({}, {})", Short(offset.x), Short(offset.y));
+    lines.line(format_args!(
+        "sample {number} of pixel ({x}, {y}) at {place} from its centre, weight {}",
+        Short(*weight)
+    ))?;
+    let mut waiting = if rays.is_empty() { vec![] } else { vec![0] };
+    while let Some(place) = waiting.pop() {
+        let node = &rays[place];
+        let indent = 4 + 2 * node.bounces.min(DEEPEST);
+        write_ray(node, has_grid, &mut Lines { f: &mut *lines.f, indent })?;
+        waiting.extend(node.children.iter().rev());
+    }
+    lines.deeper().line(format_args!("the sample's colour {}", Triple(*color)))
+}
+
+fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
+    let ray = &node.ray;
+    match node.kind {
+        None => lines.line("camera ray")?,
+        Some(kind) => lines.line(format_args!(
+            "{} ray, bounce {}, weight {}, times {}",
+            name(kind),
+            node.bounces,
+            Short(node.weight),
+            Triple(node.filter)
+        ))?,
+    }
+    let mut lines = lines.deeper();
+    lines.line(format_args!("from {} along {}", Triple(ray.origin), Triple(ray.direction)))?;
+    match &node.surface {
+        None => lines.line("sees nothing")?,
+        Some(surface) => write_surface(surface, &mut lines)?,
+    }
+    lines.line(format_args!("counted {}", counted(node.counts, has_grid)))?;
+    node.close_calls.iter().try_for_each(|call| lines.line(call))?;
+    if let Some(surface) = &node.surface {
+        write_lights(surface, has_grid, &mut lines)?;
+    }
+    lines.line(format_args!("own colour {}", Triple(node.color)))?;
+    node.ends
+        .iter()
+        .try_for_each(|(kind, end)| lines.line(format_args!("no {} ray: {}", name(*kind), Why(*kind, *end))))
+}
+
+fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
+    let Surface { object, t, point, material, textures, .. } = surface;
+    lines.line(format_args!("sees {} at t {}", Named(object), Short(*t)))?;
+    lines.line(format_args!("point {}, normal {}", Triple(point.position), Triple(point.normal)))?;
+    for texture in textures {
+        let ([one, other], first) = (texture.children, texture.first);
+        lines.line(format_args!(
+            "material {} is a {}: material {one} weighs {}, material {other} {}",
+            texture.material,
+            texture.name,
+            Short(first),
+            Short(1.0 - first)
+        ))?;
+    }
+    lines.line(format_args!(
+        "material {}: diffuse {}, specular {}, reflective {}, transparent {}",
+        point.material,
+        Triple(material.diffuse),
+        Triple(material.specular),
+        Triple(material.reflective),
+        Triple(material.transparent)
+    ))
+}
+
+fn write_lights(surface: &Surface, has_grid: bool, lines: &mut Lines) -> Result {
+    let Some(ambient) = surface.ambient else {
+        return lines.line("seen from within, where it is black without -shade_back");
+    };
+    lines.line(format_args!("ambient {}", Triple(ambient)))?;
+    for (number, light) in surface.lights.iter().enumerate() {
+        write_light(number, light, lines)?;
+        if let Some(shadow) = &light.shadow {
+            write_shadow(shadow, has_grid, &mut lines.deeper())?;
+        }
+    }
+    Ok(())
+}
+
+fn write_light(number: usize, light: &Lighting, lines: &mut Lines) -> Result {
+    let Lighting { incident, cosine, passed, parts: [diffuse, specular], .. } = light;
+    let cosine = Short(*cosine);
+    if light.cosine <= 0.0 {
+        return lines.line(format_args!("light {number} is behind the surface, cosine {cosine}"));
+    }
+    if incident.color == Color::ZERO {
+        return lines.line(format_args!("light {number} is dark here"));
+    }
+    let [diffuse, specular] = [diffuse, specular].map(|&part| Triple(*passed * part));
+    lines.line(format_args!("light {number}: diffuse {diffuse}, specular {specular}, cosine {cosine}"))
+}
+
+fn write_shadow(shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
+    for Crossing { object, hit, tint, leaves } in &shadow.crossed {
+        let (object, t) = (Named(object), Short(hit.t));
+        match (*tint == Color::ZERO, leaves) {
+            (true, _) => lines.line(format_args!("shadow ray blocked by {object} at t {t}"))?,
+            (_, false) => lines.line(format_args!("shadow ray enters {object} at t {t}"))?,
+            (_, true) => {
+                let tint = Triple(*tint);
+                lines.line(format_args!("shadow ray leaves {object} after t {t}, tinted {tint} per unit"))?
+            }
+        }
+    }
+    match &shadow.blocker {
+        Some((object, t)) => {
+            lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
+        }
+        None if shadow.crossed.is_empty() => lines.line("shadow ray meets nothing")?,
+        None => {}
+    }
+    lines.line(format_args!("counted {}", counted(shadow.counts, has_grid)))?;
+    shadow.close_calls.iter().try_for_each(|call| lines.line(call))
+}
+
+/// An object, or whatever is there.
+struct Named<'o>(&'o Option<ObjectPart>);
+
+impl Display for Named<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.0 {
+            Some(object) => object.fmt(f),
+            None => f.write_str("a surface"),
+        }
+    }
+}
+
+fn counted(counts: Counts, has_grid: bool) -> String {
+    let Counts { intersections, cells_traversed, .. } = counts;
+    let cells = if has_grid { format!(", steps between cells {cells_traversed}") } else { String::new() };
+    format!("tests {intersections}{cells}")
+}
+
+fn name(kind: Secondary) -> &'static str {
+    match kind {
+        Secondary::Reflected => "reflected",
+        Secondary::Refracted => "refracted",
+    }
+}
+
+/// Why there is no ray of a kind.
+struct Why(Secondary, End);
+
+impl Display for Why {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self(kind, end) = *self;
+        match (end, kind) {
+            (End::NoColor, Secondary::Reflected) => f.write_str("no reflective colour"),
+            (End::NoColor, Secondary::Refracted) => f.write_str("no transparent colour"),
+            (End::Bounces, _) => f.write_str("no bounces left"),
+            (End::Weight(weight), _) => write!(f, "weight {} is too little", Short(weight)),
+            (End::TotalReflection, _) => f.write_str("total internal reflection"),
+        }
+    }
+}

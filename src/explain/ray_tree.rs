@@ -1,0 +1,259 @@
+//! The tree of rays behind one sample, recorded while the tracer follows them.
+
+use super::close_call::CloseCall;
+use super::objects::{ObjectPart, TextureWeight};
+use crate::math::ray::{Hit, Ray, Visible};
+use crate::scene::Color;
+use crate::scene::material::Phong;
+use crate::shading::light::Incident;
+use crate::stats::{Counts, Probe};
+use crate::trace::{End, Event, Observer, Secondary};
+use crate::world::SurfacePoint;
+
+/// A ray that was followed, with what it met.
+#[derive(Clone, Debug)]
+pub struct RayNode {
+    /// How it left the surface where it starts; none for the camera ray.
+    pub kind: Option<Secondary>,
+    /// How many reflections and refractions lie between it and the camera.
+    pub bounces: usize,
+    /// The ray.
+    pub ray: Ray,
+    /// The triangle that it leaves, which it does not meet again.
+    pub exclude: Option<u32>,
+    /// What its colour is multiplied by on the way to the picture.
+    pub filter: Color,
+    /// What it weighs.
+    pub weight: f64,
+    /// What it sees.
+    pub visible: Option<Visible>,
+    /// The work of finding that.
+    pub counts: Counts,
+    /// The surface that it sees; none where it sees the background.
+    pub surface: Option<Surface>,
+    /// The colour of the surface by itself, or the background's.
+    pub color: Color,
+    /// The secondary rays that were not followed.
+    pub ends: Vec<(Secondary, End)>,
+    /// The rays that start where it ends, by their places in the tree.
+    pub children: Vec<usize>,
+    /// Decisions about it that other roundings could change.
+    pub close_calls: Vec<CloseCall>,
+}
+
+/// A surface that a ray has met, and how it is lit.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// The object that it belongs to.
+    pub object: Option<ObjectPart>,
+    /// Where on the ray.
+    pub t: f64,
+    /// Where in the world.
+    pub point: SurfacePoint,
+    /// The material, with its textures evaluated.
+    pub material: Phong,
+    /// The textures of the material, each with the weight of its first child.
+    pub textures: Vec<TextureWeight>,
+    /// The ambient part of the colour; none where the surface is seen from within and black there.
+    pub ambient: Option<Color>,
+    /// The lights, in the order of the scene.
+    pub lights: Vec<Lighting>,
+}
+
+/// What a light contributes to a surface's colour.
+#[derive(Clone, Debug)]
+pub struct Lighting {
+    /// What arrives where nothing is in the way.
+    pub incident: Incident,
+    /// Between the normal on the viewer's side and the direction to the light.
+    pub cosine: f64,
+    /// How much of the light passes what is in the way.
+    pub passed: Color,
+    /// The diffuse and the specular part of what an unobstructed light shows.
+    pub parts: [Color; 2],
+    /// The ray towards the light; none without shadows.
+    pub shadow: Option<Shadow>,
+}
+
+/// A ray towards a light.
+#[derive(Clone, Debug)]
+pub struct Shadow {
+    /// The ray, which ends at the light.
+    pub ray: Ray,
+    /// The surfaces on its way, as far as it was followed; none for what casts an opaque shadow.
+    pub crossed: Vec<Crossing>,
+    /// What ends the way of an opaque shadow's ray, and at which t.
+    pub blocker: Option<(Option<ObjectPart>, f64)>,
+    /// The work of finding that.
+    pub counts: Counts,
+    /// Decisions about it that other roundings could change.
+    pub close_calls: Vec<CloseCall>,
+}
+
+/// A surface on the way to a light.
+#[derive(Clone, Debug)]
+pub struct Crossing {
+    /// The object that it belongs to.
+    pub object: Option<ObjectPart>,
+    /// Where, on the way from the last surface.
+    pub hit: Hit,
+    /// Its transparent colour; black where the way ends.
+    pub tint: Color,
+    /// Whether the light leaves the object there, and is tinted for its way inside.
+    pub leaves: bool,
+}
+
+/// Records what becomes of one camera ray.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    rays: Vec<RayNode>,
+    /// The places of the rays that wait, in step with those that wait in the tracer.
+    waiting: Vec<usize>,
+    current: usize,
+    /// What has been counted since the last ray was finished.
+    counts: Counts,
+    /// The last ray towards a light, until the light's contribution is known.
+    shadow: Option<Shadow>,
+}
+
+impl RayNode {
+    fn new(kind: Option<Secondary>, bounces: usize, ray: Ray) -> Self {
+        Self {
+            kind,
+            bounces,
+            ray,
+            exclude: None,
+            filter: Color::ONE,
+            weight: 1.0,
+            visible: None,
+            counts: Counts::default(),
+            surface: None,
+            color: Color::ZERO,
+            ends: vec![],
+            children: vec![],
+            close_calls: vec![],
+        }
+    }
+
+    /// The work for this ray and its rays towards the lights.
+    pub fn all_counts(&self) -> Counts {
+        let lights = self.surface.iter().flat_map(|surface| &surface.lights);
+        let shadows = lights.filter_map(|light| light.shadow.as_ref());
+        shadows.fold(self.counts, |sum, shadow| sum.merge(shadow.counts))
+    }
+}
+
+impl Recorder {
+    /// Starts with a camera ray.
+    pub fn of(ray: Ray) -> Self {
+        Self { rays: vec![RayNode::new(None, 0, ray)], ..Self::default() }
+    }
+
+    /// The rays, the camera's first and every other after the one that it left.
+    pub fn finish(self) -> Vec<RayNode> {
+        self.rays
+    }
+
+    fn push(&mut self, node: RayNode) {
+        let place = self.rays.len();
+        self.rays[self.current].children.push(place);
+        self.rays.push(node);
+        self.waiting.push(place);
+    }
+
+    fn surface(&mut self) -> Option<&mut Surface> {
+        self.rays[self.current].surface.as_mut()
+    }
+
+    fn light(&mut self, light: Lighting) {
+        let counts = std::mem::take(&mut self.counts);
+        let shadow = self.shadow.take().map(|shadow| Shadow { counts, ..shadow });
+        if let Some(surface) = self.surface() {
+            surface.lights.push(Lighting { shadow, ..light });
+        }
+    }
+}
+
+impl Probe for Recorder {
+    const COUNTS: bool = true;
+    fn non_shadow_ray(&mut self) {
+        self.counts.non_shadow_ray();
+    }
+    fn shadow_ray(&mut self) {
+        self.counts.shadow_ray();
+    }
+    fn intersections(&mut self, count: usize) {
+        self.counts.intersections(count);
+    }
+    fn cell(&mut self) {
+        self.counts.cell();
+    }
+    fn merge(self, _: Self) -> Self {
+        self
+    }
+    fn counts(&self) -> Counts {
+        self.rays.iter().fold(self.counts, |sum, node| sum.merge(node.all_counts()))
+    }
+}
+
+impl Observer for Recorder {
+    const OBSERVES: bool = true;
+    fn observe(&mut self, event: Event) {
+        if self.rays.is_empty() {
+            return;
+        }
+        let bounces = self.rays[self.current].bounces;
+        match event {
+            Event::Surface { point, material } => {
+                self.rays[self.current].surface = Some(Surface::new(point, material));
+            }
+            Event::Pushed { kind, ray, exclude, filter, weight } => {
+                let node = RayNode::new(Some(kind), bounces + 1, ray);
+                self.push(RayNode { exclude, filter, weight, ..node });
+            }
+            Event::NotFollowed { kind, end } => self.rays[self.current].ends.push((kind, end)),
+            Event::BlackWithin => {}
+            Event::Ambient(color) => {
+                if let Some(surface) = self.surface() {
+                    surface.ambient = Some(color);
+                }
+            }
+            Event::ShadowRay(ray) => self.shadow = Some(Shadow::new(ray)),
+            Event::Crossed { hit, tint, leaves } => {
+                if let Some(shadow) = &mut self.shadow {
+                    shadow.crossed.push(Crossing { object: None, hit, tint, leaves });
+                }
+            }
+            Event::Light { incident, cosine, passed, parts } => {
+                self.light(Lighting { incident, cosine, passed, parts, shadow: None });
+            }
+            Event::Shaded(color) => self.rays[self.current].color = color,
+            Event::Popped => self.current = self.waiting.pop().unwrap_or(0),
+            Event::Met(visible) => {
+                let counts = std::mem::take(&mut self.counts);
+                let node = &mut self.rays[self.current];
+                (node.visible, node.counts) = (visible, counts);
+            }
+        }
+    }
+}
+
+impl Surface {
+    fn new(point: &SurfacePoint, material: &Phong) -> Self {
+        Self {
+            object: None,
+            t: 0.0,
+            point: *point,
+            material: *material,
+            textures: vec![],
+            ambient: None,
+            lights: vec![],
+        }
+    }
+}
+
+impl Shadow {
+    fn new(ray: Ray) -> Self {
+        Self { ray, crossed: vec![], blocker: None, counts: Counts::default(), close_calls: vec![] }
+    }
+}
