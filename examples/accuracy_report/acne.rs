@@ -109,6 +109,7 @@ fn scene_on_ground(mesh: &Mesh) -> Scene {
             Object::Plane { normal: DVec3::Y, offset: min.y, material: 0 },
             Object::Group(vec![0, 1]),
         ],
+        positions: vec![],
         root: 2,
         meshes: vec![MeshFile { name: "bunny_5k.obj".into(), at: Position { line: 1, column: 1 } }],
     }

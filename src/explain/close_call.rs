@@ -86,39 +86,46 @@ impl Search<'_> {
         let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
         let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
         match self.world.primitive(id) {
-            Primitive::Triangle(i) => {
-                let corners = self.world.corners_in_place(i);
-                match self.shear.sides(corners) {
-                    Sides::Outside => None,
-                    Sides::Unsure => self.overlaps(&reach, i).then_some(Kind::Edge),
-                    Sides::Inside => self.shear.intersect(corners).and_then(|t| self.same_t(t, id)),
-                }
-            }
+            Primitive::Triangle(i) => self.of_triangle(id, i, &reach),
             Primitive::Sphere(i) => {
                 let sphere = &self.world.spheres[i];
                 let middle = (sphere.center - self.ray.origin).dot(self.ray.direction);
-                if reach.covers(middle) && sphere.is_almost_tangent(self.ray) {
-                    return Some(Kind::Tangent);
-                }
-                let roots = sphere.roots(self.ray.origin, self.ray.direction)?;
-                roots.into_iter().find_map(|t| self.same_t(t, id))
+                let is_tangent = reach.covers(middle) && sphere.is_almost_tangent(self.ray);
+                self.of_round(id, is_tangent, || sphere.roots(self.ray.origin, self.ray.direction))
             }
             Primitive::Ellipsoid(i) => {
                 let ellipsoid = &self.world.ellipsoids[i];
-                if ellipsoid.is_almost_tangent(self.ray) {
-                    return Some(Kind::Tangent);
-                }
-                ellipsoid.roots(self.ray)?.into_iter().find_map(|t| self.same_t(t, id))
+                let middle = (ellipsoid.center() - self.ray.origin).dot(self.ray.direction);
+                let is_tangent = reach.covers(middle) && ellipsoid.is_almost_tangent(self.ray);
+                self.of_round(id, is_tangent, || ellipsoid.roots(self.ray))
             }
-            Primitive::Plane(i) => {
-                let plane = &self.world.planes[i];
-                if is_about_zero(plane.normal.dot(self.ray.direction)) {
-                    let height = plane.ahead_of(self.ray.origin).abs();
-                    return (height <= self.roundings(START_ROUNDINGS, 0.0)).then_some(Kind::Parallel);
-                }
-                plane.intersect(&reach).and_then(|t| self.same_t(t, id))
-            }
+            Primitive::Plane(i) => self.of_plane(id, i, &reach),
         }
+    }
+
+    fn of_triangle(&self, id: u32, i: usize, reach: &Ray) -> Option<Kind> {
+        let corners = self.world.corners_in_place(i);
+        match self.shear.sides(corners) {
+            Sides::Outside => None,
+            Sides::Unsure => self.overlaps(reach, i).then_some(Kind::Edge),
+            Sides::Inside => self.shear.intersect(corners).and_then(|t| self.same_t(t, id)),
+        }
+    }
+
+    fn of_round(&self, id: u32, is_tangent: bool, roots: impl FnOnce() -> Option<[f64; 2]>) -> Option<Kind> {
+        if is_tangent {
+            return Some(Kind::Tangent);
+        }
+        roots()?.into_iter().find_map(|t| self.same_t(t, id))
+    }
+
+    fn of_plane(&self, id: u32, i: usize, reach: &Ray) -> Option<Kind> {
+        let plane = &self.world.planes[i];
+        if is_about_zero(plane.normal.dot(self.ray.direction)) {
+            let height = plane.ahead_of(self.ray.origin).abs();
+            return (height <= self.roundings(START_ROUNDINGS, 0.0)).then_some(Kind::Parallel);
+        }
+        plane.intersect(reach).and_then(|t| self.same_t(t, id))
     }
 
     /// So many roundings of the coordinates where the ray is at `t`.

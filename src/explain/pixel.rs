@@ -2,7 +2,7 @@
 
 use super::close_call::{CloseCall, Kind, Seen, close_primitives, is_about_zero};
 use super::objects::Objects;
-use super::ray_tree::{RayNode, Recorder, Shadow};
+use super::ray_tree::{RayNode, Recorder, Shadow, Surface};
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
@@ -177,12 +177,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
             node.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
         }
-        let materials = &self.prepared.renderer().scene.materials;
-        let in_boundary = surface.textures.iter().any(|texture| match materials.get(texture.material) {
-            Some(Material::Texture(texture)) => is_in_boundary(texture, surface.point.position),
-            _ => false,
-        });
-        if in_boundary {
+        if self.is_in_boundary(surface) {
             node.close_calls.push(CloseCall { kind: Kind::Boundary, object: None });
         }
         for light in &mut surface.lights {
@@ -192,6 +187,15 @@ impl<'p, 'r> Explainer<'p, 'r> {
                 shadow.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
             }
         }
+    }
+
+    /// Whether a checkerboard decides by roundings which material the surface has.
+    fn is_in_boundary(&self, surface: &Surface) -> bool {
+        let materials = &self.prepared.renderer().scene.materials;
+        surface.textures.iter().any(|texture| match materials.get(texture.material) {
+            Some(Material::Texture(texture)) => is_in_boundary(texture, surface.point.position),
+            _ => false,
+        })
     }
 
     fn annotate_shadow(&self, shadow: &mut Shadow, leaves: u32) {

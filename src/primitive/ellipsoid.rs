@@ -49,6 +49,11 @@ impl Ellipsoid {
         first_on_ray(self.crossings(ray)?.t, ray)
     }
 
+    /// Its middle.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
     /// The two t at which the ray's line crosses it, in order.
     pub fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
         self.crossings(ray).map(|crossings| crossings.t)

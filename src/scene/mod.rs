@@ -49,7 +49,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
-    /// The position of each object's keyword in the text.
+    /// The position of each object's keyword in the text. A scene that a program makes may leave it empty.
     pub positions: Vec<Position>,
     /// The group that contains all objects.
     pub root: ObjectId,

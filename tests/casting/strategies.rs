@@ -175,7 +175,16 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
             objects.push(Object::Group(children));
             // Their contents are `fuzz_findings::checks::meshes`.
             let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT }; 2];
-            Scene { camera, background, lights, materials, root: objects.len() - 1, objects, meshes }
+            Scene {
+                camera,
+                background,
+                lights,
+                materials,
+                root: objects.len() - 1,
+                objects,
+                positions: vec![],
+                meshes,
+            }
         },
     )
 }

@@ -132,7 +132,7 @@ fn decisions_that_roundings_could_turn_are_pointed_out() {
         Triangle { vertex0 -4 -4 .25 vertex1 4 -4 .25 vertex2 0 8 .25 }";
     let lamp = "Plane { normal 0 0 1 offset 0 } Sphere { center 6 0 8 radius 5 }";
     let spheres = "Sphere { center 0 0 0 radius 1 }
-        Transform { Scale .5 1 1 Sphere { center 0 0 -9 radius 1 } }";
+        Transform { Scale .5 1 1 Sphere { center 0 0 2 radius 1 } }";
     let along = "Plane { normal 1 0 0 offset 1 } Plane { normal 0 0 1 offset 0 }";
     let board = "MaterialIndex 2 Plane { normal 0 0 1 offset .5 } Sphere { center 9 9 9 radius 1 }";
     for (light, objects, pixel, call) in [

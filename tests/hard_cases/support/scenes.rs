@@ -31,6 +31,7 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
         root: objects.len() - 1,
         positions: vec![Position { line: 1, column: 1 }; objects.len()],
         objects,
+        positions: vec![],
         meshes: vec![MeshFile { name: "mesh.obj".into(), at: Position { line: 1, column: 1 } }; named],
     }
 }
