@@ -29,7 +29,6 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
         lights,
         materials: vec![Material::Phong(Phong::default())],
         root: objects.len() - 1,
-        positions: vec![Position { line: 1, column: 1 }; objects.len()],
         objects,
         positions: vec![],
         meshes: vec![MeshFile { name: "mesh.obj".into(), at: Position { line: 1, column: 1 } }; named],
