@@ -274,4 +274,9 @@ mod tests {
         let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);
         assert_eq!(CellLists::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));
     }
+
+    #[test]
+    fn a_grid_too_large_says_what_helps() {
+        assert_eq!(GridTooLarge.to_string(), "the grid does not fit into memory: use fewer cells");
+    }
 }

@@ -71,7 +71,7 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
 fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
     let (middle, mut viewport) = (4000.0, viewport());
     viewport.eye.middle.y = middle;
-    for (k, first_row) in (1..200).zip([0, 1600, 3200, 4800, 7968].into_iter().cycle()) {
+    for (k, first_row) in (1..40).zip([0, 1600, 3200, 4800, 7968].into_iter().cycle()) {
         let y = first_row as f64 - middle;
         // Zero on one of the rows where a bound would be taken from if a sign or an operator were another.
         for zero in [y + 2.0 * middle, -y, first_row as f64 / middle, 0.0] {
