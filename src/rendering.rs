@@ -44,19 +44,14 @@ pub fn render<M: Mode, P: Observer>(
         tell("WARNING:  No lights specified");
     }
     let reading = clock.lap();
-    let comparison = options.comparison.as_ref();
-    // Other scenes with the same meshes may be rendered to find the cause of a difference.
-    let has_outside = comparison.is_some_and(|wanted| wanted.picture.is_some());
-    let keeps = options.visualize_grid || options.pixel.is_some() || has_outside;
-    let meshes = if keeps { Meshes::Kept } else { Meshes::Moved };
-    let renderer = Renderer::new(loaded, meshes).map_err(|error| error.to_string())?;
+    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
     let prepared = prepare::<M>(options, &renderer)?;
     let building = clock.lap();
 
     let mut request = options.request();
     let mut products = Products::begin(files, &request)?;
-    if comparison.is_some_and(Comparison::needs_scene) {
+    if options.comparison.as_ref().is_some_and(Comparison::needs_scene) {
         request.layers.push(Layer::Color);
         products.keep();
     }
@@ -79,13 +74,19 @@ pub fn render<M: Mode, P: Observer>(
         threads: threads.current_num_threads(),
     };
     let mut text = if options.stats { report.to_string() } else { String::new() };
-    if let Some(costs) = finished.costs {
-        text += &CostReport { map: &costs, cells: prepared.fullness(FULLEST) }.to_string();
-    }
-    if let Some(pixel) = options.pixel {
-        text += &explanation(options, &renderer, pixel)?;
-    }
+    let costs = finished.costs.as_ref();
+    text +=
+        &costs.map_or(String::new(), |map| CostReport { map, cells: prepared.fullness(FULLEST) }.to_string());
+    text += &options.pixel.map_or(Ok(String::new()), |pixel| explanation(options, &renderer, pixel))?;
     Ok(Rendered { renderer, text, picture: finished.kept })
+}
+
+/// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
+/// cause of a difference, which renders other scenes with the same meshes.
+fn meshes(options: &Options) -> Meshes {
+    let has_outside = options.comparison.as_ref().is_some_and(|wanted| wanted.picture.is_some());
+    let keeps = options.visualize_grid || options.pixel.is_some() || has_outside;
+    if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
 /// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.

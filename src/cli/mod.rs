@@ -6,14 +6,17 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
+mod comparison;
 mod error;
 mod flags;
 mod help;
 mod options;
 mod raw;
+mod values;
 
+pub use comparison::Comparison;
 pub use error::{CliError, Problem};
-pub use options::{Comparison, Options, Output};
+pub use options::{Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 

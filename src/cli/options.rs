@@ -1,11 +1,11 @@
 //! The second stage of the command line: the values are parsed and checked, each by itself and then together.
 
+use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
-use crate::compare::Tolerance;
+use super::values::{bad, finite, picture_name, whole, wholes};
 use crate::grid::options::Resolution;
-use crate::image_io::Format;
 use crate::render::{Cost, Layer, Request};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -45,26 +45,6 @@ pub struct Options {
     pub preview: bool,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
-}
-
-/// A comparison of two pictures. One that has no file is the rendered colour picture, and not both are.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Comparison {
-    /// The picture in question.
-    pub picture: Option<PathBuf>,
-    /// The picture to compare it with.
-    pub reference: Option<PathBuf>,
-    /// The file of the picture that shows the difference.
-    pub difference: Option<PathBuf>,
-    /// The difference that still passes; none if any passes.
-    pub tolerance: Option<Tolerance>,
-}
-
-impl Comparison {
-    /// Whether one of the pictures is to be rendered.
-    pub fn needs_scene(&self) -> bool {
-        self.picture.is_none() || self.reference.is_none()
-    }
 }
 
 /// A picture to write.
@@ -120,7 +100,7 @@ impl Options {
             filter: filter(raw)?,
             grid: grid(raw)?,
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
-            comparison: comparison(raw)?,
+            comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
@@ -189,31 +169,6 @@ fn distinct(files: &[(&'static Flag, &Path)]) -> Result<(), CliError> {
     Ok(())
 }
 
-fn comparison(raw: &Raw) -> Result<Option<Comparison>, CliError> {
-    let file = |flag| raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose();
-    let (picture, reference) = (file(&flags::COMPARE)?, file(&flags::REFERENCE)?);
-    let (difference, tolerance) = (file(&flags::DIFFERENCE)?, tolerance(raw)?);
-    if picture.is_some() || reference.is_some() {
-        return Ok(Some(Comparison { picture, reference, difference, tolerance }));
-    }
-    match (difference, tolerance) {
-        (None, None) => Ok(None),
-        (Some(_), _) => Err(CliError::ComparisonNeeded { flag: flags::DIFFERENCE.name }),
-        (None, Some(_)) => Err(CliError::ComparisonNeeded { flag: flags::TOLERANCE.name }),
-    }
-}
-
-fn tolerance(raw: &Raw) -> Result<Option<Tolerance>, CliError> {
-    let Some([levels, pixels]) = raw.values(&flags::TOLERANCE)? else { return Ok(None) };
-    let number = |word, range| whole(word, range).map_err(|problem| bad(&flags::TOLERANCE, word, problem));
-    let levels = number(levels, (0, u32::from(u8::MAX)))?;
-    Ok(Some(Tolerance { levels: levels as u8, pixels: number(pixels, (0, u32::MAX))?.into() }))
-}
-
-fn bad(flag: &Flag, word: &OsStr, problem: Problem) -> CliError {
-    CliError::BadValue { flag: flag.name, word: word.to_owned(), problem }
-}
-
 fn scene(raw: &Raw) -> Result<Option<PathBuf>, CliError> {
     match raw.values(&flags::INPUT)? {
         None => Ok(None),
@@ -241,13 +196,6 @@ fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {
 fn picture(raw: &Raw, flag: &Flag, layer: Layer) -> Result<Option<Output>, CliError> {
     let output = |[word]: [_; 1]| Ok(Output { layer, file: picture_name(flag, word)? });
     raw.values(flag)?.map(output).transpose()
-}
-
-fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
-    match Format::of(Path::new(word)) {
-        Some(_) => Ok(word.into()),
-        None => Err(bad(flag, word, Problem::NotPicture)),
-    }
 }
 
 fn depth(raw: &Raw) -> Result<Option<Output>, CliError> {
@@ -344,29 +292,4 @@ fn filter(raw: &Raw) -> Result<Filter, CliError> {
 fn preview(raw: &Raw) -> Result<bool, CliError> {
     let tessellation = wholes::<2>(raw, &flags::TESSELLATION, (1, MAX_INT))?;
     Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
-}
-
-/// The integer values of a flag, each from `range.0` to `range.1`.
-fn wholes<const N: usize>(raw: &Raw, flag: &Flag, range: (u32, u32)) -> Result<Option<[u32; N]>, CliError> {
-    let Some(words) = raw.values::<N>(flag)? else { return Ok(None) };
-    let mut numbers = [0; N];
-    for (number, word) in numbers.iter_mut().zip(words) {
-        *number = whole(word, range).map_err(|problem| bad(flag, word, problem))?;
-    }
-    Ok(Some(numbers))
-}
-
-fn whole(word: &OsStr, (min, max): (u32, u32)) -> Result<u32, Problem> {
-    let text = word.to_str().ok_or(Problem::NotWhole)?;
-    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
-    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Err(Problem::NotWhole);
-    }
-    // The word consists of digits, so it fails to parse only if it is negative or too large.
-    text.parse().ok().filter(|n| (min..=max).contains(n)).ok_or(Problem::Outside { min, max })
-}
-
-fn finite(flag: &Flag, word: &OsStr) -> Result<f64, CliError> {
-    let number = word.to_str().and_then(|text| text.parse::<f64>().ok());
-    number.filter(|n| n.is_finite()).ok_or_else(|| bad(flag, word, Problem::NotFinite))
 }

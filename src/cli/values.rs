@@ -1,0 +1,48 @@
+//! Single values of flags: numbers in a range, and the names of pictures.
+
+use super::error::{CliError, Problem};
+use super::flags::Flag;
+use super::raw::Raw;
+use crate::image_io::Format;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+pub(super) fn bad(flag: &Flag, word: &OsStr, problem: Problem) -> CliError {
+    CliError::BadValue { flag: flag.name, word: word.to_owned(), problem }
+}
+
+pub(super) fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
+    match Format::of(Path::new(word)) {
+        Some(_) => Ok(word.into()),
+        None => Err(bad(flag, word, Problem::NotPicture)),
+    }
+}
+
+/// The integer values of a flag, each from `range.0` to `range.1`.
+pub(super) fn wholes<const N: usize>(
+    raw: &Raw,
+    flag: &Flag,
+    range: (u32, u32),
+) -> Result<Option<[u32; N]>, CliError> {
+    let Some(words) = raw.values::<N>(flag)? else { return Ok(None) };
+    let mut numbers = [0; N];
+    for (number, word) in numbers.iter_mut().zip(words) {
+        *number = whole(word, range).map_err(|problem| bad(flag, word, problem))?;
+    }
+    Ok(Some(numbers))
+}
+
+pub(super) fn whole(word: &OsStr, (min, max): (u32, u32)) -> Result<u32, Problem> {
+    let text = word.to_str().ok_or(Problem::NotWhole)?;
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(Problem::NotWhole);
+    }
+    // The word consists of digits, so it fails to parse only if it is negative or too large.
+    text.parse().ok().filter(|n| (min..=max).contains(n)).ok_or(Problem::Outside { min, max })
+}
+
+pub(super) fn finite(flag: &Flag, word: &OsStr) -> Result<f64, CliError> {
+    let number = word.to_str().and_then(|text| text.parse::<f64>().ok());
+    number.filter(|n| n.is_finite()).ok_or_else(|| bad(flag, word, Problem::NotFinite))
+}
