@@ -5,20 +5,20 @@
 //! much again, some 1.8 microseconds in all. A large page has 512 times the size but costs only 60 times as
 //! much, and address translation misses less often. So every large allocation uses large pages.
 //!
-//! Measured for whole commands on one thread, in pairs: medians of the processor time in seconds (user +
-//! system) and of the peak memory. The scene is the rabbit with shadows at 200 by 200 pixels, with 40,000
-//! faces and `-grid 40 40 33` (25 runs), and subdivided into 2.56 million faces with `-grid auto` (7 runs):
+//! Measured for whole commands on one thread, in turns on a quiet machine: medians of the processor time in
+//! seconds (user + system) and of the peak memory. The scene is the rabbit with shadows at 200 by 200 pixels,
+//! with 40,000 faces and `-grid 40 40 33` (25 runs), and subdivided into 2.56 million faces with `-grid auto`
+//! (9 runs):
 //!
 //! | | 40,000 faces | | 2.56 million faces | |
 //! |---|---:|---:|---:|---:|
-//! | the system's allocator | 0.021 | 11.4 MiB | 0.35 + 0.19 | 301 MiB |
-//! | this one | 0.019 | 14.2 MiB | 0.32 + 0.44 | 309 MiB |
-//! | large pages for the grid's lists alone | 0.021 | 11.6 MiB | 0.34 + 0.20 | 301 MiB |
-//! | crate `mimalloc` | 0.020 | 23.1 MiB | 0.31 + 0.56 | 395 MiB |
+//! | the system's allocator | 0.018 | 14 MiB | 0.31 + 0.21 | 301 MiB |
+//! | this one | 0.017 | 15 MiB | 0.27 + 0.10 | 309 MiB |
 //!
-//! So it saves a tenth of the time of the first command. For the second the user time falls by a tenth, while
-//! the system time varied between 0.05 and 0.78 with large pages and between 0.16 and 0.22 with 4 KB pages:
-//! on the virtual machine on which this was measured, the host may first have to find an unused large page.
+//! So it saves a twentieth and a quarter of the time. In one of the nine runs the system time was 0.63 instead
+//! of 0.10: on a virtual machine the host may first have to find unused large pages, and on a busy one it often
+//! does. In an earlier run on a busy machine, large pages for the grid's lists alone saved nothing at 40,000
+//! faces, and crate `mimalloc` was no faster than this and took 23 and 395 MiB.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
