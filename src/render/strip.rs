@@ -17,9 +17,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Upper bound on the memory of a strip's finished rows, in bytes. The rows in progress may take half as much
-/// again.
-const MEMORY: usize = 64 << 20;
+/// Upper bound on the memory of a strip's finished rows, in bytes.
+const MEMORY: usize = 48 << 20;
+
+/// Upper bound on the memory of a strip's rows in progress, in bytes.
+const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
 /// Upper bound on the number of rows that a thread traces before it takes more.
 const ROWS_AT_ONCE: usize = 4;
@@ -96,7 +98,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     fn rows_in_flight(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
         let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
-        (MEMORY / 2 / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
+        (MEMORY_IN_FLIGHT / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
     fn trace<P: Observer>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
@@ -194,17 +196,17 @@ mod tests {
             with_setting(&request, |setting| Strip::below(setting, end, first).rows)
         };
         let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
-        // Memory for 42 rows of 2^16 colours of 24 bytes.
-        assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4054..4096);
+        // Memory for 32 rows of 2^16 colours of 24 bytes.
+        assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4064..4096);
         assert_eq!(rows(&[Layer::Color], one, 4096, 4080), 4080..4096);
         assert_eq!(rows(&[Layer::Color], one, 20, 0), 0..20);
-        assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4082..4096);
-        assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4086..4096);
+        assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4086..4096);
+        assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4088..4096);
         assert_eq!(rows(&[Layer::Samples { zoom: 9 }], one, 4096, 0), 4095..4096);
         assert_eq!(rows(&[Layer::Filter { zoom: 2 }], one, 4096, 0), 0..4096);
         // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
         assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
-        assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4054..4096);
+        assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4064..4096);
     }
 
     #[test]
