@@ -171,9 +171,6 @@ impl<M: Mode> Tracer<'_, M> {
         let Lit { ray, surface, material } = *lit;
         let is_inside = surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
-            if P::OBSERVES {
-                probe.observe(Event::BlackWithin);
-            }
             return Color::ZERO;
         }
         let normal = if is_inside { -surface.normal } else { surface.normal };
@@ -309,7 +306,7 @@ fn too_light(path: &Path, color: Color) -> End {
 
 /// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour
 /// to the power of the distance. A negative channel, which has no such power, transmits nothing.
-fn transmittance(color: Color, distance: f64) -> Color {
+pub fn transmittance(color: Color, distance: f64) -> Color {
     Color::from_array(color.to_array().map(|channel| libm::pow(channel.max(0.0), distance)))
 }
 

@@ -1,7 +1,7 @@
 //! The search for the cause of a difference, and what it finds.
 
 use super::{Cause, Original, speckles};
-use crate::compare::{colors, largest_channel_difference};
+use crate::compare::{colors, largest_channel_difference, sum_of_squares};
 use crate::picture::Picture;
 use std::fmt;
 
@@ -55,7 +55,7 @@ impl Distance {
     fn between(a: &Picture, b: &Picture) -> Self {
         let mut distance = Self { squares: 0, differing: 0, visibly: 0 };
         for (&a, &b) in colors(a).iter().zip(colors(b)).filter(|(a, b)| a != b) {
-            distance.squares += a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum::<u64>();
+            distance.squares += sum_of_squares(a, b);
             distance.differing += 1;
             distance.visibly += u64::from(largest_channel_difference(a, b) > 1);
         }

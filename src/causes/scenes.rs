@@ -43,45 +43,40 @@ impl SceneChange {
 
     /// The changed scene, whose text this is; none where the change cannot show.
     pub(super) fn apply(self, scene: &Scene, text: &str) -> Option<Scene> {
-        match self {
-            Self::ListsReversed => return transform_order::with_lists_reversed(text),
-            Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
-            _ => {}
-        }
-        let mut scene = scene.clone();
+        let mut changed = scene.clone();
         let changes = match self {
-            Self::NoAmbient => scene.put_out_ambient(),
-            Self::BlackBackground => replaced(&mut scene.background.color, Color::ZERO),
-            Self::NotAttenuated => any(&mut scene.lights, not_attenuated),
-            Self::LightsReversed => any(&mut scene.lights, reversed),
-            Self::NoHighlights => scene.change_phongs(|phong| replaced(&mut phong.specular, Color::ZERO)),
-            Self::IndexInverted => scene.change_phongs(|phong| {
+            Self::NoAmbient => put_out_ambient(&mut changed),
+            Self::BlackBackground => replaced(&mut changed.background.color, Color::ZERO),
+            Self::NotAttenuated => any(&mut changed.lights, not_attenuated),
+            Self::LightsReversed => any(&mut changed.lights, reversed),
+            Self::NoHighlights => any_phong(&mut changed, |phong| replaced(&mut phong.specular, Color::ZERO)),
+            Self::IndexInverted => any_phong(&mut changed, |phong| {
                 let index = phong.index_of_refraction;
                 phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
             }),
-            _ => any(&mut scene.materials, swapped),
+            Self::CheckerboardSwapped => any(&mut changed.materials, swapped),
+            Self::ListsReversed => return transform_order::with_lists_reversed(text),
+            Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
         };
-        changes.then_some(scene)
+        changes.then_some(changed)
     }
 }
 
-impl Scene {
-    /// A scene without lights is lit evenly by a rule of its own, which this breaks, too.
-    fn put_out_ambient(&mut self) -> bool {
-        if self.lights.is_empty() {
-            self.lights.push(Light::Directional { direction: Color::X, color: Color::ZERO });
-            self.background.ambient = Color::ZERO;
-            return true;
-        }
-        replaced(&mut self.background.ambient, Color::ZERO)
+/// A scene without lights is lit evenly by a rule of its own, which this breaks, too.
+fn put_out_ambient(scene: &mut Scene) -> bool {
+    if scene.lights.is_empty() {
+        scene.lights.push(Light::Directional { direction: Color::X, color: Color::ZERO });
+        scene.background.ambient = Color::ZERO;
+        return true;
     }
+    replaced(&mut scene.background.ambient, Color::ZERO)
+}
 
-    fn change_phongs(&mut self, change: impl Fn(&mut Phong) -> bool) -> bool {
-        any(&mut self.materials, |material| match material {
-            Material::Phong(phong) => change(phong),
-            Material::Texture(_) => false,
-        })
-    }
+fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
+    any(&mut scene.materials, |material| match material {
+        Material::Phong(phong) => change(phong),
+        Material::Texture(_) => false,
+    })
 }
 
 /// Replaces a value; says whether the new one is another.

@@ -12,7 +12,7 @@ use crate::shading::light::{Incident, incident};
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
 use crate::stats::Quiet;
-use crate::trace::{Effects, Shadows, reflected, refracted};
+use crate::trace::{Effects, Shadows, reflected, refracted, transmittance};
 use crate::world::SurfacePoint;
 use glam::DVec3;
 
@@ -145,8 +145,7 @@ impl Textbook<'_> {
                 return Color::ZERO;
             }
             if surface.normal.dot(ray.direction) >= 0.0 {
-                passed *=
-                    Color::from_array(tint.to_array().map(|channel| libm::pow(channel.max(0.0), hit.t)));
+                passed *= transmittance(tint, hit.t);
             }
             ray = Ray { t_max: ray.t_max - hit.t, ..self.leaving(&surface, ray.direction) };
         }

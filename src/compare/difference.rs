@@ -1,7 +1,7 @@
 //! The measures of a difference, and the block that shows them.
 
 use super::edges::EdgeMap;
-use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference};
+use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
 use crate::picture::Picture;
 use crate::stats::RULE;
 use std::fmt;
@@ -94,10 +94,6 @@ impl Comparison {
     pub fn psnr(&self) -> f64 {
         20.0 * libm::log10(255.0 / self.root_mean_square_error)
     }
-}
-
-fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
-    a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
 }
 
 impl Comparison {

@@ -33,6 +33,11 @@ pub(crate) fn largest_channel_difference(a: Rgb, b: Rgb) -> u8 {
     red.max(green).max(blue)
 }
 
+/// The sum of the squared differences of the channels, in levels.
+pub(crate) fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
+    a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
+}
+
 /// Width and height of both, which must be the same.
 fn common_size(a: &Picture, b: &Picture) -> Result<[u32; 2], CompareError> {
     let [a, b] = [a, b].map(|picture| [picture.width(), picture.height()]);

@@ -212,7 +212,6 @@ impl Observer for Recorder {
                 self.push(RayNode { exclude, filter, weight, ..node });
             }
             Event::NotFollowed { kind, end } => self.rays[self.current].ends.push((kind, end)),
-            Event::BlackWithin => {}
             Event::Ambient(color) => {
                 if let Some(surface) = self.surface() {
                     surface.ambient = Some(color);

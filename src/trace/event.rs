@@ -87,8 +87,6 @@ pub enum Event<'e> {
         /// Why it does not.
         end: End,
     },
-    /// The surface is seen from within, where it is black.
-    BlackWithin,
     /// The ambient light that the surface reflects.
     Ambient(Color),
     /// A ray is cast towards a light.

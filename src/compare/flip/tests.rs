@@ -11,7 +11,7 @@
 //! ```
 
 use super::*;
-use crate::image_io::OutputFile;
+use crate::image_io::{OutputFile, read_picture};
 use std::path::Path;
 
 /// The reference implementation computes in f32: where a flat picture of ones has derivatives of
@@ -128,6 +128,7 @@ fn writes_the_pictures_for_the_reference_implementation() {
         for (picture, letter) in case.pictures().iter().zip(["a", "b"]) {
             let path = Path::new(&folder).join(format!("{}_{letter}.png", case.name));
             OutputFile::prepare(&path).unwrap().write(picture).unwrap();
+            assert_eq!(&read_picture(&path).unwrap(), picture);
         }
     }
 }
