@@ -104,6 +104,7 @@ fn scene_on_ground(mesh: &Mesh) -> Scene {
         background: Background::default(),
         lights: vec![],
         materials: vec![Material::Phong(Phong::default())],
+        material_positions: vec![],
         objects: vec![
             Object::Mesh { mesh: 0, material: 0 },
             Object::Plane { normal: DVec3::Y, offset: min.y, material: 0 },

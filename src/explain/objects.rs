@@ -28,6 +28,8 @@ pub struct TextureWeight {
     pub name: &'static str,
     /// Its index among the scene's materials.
     pub material: MaterialId,
+    /// Where it stands.
+    pub at: Option<Position>,
     /// Its two materials.
     pub children: [MaterialId; 2],
     /// The weight of the first; the second has the rest.
@@ -78,6 +80,11 @@ impl<'r> Objects<'r> {
         Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
     }
 
+    /// Where a material stands in the scene's text.
+    pub fn material_position(&self, material: MaterialId) -> Option<Position> {
+        self.scene.material_positions.get(material).copied()
+    }
+
     /// The textures that have weight in a material at a point, the outermost first.
     pub fn textures(&self, material: MaterialId, point: DVec3) -> Vec<TextureWeight> {
         let mut weights = vec![0.0; material + 1];
@@ -92,7 +99,8 @@ impl<'r> Objects<'r> {
             weights[texture.children[0]] += weights[id] * first;
             weights[texture.children[1]] += weights[id] * (1.0 - first);
             let name = pattern_name(texture.pattern);
-            textures.push(TextureWeight { name, material: id, children: texture.children, first });
+            let at = self.material_position(id);
+            textures.push(TextureWeight { name, material: id, at, children: texture.children, first });
         }
         textures
     }

@@ -173,6 +173,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let (Some(surface), Some(hit)) = (&mut node.surface, hit) else { return };
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
+        surface.material_at = self.objects.material_position(surface.point.material);
         surface.textures = self.objects.textures(surface.point.material, surface.point.position);
         if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
             node.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });

@@ -5,7 +5,7 @@ use super::pixel::{PixelTree, SampleTree};
 use super::ray_tree::{Crossing, Lighting, RayNode, Shadow, Surface};
 use super::short::{Short, Triple};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::scene::Color;
+use crate::scene::{Color, MaterialId, Position};
 use crate::stats::{Counts, RULE};
 use crate::trace::{End, Secondary};
 use std::fmt::{Display, Formatter, Result};
@@ -108,27 +108,48 @@ fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
 }
 
 fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
-    let Surface { object, t, point, material, textures, .. } = surface;
+    let Surface { object, t, point, material_at, material, textures, .. } = surface;
     lines.line(format_args!("sees {} at t {}", Named(object), Short(*t)))?;
     lines.line(format_args!("point {}, normal {}", Triple(point.position), Triple(point.normal)))?;
     for texture in textures {
         let ([one, other], first) = (texture.children, texture.first);
         lines.line(format_args!(
-            "material {} is a {}: material {one} weighs {}, material {other} {}",
-            texture.material,
+            "{} is a {}: material {one} weighs {}, material {other} {}",
+            NamedMaterial(texture.material, texture.at),
             texture.name,
             Short(first),
             Short(1.0 - first)
         ))?;
     }
     lines.line(format_args!(
-        "material {}: diffuse {}, specular {}, reflective {}, transparent {}",
-        point.material,
+        "{}: diffuse {}, specular {}{}, reflective {}, transparent {}{}",
+        NamedMaterial(point.material, *material_at),
         Triple(material.diffuse),
         Triple(material.specular),
+        Power("exponent", material.specular, material.exponent),
         Triple(material.reflective),
-        Triple(material.transparent)
+        Triple(material.transparent),
+        Power("index of refraction", material.transparent, material.index_of_refraction)
     ))
+}
+
+/// A material with the line where it stands.
+struct NamedMaterial(MaterialId, Option<Position>);
+
+impl Display for NamedMaterial {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "material {}", self.0)?;
+        self.1.map_or(Ok(()), |at| write!(f, " in line {}", at.line))
+    }
+}
+
+/// A number of a material that matters only where this colour of it is not black.
+struct Power(&'static str, Color, f64);
+
+impl Display for Power {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if self.1 == Color::ZERO { Ok(()) } else { write!(f, " with {} {}", self.0, Short(self.2)) }
+    }
 }
 
 fn write_lights(surface: &Surface, has_grid: bool, lines: &mut Lines) -> Result {

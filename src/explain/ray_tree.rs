@@ -3,8 +3,8 @@
 use super::close_call::CloseCall;
 use super::objects::{ObjectPart, TextureWeight};
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::scene::Color;
 use crate::scene::material::Phong;
+use crate::scene::{Color, Position};
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe};
 use crate::trace::{End, Event, Observer, Secondary};
@@ -50,6 +50,8 @@ pub struct Surface {
     pub t: f64,
     /// Where in the world.
     pub point: SurfacePoint,
+    /// Where its material stands in the scene's text.
+    pub material_at: Option<Position>,
     /// The material, with its textures evaluated.
     pub material: Phong,
     /// The textures of the material, each with the weight of its first child.
@@ -243,6 +245,7 @@ impl Surface {
             object: None,
             t: 0.0,
             point: *point,
+            material_at: None,
             material: *material,
             textures: vec![],
             ambient: None,

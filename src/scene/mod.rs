@@ -47,6 +47,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The materials, in the order of the text.
     pub materials: Vec<Material>,
+    /// The position of each material's keyword in the text. A scene that a program makes may leave it empty.
+    pub material_positions: Vec<Position>,
     /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
     /// The position of each object's keyword in the text. A scene that a program makes may leave it empty.

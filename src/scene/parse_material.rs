@@ -1,11 +1,11 @@
 //! Reads materials.
 
-use super::MaterialId;
 use super::error::{Problem, SceneError};
 use super::list::counted_list;
 use super::material::{Material, Pattern, Phong, Texture};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::{MaterialId, Position};
 use glam::{DAffine3, DVec3};
 
 /// The keywords that start a Phong material. They have the same meaning.
@@ -19,11 +19,12 @@ const PHONG_FIELDS: [&str; 6] =
 /// error.
 const MAX_OCTAVES: u64 = 64;
 
-/// Reads a whole `Materials { ... }` block.
-pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<Material>> {
+/// Reads a whole `Materials { ... }` block: each material with the position of its keyword.
+pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Position)>> {
     let name = reader.open()?.text;
-    counted_list(reader, name, "numMaterials", &KINDS, |reader, earlier: &[Material]| {
-        parse_material(reader, earlier.len())
+    counted_list(reader, name, "numMaterials", &KINDS, |reader, earlier: &[_]| {
+        let at = reader.peek().at;
+        Ok((parse_material(reader, earlier.len())?, at))
     })
 }
 
@@ -154,7 +155,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Vec<Material> {
-        parse_materials(&mut Reader::new(text)).unwrap()
+        let materials = parse_materials(&mut Reader::new(text)).unwrap();
+        materials.into_iter().map(|(material, _)| material).collect()
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct ObjectTree {
     mesh_indices: HashMap<String, usize>,
     /// The declared materials, followed by those written inside groups.
     pub materials: Vec<Material>,
+    /// The position of each material's keyword.
+    pub material_positions: Vec<Position>,
     /// The number of declared materials. Only these can be chosen by their index.
     declared: usize,
     /// The material of the following objects. As in the course's program, it stays in effect after the group
@@ -49,9 +51,9 @@ enum Step {
 
 impl ObjectTree {
     /// Replaces the declared materials.
-    pub fn declare(&mut self, materials: Vec<Material>) {
+    pub fn declare(&mut self, materials: Vec<(Material, Position)>) {
         self.declared = materials.len();
-        self.materials = materials;
+        (self.materials, self.material_positions) = materials.into_iter().unzip();
     }
 
     /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
@@ -119,6 +121,7 @@ impl ObjectTree {
             if reader.is_at("MaterialIndex") {
                 self.current_material = Some(self.parse_material_index(reader)?);
             } else if reader.is_at_any(&PHONG_KINDS) {
+                self.material_positions.push(reader.peek().at);
                 self.materials.push(Material::Phong(parse_phong(reader)?));
                 self.current_material = Some(self.materials.len() - 1);
             } else {

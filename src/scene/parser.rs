@@ -69,6 +69,7 @@ impl Blocks {
             background: self.background,
             lights: self.lights,
             materials: self.tree.materials,
+            material_positions: self.tree.material_positions,
             objects: self.tree.objects,
             positions: self.tree.positions,
             root,
@@ -288,6 +289,7 @@ mod tests {
         );
         let material = |diffuse| Material::Phong(Phong { diffuse, ..Phong::default() });
         assert_eq!(scene.materials[2..], [material(DVec3::X), material(DVec3::Y), material(DVec3::Z)]);
+        assert_eq!(scene.material_positions.len(), scene.materials.len());
         assert_eq!(scene.objects[0], Object::Plane { normal: DVec3::Y, offset: 0.0, material: 2 });
         assert_eq!(scene.objects[1], Object::Plane { normal: DVec3::Y, offset: 0.0, material: 4 });
     }

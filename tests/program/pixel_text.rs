@@ -109,9 +109,28 @@ fn a_shadow_ray_names_what_blocks_or_tints_it() {
 
 #[test]
 fn textures_say_how_their_materials_are_mixed() {
-    let texture = ["material 3 is a Wood: material 2 weighs ", "material 2 is a Marble: material 0 weighs "];
+    let texture = [
+        "material 3 in line 7 is a Wood: material 2 weighs ",
+        "material 2 in line 6 is a Marble: material 0 weighs ",
+    ];
     assert_says(MARBLE, "-size 20 20 -pixel 14 10", &texture);
-    assert_says(BOARD, "-size 20 20 -pixel 10 10", &["material 2 is a Checkerboard: material "]);
+    assert_says(BOARD, "-size 20 20 -pixel 10 10", &["material 2 in line 5 is a Checkerboard: material "]);
+}
+
+#[test]
+fn materials_are_named_by_their_lines_and_say_what_matters() {
+    let line = "material 0 in line 7: diffuse (0.1, 0.1, 0.1), specular (0.9, 0.9, 0.9) with exponent 30, \
+                reflective (0.3, 0.3, 0.3), transparent (0.8, 0.7, 0.7) with index of refraction 1.5";
+    assert_says(GLASS, "-size 20 20 -pixel 10 10", &[line]);
+    // A material that stands in the group, as in 2003.
+    let scene = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+        Materials { numMaterials 1 Material { } }
+        Group { numObjects 1
+          Material { diffuseColor 1 0 0 }
+          Sphere { center 0 0 0 radius 1 } }";
+    let line = "material 1 in line 4: diffuse (1, 0, 0), specular (0, 0, 0), reflective (0, 0, 0), \
+                transparent (0, 0, 0)";
+    assert_says(scene, "-size 3 3 -pixel 1 1", &[line]);
 }
 
 const CLOSE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }
