@@ -3,6 +3,7 @@
 
 mod broken_rules;
 mod causes;
+mod check_your_own;
 mod command_line;
 mod comparison;
 mod cost_map;
