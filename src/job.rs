@@ -10,6 +10,7 @@ use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
+use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
 use raytracer::stats::{Counts, Quiet};
 use std::fmt::Display;
@@ -105,7 +106,8 @@ fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Op
     if options.visualize_grid || !fits {
         return None;
     }
-    Some(Original::new(renderer, options.grid, &options.request())?.explain(a, b))
+    let request = Request { layers: vec![Layer::Color], ..options.request() };
+    Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }
 
 fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {

@@ -5,7 +5,7 @@
 //! as one likes: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
-//! use raytracer::grid::options::Resolution;
+//! use raytracer::grid::options::Structure;
 //! use raytracer::mode::Fast;
 //! use raytracer::render::{Layer, Request, Window};
 //! use raytracer::renderer::Renderer;
@@ -14,12 +14,11 @@
 //!
 //! let renderer = Renderer::open(Path::new("scenes/scene6_04_bunny_mesh_200.txt"))?;
 //! let size = [80, 60];
-//! // Chooses a grid that suits the scene and the number of camera rays.
-//! let prepared = renderer.prepare::<Fast>(Some(Resolution::Auto), size[0] * size[1])?;
-//!
 //! let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
 //! let layers = vec![Layer::Color, Layer::Normals];
 //! let request = Request { effects, layers, ..Request::new(size) };
+//! // Builds a grid if it saves time for this scene and this request.
+//! let prepared = renderer.prepare_for::<Fast>(Structure::Any, &request)?;
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);
 //!

@@ -2,7 +2,7 @@
 //! of times.
 
 use crate::camera::Camera;
-use crate::grid::options::{GridOptions, Resolution};
+use crate::grid::options::{GridOptions, Resolution, Structure};
 use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
 use crate::mode::Mode;
@@ -89,6 +89,28 @@ impl Renderer {
     /// The bounds of the finite primitives; none if there are no such primitives.
     pub fn bounds(&self) -> Option<Aabb> {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
+    }
+
+    /// Builds the structure that is asked for, for a request. Where any will do, it is the one with the least total
+    /// time in this mode: what the course's program counts is counted without a grid.
+    pub fn prepare_for<M: Mode>(
+        &self,
+        structure: Structure,
+        request: &Request,
+    ) -> Result<Prepared<'_, M>, GridTooLarge> {
+        let structure = if M::AS_COURSE && structure == Structure::Any { Structure::List } else { structure };
+        let rays = request.cast_rays(&self.camera(request), &self.world);
+        let grid = structure.resolution(&self.world, rays);
+        match self.prepare(grid, request.camera_rays()) {
+            // Nobody has asked for the grid that does not fit into memory.
+            Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays()),
+            prepared => prepared,
+        }
+    }
+
+    /// The camera that a request's pictures are seen with.
+    fn camera(&self, request: &Request) -> Camera {
+        Camera::new(request.camera.as_ref().unwrap_or(&self.scene.camera), request.size)
     }
 
     /// Builds the acceleration structure. `rays` is the approximate number of camera rays, by which an
@@ -185,7 +207,7 @@ impl<M: Mode> Prepared<'_, M> {
 
     /// The camera that a request's pictures are seen with.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
-        Camera::new(request.camera.as_ref().unwrap_or(&self.renderer.scene.camera), request.size)
+        self.renderer.camera(request)
     }
 
     fn view(&self) -> View<'_> {

@@ -5,10 +5,11 @@ use crate::products::Products;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
 use raytracer::explain::{CostReport, Explainer};
+use raytracer::grid::options::Structure;
 use raytracer::image_io::OutputFile;
 use raytracer::mode::{Course, Mode};
 use raytracer::picture::Picture;
-use raytracer::render::Layer;
+use raytracer::render::{Layer, Request};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
@@ -46,13 +47,16 @@ pub fn render<M: Mode, P: Observer>(
     let reading = clock.lap();
     let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
-    let prepared = prepare::<M>(options, &renderer)?;
+    let mut request = options.request();
+    let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
+    if keeps {
+        request.layers.push(Layer::Color);
+    }
+    let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
 
-    let mut request = options.request();
     let mut products = Products::begin(files, &request)?;
-    if options.comparison.as_ref().is_some_and(Comparison::needs_scene) {
-        request.layers.push(Layer::Color);
+    if keeps {
         products.keep();
     }
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
@@ -91,19 +95,25 @@ fn meshes(options: &Options) -> Meshes {
 
 /// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
 fn explanation(options: &Options, renderer: &Renderer, pixel: [usize; 2]) -> Result<String, String> {
-    let prepared = prepare::<Course>(options, renderer)?;
+    let request = options.request();
+    let prepared = prepare::<Course>(options, renderer, &request)?;
     let explainer = Explainer::new(&prepared).map_err(failed)?;
-    Ok(explainer.pixel(&options.request(), pixel).map_or(String::new(), |tree| tree.to_string()))
+    Ok(explainer.pixel(&request, pixel).map_or(String::new(), |tree| tree.to_string()))
 }
 
 /// How many of the fullest cells are named.
 const FULLEST: usize = 5;
 
-fn prepare<'r, M: Mode>(options: &Options, renderer: &'r Renderer) -> Result<Prepared<'r, M>, String> {
-    let rays = options.size[0] * options.size[1] * options.sampler.count() as usize;
-    let prepared = match options.grid {
-        Some(grid) if options.visualize_grid => renderer.prepare_cells(grid, rays),
-        grid => renderer.prepare(grid, rays),
+fn prepare<'r, M: Mode>(
+    options: &Options,
+    renderer: &'r Renderer,
+    request: &Request,
+) -> Result<Prepared<'r, M>, String> {
+    let prepared = match options.structure {
+        Structure::Grid(grid) if options.visualize_grid => {
+            renderer.prepare_cells(grid, request.camera_rays())
+        }
+        structure => renderer.prepare_for(structure, request),
     };
     prepared.map_err(failed)
 }

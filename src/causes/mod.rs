@@ -21,7 +21,7 @@ pub use requests::RequestChange;
 pub use rules::Rule;
 pub use scenes::SceneChange;
 
-use crate::grid::options::Resolution;
+use crate::grid::options::Structure;
 use crate::mode::Fast;
 use crate::picture::{FloatPicture, Picture};
 use crate::render::{Layer, Request};
@@ -71,31 +71,31 @@ impl fmt::Display for Cause {
 #[derive(Debug)]
 pub struct Original<'a> {
     renderer: &'a Renderer,
-    grid: Option<Resolution>,
+    structure: Structure,
     request: Request,
     colors: FloatPicture,
 }
 
 impl<'a> Original<'a> {
-    /// Renders the request's colours with this grid; none where there is no memory for it. The renderer must have
+    /// Renders the request's colours with this structure; none where there is no memory for it. The renderer must have
     /// kept the meshes.
-    pub fn new(renderer: &'a Renderer, grid: Option<Resolution>, request: &Request) -> Option<Self> {
+    pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
         let request = Request { layers: vec![Layer::Color], window: None, ..request.clone() };
-        let colors = colors(renderer, grid, &request)?;
-        Some(Self { renderer, grid, request, colors })
+        let colors = colors(renderer, structure, &request)?;
+        Some(Self { renderer, structure, request, colors })
     }
 
     /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
     /// show.
     pub fn picture(&self, cause: Cause) -> Option<Picture> {
-        let Self { renderer, grid, ref request, ref colors } = *self;
+        let Self { renderer, structure, ref request, ref colors } = *self;
         let scene = &renderer.scene;
         match cause {
             Cause::Unchanged => Some(cut(colors)),
             Cause::Pixels(change) => Some(change.apply(colors)),
             Cause::Request(change) => {
                 let request = change.apply(scene, request)?;
-                Some(cut(&self::colors(renderer, grid, &request)?))
+                Some(cut(&self::colors(renderer, structure, &request)?))
             }
             Cause::Scene(change) => self.picture_of(change.apply(scene, &renderer.source.text)?),
             Cause::Rule(rule) if rule.applies(scene, request) => rules::picture(self, Some(rule)),
@@ -106,18 +106,14 @@ impl<'a> Original<'a> {
     /// The picture of another scene with the same meshes.
     fn picture_of(&self, scene: Scene) -> Option<Picture> {
         let renderer = self.renderer.with_scene(scene).ok()?;
-        Some(cut(&colors(&renderer, self.grid, &self.request)?))
+        Some(cut(&colors(&renderer, self.structure, &self.request)?))
     }
 }
 
 /// Renders the colours of a request.
-fn colors(renderer: &Renderer, grid: Option<Resolution>, request: &Request) -> Option<FloatPicture> {
-    let prepared = renderer.prepare::<Fast>(grid, camera_rays(request)).ok()?;
+fn colors(renderer: &Renderer, structure: Structure, request: &Request) -> Option<FloatPicture> {
+    let prepared = renderer.prepare_for::<Fast>(structure, request).ok()?;
     prepared.render(request).ok()?.pop()
-}
-
-fn camera_rays(request: &Request) -> usize {
-    request.size[0] * request.size[1] * request.sampler.count() as usize
 }
 
 /// The picture's bytes, as they are written.

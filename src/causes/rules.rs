@@ -122,10 +122,11 @@ fn is_checkerboard(material: &Material) -> bool {
 
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
-    let Original { renderer, grid, ref request, .. } = *original;
+    let Original { renderer, structure, ref request, .. } = *original;
     let world = renderer.world();
     let paint = || {
-        let options = GridOptions::new(grid, world, super::camera_rays(request), false);
+        let rays = request.camera_rays();
+        let options = GridOptions::new(structure.resolution(world, rays), world, rays, false);
         let caster = Caster::with(world, options, Instructions::available()[0]).ok()?;
         let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), world);
         let textbook = Textbook { caster: &caster, effects: request.effects, rule, spaces: &spaces };
@@ -197,6 +198,7 @@ fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::options::Structure;
     use crate::render::Request;
     use crate::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, filter::Filter, sampler};
@@ -208,7 +210,7 @@ mod tests {
     fn both(scene: &str, request: &Request) -> [Picture; 2] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
-        let original = Original::new(&renderer, None, request).unwrap();
+        let original = Original::new(&renderer, Structure::Any, request).unwrap();
         [cut(&original.colors), picture(&original, None).unwrap()]
     }
 

@@ -77,7 +77,7 @@ impl Flag {
         self
     }
 
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto`.
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
         let min = if self.name == GRID.name { 1 } else { self.values.len() };
         min..=self.values.len()
@@ -261,7 +261,7 @@ pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
     "grid",
     &["nx", "ny", "nz"],
-    "Speeds up the rendering with a uniform grid of nx by ny by nz cells, or of a suitable number with -grid auto. The picture stays the same.",
+    "Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The picture stays the same. Default: what is fastest; with -stats, none.",
 );
 pub(super) const VISUALIZE_GRID: Flag = Flag::new(
     Section::Grid,

@@ -5,7 +5,7 @@ use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
 use super::values::{bad, finite, picture_name, whole, wholes};
-use crate::grid::options::Resolution;
+use crate::grid::options::{Resolution, Structure};
 use crate::render::{Cost, Layer, Request};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -31,8 +31,8 @@ pub struct Options {
     pub sampler: Sampler,
     /// The reconstruction filter.
     pub filter: Filter,
-    /// The resolution of the grid. It has at least one cell along each axis, and less than 2^31 cells in all.
-    pub grid: Option<Resolution>,
+    /// The acceleration structure. A grid has at least one cell along each axis, and less than 2^31 cells in all.
+    pub structure: Structure,
     /// Whether the grid's cells are drawn instead of the scene. There is a grid if so.
     pub visualize_grid: bool,
     /// The comparison of two pictures.
@@ -98,7 +98,7 @@ impl Options {
             },
             sampler: sampler(raw)?,
             filter: filter(raw)?,
-            grid: grid(raw)?,
+            structure: structure(raw)?,
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
@@ -120,7 +120,7 @@ impl Options {
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
             return Err(CliError::PixelOutside { last: [width - 1, height - 1] });
         }
-        if self.visualize_grid && self.grid.is_none() {
+        if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return Err(CliError::GridNeeded);
         }
         for output in &self.outputs {
@@ -238,14 +238,18 @@ fn weight(raw: &Raw) -> Result<f64, CliError> {
     }
 }
 
-fn grid(raw: &Raw) -> Result<Option<Resolution>, CliError> {
-    if raw.single(&flags::GRID).is_some_and(|word| word == "auto") {
-        return Ok(Some(Resolution::Auto));
+fn structure(raw: &Raw) -> Result<Structure, CliError> {
+    match raw.single(&flags::GRID).and_then(OsStr::to_str) {
+        Some("auto") => return Ok(Structure::Grid(Resolution::Auto)),
+        Some("none") => return Ok(Structure::List),
+        _ => {}
     }
-    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MAX_INT))? else { return Ok(None) };
+    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MAX_INT))? else { return Ok(Structure::Any) };
     let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
     match product {
-        Some(product) if product < CELL_LIMIT => Ok(Some(Resolution::Cells(cells.map(|n| n as usize)))),
+        Some(product) if product < CELL_LIMIT => {
+            Ok(Structure::Grid(Resolution::Cells(cells.map(|n| n as usize))))
+        }
         _ => Err(CliError::TooManyCells { cells }),
     }
 }

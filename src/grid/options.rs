@@ -61,6 +61,41 @@ impl GridOptions {
     }
 }
 
+/// The acceleration structure that is asked for. Pictures are the same with each of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Structure {
+    /// The one with the least total time.
+    #[default]
+    Any,
+    /// A list of all primitives.
+    List,
+    /// A uniform grid.
+    Grid(Resolution),
+}
+
+impl Structure {
+    /// The grid to build, or none for a list of all primitives. `rays` is about the number of rays that are cast
+    /// through it.
+    ///
+    /// Measured, a grid pays from 64 triangles on, and a sphere takes as long as 16 triangles. A grid of many
+    /// primitives takes as long to build as 32 rays through their list.
+    pub fn resolution(self, world: &World, rays: usize) -> Option<Resolution> {
+        const MIN_TRIANGLES: usize = 64;
+        const TRIANGLES_PER_OTHER: usize = 16;
+        const MIN_RAYS: usize = 32;
+        match self {
+            Self::Grid(resolution) => Some(resolution),
+            Self::List => None,
+            Self::Any => {
+                let triangles = world.triangles.len();
+                let others = world.finite_count() - triangles;
+                let work = triangles.saturating_add(TRIANGLES_PER_OTHER * others);
+                (work >= MIN_TRIANGLES && rays >= MIN_RAYS).then_some(Resolution::Auto)
+            }
+        }
+    }
+}
+
 /// The requested number of cells along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
@@ -171,6 +206,38 @@ mod tests {
     #[test]
     fn few_rays_get_few_nested_grids() {
         assert!(max_per_cell(1_000_000, 1_000_000) > max_per_cell(1_000_000, 100_000_000));
+    }
+
+    fn world(triangles: usize, spheres: usize) -> World {
+        let triangles = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }\n".repeat(triangles);
+        let spheres = "Sphere { center 0 0 0 radius 1 }\n".repeat(spheres);
+        let count = triangles.lines().count() + spheres.lines().count() + 1;
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }}
+             Group {{ numObjects {count} Material {{ }} {triangles} {spheres} Plane {{ normal 0 1 0 offset 0 }} }}"
+        );
+        World::new(&crate::scene::parser::parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    #[test]
+    fn where_any_structure_will_do_a_grid_is_built_if_it_pays() {
+        let has_grid = |triangles, spheres, rays| {
+            Structure::Any.resolution(&world(triangles, spheres), rays) == Some(Resolution::Auto)
+        };
+        assert_eq!(
+            [(63, 0), (64, 0), (0, 3), (0, 4), (48, 1)].map(|(t, s)| has_grid(t, s, 32)),
+            [false, true, false, true, true]
+        );
+        assert!(!has_grid(1000, 0, 31) && !has_grid(0, 0, 1000));
+    }
+
+    #[test]
+    fn what_is_asked_for_is_built() {
+        let world = world(1000, 0);
+        assert_eq!(Structure::List.resolution(&world, 1000), None);
+        for grid in [Resolution::Auto, Resolution::Cells([1, 2, 3])] {
+            assert_eq!(Structure::Grid(grid).resolution(&world, 0), Some(grid));
+        }
     }
 
     #[test]

@@ -69,16 +69,14 @@ impl VisibilityBuffer {
         size: [usize; 2],
         rows: Range<usize>,
     ) -> Option<Self> {
-        let (world, [width, height]) = (caster.world, size);
+        let (world, width) = (caster.world, size[0]);
         let pixels = width * rows.len();
-        let is_possible =
-            world.finite_count() == world.triangles.len() && width.max(height) <= triangle_bounds::MAX_PIXELS;
         // According to measurements casting a ray costs as much as rasterizing 3/4 of a triangle if there is
         // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
         let count = world.triangles.len();
         let max_triangles =
             if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
-        if !is_possible || count > max_triangles {
+        if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }
         let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone())?;
@@ -102,6 +100,13 @@ impl VisibilityBuffer {
             }
         });
         Some(Self { stride, first_row: rows.start, visible_ids })
+    }
+
+    /// Whether the camera's rays through the pixels' centres are such as can be found by rasterization, and the world
+    /// has no other finite primitives than triangles.
+    pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
+        let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
+        camera.eye().is_some() && world.finite_count() == world.triangles.len() && !is_large
     }
 
     /// The first hit of `ray`, which goes through the centre of the pixel in column `i` of row `j`.

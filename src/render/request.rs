@@ -8,9 +8,11 @@ use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Occupancy;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
-use crate::scene;
-use crate::stats::Probe;
-use crate::trace::Effects;
+use crate::scene::material::Material;
+use crate::scene::{self, Color};
+use crate::stats::{Probe, Quiet};
+use crate::trace::{Effects, Shadows};
+use crate::world::World;
 use std::ops::Range;
 
 /// What is drawn in the layers of colours.
@@ -124,6 +126,23 @@ impl Request {
         self.traces_colors::<P>() && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
+    /// The number of camera rays of the whole picture.
+    pub fn camera_rays(&self) -> usize {
+        self.size[0] * self.size[1] * self.sampler.count() as usize
+    }
+
+    /// About the number of rays that are cast, beside those whose hits are found by rasterizing triangles.
+    pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
+        let Effects { shadows, bounces, .. } = self.effects;
+        let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
+            || bounces > 0 && world.materials.iter().any(has_secondary_rays);
+        let casts_centers = !VisibilityBuffer::suits(camera, world, self.size);
+        let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
+        let casts = self.measures() && casts_centers || self.traces_colors::<Quiet>() && casts_for_colors;
+        let pixels: usize = self.window_size().iter().product();
+        if casts { pixels * self.sampler.count() as usize } else { 0 }
+    }
+
     /// The first hits of the rays through the pixels' centres in these rows, if these rays are needed and
     /// rasterizing the triangles is cheaper than casting them. The course's program casts them all.
     pub(super) fn visibility<M: Mode, P: Probe>(
@@ -138,14 +157,21 @@ impl Request {
     }
 }
 
+/// Whether rays are reflected or refracted at a material; a texture's are those of the materials that it mixes.
+fn has_secondary_rays(material: &Material) -> bool {
+    match material {
+        Material::Phong(phong) => phong.reflective != Color::ZERO || phong.transparent != Color::ZERO,
+        Material::Texture(_) => false,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mode::Course;
     use crate::sampling::drand48::Drand48;
     use crate::sampling::sampler::Pattern;
-    use crate::stats::{Counts, Quiet};
-    use crate::world::World;
+    use crate::stats::Counts;
 
     #[test]
     fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
@@ -184,6 +210,53 @@ mod tests {
             assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
             assert_eq!((request.measures(), request.has_normals()), (measures, has_normals), "{layers:?}");
         }
+    }
+
+    #[test]
+    fn only_rays_that_no_rasterization_replaces_count_as_cast() {
+        let rays_of = |text: &str, request: &Request| {
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
+                 Lights {{ numLights 1 DirectionalLight {{ direction 0 0 -1 color 1 1 1 }} }} {text}"
+            );
+            let scene = crate::scene::parser::parse(&text).unwrap();
+            let world = World::new(&scene, &[]).unwrap();
+            request.cast_rays(&Camera::new(&scene.camera, request.size), &world)
+        };
+        let triangle =
+            "Group { numObjects 1 Material { } Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } }";
+        let sphere = "Group { numObjects 1 Material { } Sphere { center 0 0 0 radius 1 } }";
+        let mirror = triangle.replace("{ }", "{ reflectiveColor 0 0 1 }");
+        let glass = triangle.replace("{ }", "{ transparentColor 1 0 0 }");
+        let colors = request_of(&[Layer::Color]);
+        let sampled = |layer| {
+            let sampler = Sampler::new(Pattern::Jittered, 3, Drand48::UNSEEDED);
+            Request { sampler, ..request_of(&[layer]) }
+        };
+        let with = |effects| Request { effects, ..colors.clone() };
+        let shadows = with(Effects { shadows: Shadows::Transparent, ..Effects::default() });
+        let bounces = with(Effects { bounces: 1, ..Effects::default() });
+        for (text, request, rays) in [
+            (triangle, &colors, 0),
+            (sphere, &colors, 48),
+            (triangle, &shadows, 48),
+            (triangle, &bounces, 0),
+            (&mirror, &bounces, 48),
+            (&glass, &bounces, 48),
+            (&mirror, &colors, 0),
+            (triangle, &sampled(Layer::Color), 144),
+            (triangle, &sampled(Layer::Samples { zoom: 1 }), 144),
+            (triangle, &sampled(DEPTH), 0),
+            (sphere, &sampled(DEPTH), 144),
+            (sphere, &request_of(&[DEPTH]), 48),
+            (sphere, &request_of(&[Layer::Filter { zoom: 1 }]), 0),
+            (sphere, &request_of(&[]), 0),
+        ] {
+            assert_eq!(rays_of(text, request), rays, "{text} {request:?}");
+        }
+        let window = Some(Window { x: 1, y: 1, width: 2, height: 3 });
+        assert_eq!(rays_of(sphere, &Request { window, ..colors.clone() }), 6);
+        assert_eq!(sampled(DEPTH).camera_rays(), 144);
     }
 
     #[test]

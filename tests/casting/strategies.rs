@@ -180,6 +180,7 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
                 background,
                 lights,
                 materials,
+                material_positions: vec![],
                 root: objects.len() - 1,
                 objects,
                 positions: vec![],

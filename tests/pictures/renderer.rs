@@ -1,6 +1,6 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
-use raytracer::grid::options::Resolution;
+use raytracer::grid::options::{Resolution, Structure};
 use raytracer::mode::{Course, Fast, Mode};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Progress, Request, Stopped, Window};
@@ -85,6 +85,28 @@ fn neither_grid_nor_mode_nor_threads_change_a_number() {
             assert!(course.render(&request()).expect("small pictures") == expected);
         }
     }
+}
+
+#[test]
+fn a_structure_is_chosen_where_none_is_asked_for() {
+    let renderer = Renderer::open(&scene("scene6_05_bunny_mesh_1k.txt")).expect("a scene");
+    let plain = Request::new([20, 15]);
+    let shadows =
+        Request { effects: Effects { shadows: Shadows::Opaque, ..Effects::default() }, ..plain.clone() };
+    let fast = |structure, request: &Request| {
+        renderer.prepare_for::<Fast>(structure, request).expect("a small grid")
+    };
+    // The rasterizer finds what the camera sees.
+    assert_eq!(fast(Structure::Any, &plain).cells(), None);
+    let any = fast(Structure::Any, &shadows);
+    assert_eq!(any.cells(), fast(Structure::Grid(Resolution::Auto), &shadows).cells());
+    let list = fast(Structure::List, &shadows);
+    assert!(any.cells().is_some() && list.cells().is_none());
+    assert!(
+        any.render(&shadows).expect("a small picture") == list.render(&shadows).expect("a small picture")
+    );
+    let course = renderer.prepare_for::<Course>(Structure::Any, &shadows).expect("no grid");
+    assert_eq!(course.cells(), None);
 }
 
 #[test]

@@ -200,7 +200,7 @@ fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Original) -
     let Ok(Command::Render(options)) = cli::parse(line.split_whitespace().map(Into::into)) else {
         panic!("{line}")
     };
-    work(&Original::new(&renderer, options.grid, &options.request()).unwrap())
+    work(&Original::new(&renderer, options.structure, &options.request()).unwrap())
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
 use raytracer::compare::Tolerance;
-use raytracer::grid::options::Resolution;
+use raytracer::grid::options::{Resolution, Structure};
 use raytracer::render::Layer;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -39,7 +39,7 @@ fn plain() -> Options {
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
-        grid: None,
+        structure: Structure::Any,
         visualize_grid: false,
         comparison: None,
         stats: false,
@@ -90,15 +90,19 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -transparent_shadows -shadows", with_shadows(Shadows::Transparent));
     accepts("-input s.txt -bounces 2147483647", with_effects(Effects { bounces: 2147483647, ..none() }));
     accepts("-input s.txt -weight 0.01", with_effects(Effects { min_weight: 0.01, ..none() }));
-    accepts("-input s.txt -grid auto", Options { grid: Some(Resolution::Auto), ..plain() });
-    accepts("-input s.txt -grid 10 +20 5", Options { grid: Some(Resolution::Cells([10, 20, 5])), ..plain() });
+    accepts("-input s.txt -grid auto", Options { structure: Structure::Grid(Resolution::Auto), ..plain() });
+    accepts("-input s.txt -grid none", Options { structure: Structure::List, ..plain() });
+    accepts(
+        "-input s.txt -grid 10 +20 5",
+        Options { structure: Structure::Grid(Resolution::Cells([10, 20, 5])), ..plain() },
+    );
     accepts(
         "-input s.txt -grid 1 2147483647 1",
-        Options { grid: Some(Resolution::Cells([1, 2147483647, 1])), ..plain() },
+        Options { structure: Structure::Grid(Resolution::Cells([1, 2147483647, 1])), ..plain() },
     );
     accepts(
         "-visualize_grid -input s.txt -grid 1 1 7",
-        Options { grid: Some(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
+        Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
@@ -244,7 +248,7 @@ fn lines_in_the_style_of_the_course() {
         "-input s.txt -size 200 200 -gui -grid 15 15 15 -visualize_grid -tessellation 10 5",
         Options {
             size: [200, 200],
-            grid: Some(Resolution::Cells([15, 15, 15])),
+            structure: Structure::Grid(Resolution::Cells([15, 15, 15])),
             visualize_grid: true,
             preview: true,
             ..plain()
@@ -252,7 +256,7 @@ fn lines_in_the_style_of_the_course() {
     );
     accepts(
         "-size 200 200 -input s.txt -output o.tga -grid 20 20 20 -stats",
-        Options { grid: Some(Resolution::Cells([20, 20, 20])), stats: true, ..sized() },
+        Options { structure: Structure::Grid(Resolution::Cells([20, 20, 20])), stats: true, ..sized() },
     );
 }
 

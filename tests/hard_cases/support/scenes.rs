@@ -28,6 +28,7 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
         background: Background { color: DVec3::ZERO, ambient: DVec3::ZERO },
         lights,
         materials: vec![Material::Phong(Phong::default())],
+        material_positions: vec![],
         root: objects.len() - 1,
         objects,
         positions: vec![],
