@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::grid::options::{GridOptions, Resolution, Structure};
 use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
-use crate::mode::Mode;
+use crate::mode::{Course, Mode};
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, View, Watch};
@@ -164,7 +164,14 @@ pub struct Prepared<'r, M> {
     cells: Option<[usize; 3]>,
 }
 
-impl<M: Mode> Prepared<'_, M> {
+impl<'r, M: Mode> Prepared<'r, M> {
+    /// The same scene with the same grid in the course's mode; none if it was prepared for another mode, whose grid may
+    /// be another.
+    pub fn into_course(self) -> Option<Prepared<'r, Course>> {
+        let Self { renderer, caster, occupancy, cells } = self;
+        M::AS_COURSE.then(|| Prepared { renderer, caster: caster.in_mode(), occupancy, cells })
+    }
+
     /// The cells of the grid along each axis.
     pub fn cells(&self) -> Option<[usize; 3]> {
         self.cells

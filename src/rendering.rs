@@ -81,7 +81,8 @@ pub fn render<M: Mode, P: Observer>(
     let costs = finished.costs.as_ref();
     text +=
         &costs.map_or(String::new(), |map| CostReport { map, cells: prepared.fullness(FULLEST) }.to_string());
-    text += &options.pixel.map_or(Ok(String::new()), |pixel| explanation(options, &renderer, pixel))?;
+    text +=
+        &options.pixel.map_or(Ok(String::new()), |pixel| explanation(options, &renderer, prepared, pixel))?;
     Ok(Rendered { renderer, text, picture: finished.kept })
 }
 
@@ -94,9 +95,15 @@ fn meshes(options: &Options) -> Meshes {
 }
 
 /// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
-fn explanation(options: &Options, renderer: &Renderer, pixel: [usize; 2]) -> Result<String, String> {
+fn explanation<M: Mode>(
+    options: &Options,
+    renderer: &Renderer,
+    prepared: Prepared<M>,
+    pixel: [usize; 2],
+) -> Result<String, String> {
     let request = options.request();
-    let prepared = prepare::<Course>(options, renderer, &request)?;
+    let anew = || prepare::<Course>(options, renderer, &request);
+    let prepared = prepared.into_course().map_or_else(anew, Ok)?;
     let explainer = Explainer::new(&prepared).map_err(failed)?;
     Ok(explainer.pixel(&request, pixel).map_or(String::new(), |tree| tree.to_string()))
 }

@@ -190,8 +190,9 @@ impl Probe for Recorder {
     fn cell(&mut self) {
         self.counts.cell();
     }
-    fn merge(self, _: Self) -> Self {
-        self
+    /// Keeps the rays of this recorder, and the counts of both.
+    fn merge(self, other: Self) -> Self {
+        Self { counts: self.counts.merge(other.counts()), ..self }
     }
     fn counts(&self) -> Counts {
         self.rays.iter().fold(self.counts, |sum, node| sum.merge(node.all_counts()))
@@ -257,5 +258,37 @@ impl Surface {
 impl Shadow {
     fn new(ray: Ray) -> Self {
         Self { ray, crossed: vec![], blocker: None, counts: Counts::default(), close_calls: vec![] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// A recorder with the tests of its camera ray, and of a ray that is not finished.
+    fn recorder(tests: usize) -> Recorder {
+        let mut recorder = Recorder::of(Ray::new(DVec3::ZERO, DVec3::X));
+        recorder.non_shadow_ray();
+        recorder.intersections(tests);
+        recorder.observe(Event::Met(None));
+        recorder.shadow_ray();
+        recorder.intersections(1);
+        recorder.cell();
+        recorder
+    }
+
+    #[test]
+    fn merged_recorders_have_counted_what_both_have() {
+        let counts = |tests: u64| Counts {
+            non_shadow_rays: 1,
+            shadow_rays: 1,
+            intersections: tests + 1,
+            cells_traversed: 1,
+        };
+        assert_eq!(recorder(5).counts(), counts(5));
+        assert_eq!(recorder(5).merge(recorder(70)).counts(), counts(5).merge(counts(70)));
+        assert_eq!(recorder(5).merge(Recorder::default()).counts(), counts(5));
+        assert_eq!(Recorder::default().merge(recorder(5)).counts(), counts(5));
     }
 }

@@ -188,3 +188,20 @@ fn the_cells_need_the_meshes_and_show_what_the_flag_shows() {
     let background = renderer.scene.background.color;
     assert!(shown[0].colors.iter().any(|&color| color != background));
 }
+
+#[test]
+fn a_grid_of_the_courses_mode_is_the_only_one_that_is_taken_over() {
+    let renderer = glass();
+    let grid = Some(Resolution::Cells([3, 4, 5]));
+    let rays = SIZE[0] * SIZE[1];
+    assert!(renderer.prepare::<Fast>(grid, rays).expect("a grid").into_course().is_none());
+    let course = || renderer.prepare::<Course>(grid, rays).expect("a grid");
+    let counts = |prepared: Prepared<Course>| -> Counts {
+        let rendered =
+            prepared.render_rows(&request(), &|_| ControlFlow::Continue(()), &mut |_, _| Ok::<_, ()>(()));
+        rendered.expect("a picture")
+    };
+    let taken = course().into_course().expect("the same grid");
+    assert_eq!((taken.cells(), taken.fullness(5)), (course().cells(), course().fullness(5)));
+    assert_eq!(counts(taken), counts(course()));
+}
