@@ -1,19 +1,20 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
+use crate::document::{Document, Verdict};
 use crate::failed;
 use crate::rendering::{Rendered, render};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
-use raytracer::cli::{self, Options};
+use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, read_picture};
+use raytracer::image_io::{OutputFile, TextFile, read_picture};
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
 use raytracer::stats::{Counts, Quiet};
-use std::fmt::Display;
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -31,19 +32,41 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     let threads =
         rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).use_current_thread();
     let threads = Arc::new(threads.build().map_err(failed)?);
+    let warnings = RefCell::new(vec![]);
+    let tell = |line: &str| {
+        warnings.borrow_mut().push(line.to_owned());
+        tell(line);
+    };
     if options.preview {
         tell("note: this build has no preview; the picture is rendered directly");
     }
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options)).transpose()?;
+    let json = match &options.json {
+        Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
+        _ => None,
+    };
     let render = if options.counts() { render::<Course, Counts> } else { render::<Fast, Quiet> };
-    let rendered = options.input.as_ref().map(|input| render(options, input, &threads, tell)).transpose()?;
-    let text = rendered.as_ref().map_or(String::new(), |rendered| rendered.text.clone());
-    let outcome = Outcome { text, passes: true };
-    match compared {
-        Some(compared) => compared.finish(options, rendered.as_ref(), &threads, outcome),
-        None => Ok(outcome),
+    let rendered = options.input.as_ref().map(|input| render(options, input, &threads, &tell)).transpose()?;
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads);
+    let verdict = compared.map(finish).transpose()?.flatten();
+    let text = || {
+        let rendered = rendered.as_ref().map(|rendered| rendered.text(options));
+        [rendered, verdict.as_ref().map(Verdict::text)].into_iter().flatten().collect()
+    };
+    let document = || {
+        let (rendered, verdict) = (rendered.as_ref(), verdict.as_ref());
+        let warnings = &warnings.borrow();
+        Document::new(options, warnings, threads.current_num_threads(), rendered, verdict)
+            .to_json()
+            .map_err(failed)
+    };
+    if let Some(file) = json {
+        file.write(&document()?).map_err(failed)?;
     }
+    let in_place = options.json == Some(JsonTarget::StandardOutput);
+    let text = if in_place { document()? } else { text() };
+    Ok(Outcome { text, passes: verdict.is_none_or(|verdict| verdict.passes != Some(false)) })
 }
 
 /// The pictures and files of a comparison.
@@ -73,29 +96,27 @@ impl<'o> Compared<'o> {
         }
     }
 
-    /// Compares, and adds to the outcome what there is to say.
+    /// Compares, and draws the difference.
     fn finish(
         self,
         options: &Options,
         rendered: Option<&Rendered>,
         threads: &ThreadPool,
-        mut outcome: Outcome,
-    ) -> Result<Outcome, String> {
+    ) -> Result<Option<Verdict>, String> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
-            return Ok(outcome);
+            return Ok(None);
         };
         let comparison = threads.install(|| Comparison::new(a, b));
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
-        outcome.text += &comparison.block(cause.as_ref().map(|cause| cause as &dyn Display));
-        outcome.passes = self.wanted.tolerance.is_none_or(|tolerance| tolerance.accepts(&comparison));
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
             file.write(&shown.picture).map_err(failed)?;
         }
-        Ok(outcome)
+        let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
+        Ok(Some(Verdict { comparison, cause, passes }))
     }
 }
 

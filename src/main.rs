@@ -1,5 +1,6 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
+mod document;
 mod job;
 #[cfg(target_os = "linux")]
 mod pages;

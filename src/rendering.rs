@@ -4,7 +4,7 @@ use crate::failed;
 use crate::products::Products;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
-use raytracer::explain::{CostReport, Explainer};
+use raytracer::explain::{CostReport, Explainer, PixelTree};
 use raytracer::grid::options::Structure;
 use raytracer::image_io::OutputFile;
 use raytracer::mode::{Course, Mode};
@@ -15,6 +15,7 @@ use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Report, Timings};
 use raytracer::trace::Observer;
+use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,8 +24,11 @@ use std::time::{Duration, Instant};
 /// What a rendering leaves.
 pub struct Rendered {
     pub renderer: Renderer,
-    /// What there is to print.
-    pub text: String,
+    pub report: Report,
+    /// What the pixels of a cost map have cost, if one is drawn.
+    pub costs: Option<CostReport>,
+    /// What is behind the pixel in question, if there is one.
+    pub pixel: Option<PixelTree>,
     /// The colour picture, if it is one of two to compare.
     pub picture: Option<Picture>,
 }
@@ -77,13 +81,22 @@ pub fn render<M: Mode, P: Observer>(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: threads.current_num_threads(),
     };
-    let mut text = if options.stats { report.to_string() } else { String::new() };
-    let costs = finished.costs.as_ref();
-    text +=
-        &costs.map_or(String::new(), |map| CostReport { map, cells: prepared.fullness(FULLEST) }.to_string());
-    text +=
-        &options.pixel.map_or(Ok(String::new()), |pixel| explanation(options, &renderer, prepared, pixel))?;
-    Ok(Rendered { renderer, text, picture: finished.kept })
+    let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
+    let explain = |pixel| explanation(options, &renderer, prepared, pixel);
+    let pixel = options.pixel.map(explain).transpose()?.flatten();
+    Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept })
+}
+
+impl Rendered {
+    /// What there is to print.
+    pub fn text(&self, options: &Options) -> String {
+        let blocks: [Option<&dyn Display>; 3] = [
+            options.stats.then_some(&self.report),
+            self.costs.as_ref().map(|costs| costs as _),
+            self.pixel.as_ref().map(|pixel| pixel as _),
+        ];
+        blocks.into_iter().flatten().map(|block| block.to_string()).collect()
+    }
 }
 
 /// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
@@ -100,12 +113,12 @@ fn explanation<M: Mode>(
     renderer: &Renderer,
     prepared: Prepared<M>,
     pixel: [usize; 2],
-) -> Result<String, String> {
+) -> Result<Option<PixelTree>, String> {
     let request = options.request();
     let anew = || prepare::<Course>(options, renderer, &request);
     let prepared = prepared.into_course().map_or_else(anew, Ok)?;
     let explainer = Explainer::new(&prepared).map_err(failed)?;
-    Ok(explainer.pixel(&request, pixel).map_or(String::new(), |tree| tree.to_string()))
+    Ok(explainer.pixel(&request, pixel))
 }
 
 /// How many of the fullest cells are named.

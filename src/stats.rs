@@ -4,6 +4,7 @@
 //! all.
 
 use crate::math::aabb::Aabb;
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::time::Duration;
 
@@ -46,7 +47,7 @@ impl Probe for Quiet {
 }
 
 /// The events that the course's program counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Camera rays, reflected rays and refracted rays.
     pub non_shadow_rays: u64,
@@ -86,16 +87,24 @@ impl Probe for Counts {
 }
 
 /// The time that each stage took.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Timings {
     /// Reading the scene and its meshes.
+    #[serde(serialize_with = "seconds")]
     pub reading: Duration,
     /// Building the world and its grid.
+    #[serde(serialize_with = "seconds")]
     pub building: Duration,
     /// Casting the rays.
+    #[serde(serialize_with = "seconds")]
     pub rendering: Duration,
     /// Writing the pictures.
+    #[serde(serialize_with = "seconds")]
     pub writing: Duration,
+}
+
+fn seconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(time.as_secs_f64())
 }
 
 /// The course's statistics block, followed by a block with the time of each stage. `Display` prints both. The

@@ -12,13 +12,15 @@ use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
+use serde::Serialize;
 
 mod event;
 
 pub use event::{End, Event, Observer, Secondary};
 
 /// Which objects cast shadows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Shadows {
     /// No object.
     #[default]
@@ -30,7 +32,7 @@ pub enum Shadows {
 }
 
 /// The effects that are modelled.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Effects {
     /// Which objects cast shadows.
     pub shadows: Shadows,
@@ -301,7 +303,7 @@ impl<M: Mode> Tracer<'_, M> {
 
 /// Why a secondary ray ends that weighs too little, or nothing at all.
 fn too_light(path: &Path, color: Color) -> End {
-    End::of(color, End::Weight(path.weight * color.length()))
+    End::of(color, End::Weight { weight: path.weight * color.length() })
 }
 
 /// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour

@@ -17,6 +17,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
+use serde::Serialize;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
@@ -67,7 +68,7 @@ pub enum Primitive {
 }
 
 /// The surface at a hit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct SurfacePoint {
     /// The point, which is on the surface to within a few rounding errors of its coordinates and the
     /// primitive's.
@@ -78,6 +79,7 @@ pub struct SurfacePoint {
     pub material: MaterialId,
     /// The id of the triangle, if the point is on one. A ray that leaves a triangle does not hit it again, so
     /// that this triangle is excluded from the tests of secondary rays.
+    #[serde(skip)]
     pub triangle: Option<u32>,
 }
 

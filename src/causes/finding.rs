@@ -3,14 +3,17 @@
 use super::{Cause, Original, speckles};
 use crate::compare::{colors, largest_channel_difference, sum_of_squares};
 use crate::picture::Picture;
+use serde::Serialize;
 use std::fmt;
 
 /// What explains a difference. `Display` gives the words of one line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
     /// The mistake makes the same picture, up to one level.
     Equal {
         /// The mistake.
+        #[serde(rename = "mistake")]
         cause: Cause,
         /// How many pixels still differ, by one level.
         pixels: u64,
@@ -18,6 +21,7 @@ pub enum Finding {
     /// The mistake is part of the reason.
     Part {
         /// The mistake that explains the most.
+        #[serde(rename = "mistake")]
         cause: Cause,
         /// The share of the squared error that it explains.
         share: f64,

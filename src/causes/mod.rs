@@ -27,10 +27,12 @@ use crate::picture::{FloatPicture, Picture};
 use crate::render::{Layer, Request};
 use crate::renderer::Renderer;
 use crate::scene::Scene;
+use serde::Serialize;
 use std::fmt;
 
 /// A mistake that explains a difference. `Display` completes "this program's picture".
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Cause {
     /// None: the picture is this program's, and it is the reference that differs.
     Unchanged,

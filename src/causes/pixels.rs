@@ -4,10 +4,12 @@ use super::cut;
 use crate::compare::{Rgb, colors as pixels_of};
 use crate::picture::{FloatPicture, Picture};
 use crate::scene::Color;
+use serde::Serialize;
 use std::fmt;
 
 /// A change of the finished picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "name", rename_all = "snake_case")]
 pub enum PixelChange {
     /// The rows are in the opposite order.
     UpsideDown,

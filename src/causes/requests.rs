@@ -4,10 +4,12 @@ use crate::render::Request;
 use crate::scene::material::{Material, Phong};
 use crate::scene::{Camera, Color, Scene};
 use crate::trace::{Effects, Shadows};
+use serde::Serialize;
 use std::fmt;
 
 /// A change of what is rendered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "name", rename_all = "snake_case")]
 pub enum RequestChange {
     /// The axis to the right is up x direction, which turns the picture by 180 degrees.
     OtherHandedness,

@@ -14,10 +14,12 @@ use crate::scene::material::{Material, Pattern};
 use crate::scene::{Color, Light, Object, Scene};
 use crate::trace::Shadows;
 use glam::DVec2;
+use serde::Serialize;
 use std::fmt;
 
 /// A rule of the textbook that is broken.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "name", rename_all = "snake_case")]
 pub enum Rule {
     /// Rays run through other points than the samples.
     Shifted {
@@ -46,8 +48,11 @@ pub enum Rule {
     NormalsOfObjectSpace,
     /// The cell of a checkerboard is found by cutting coordinates off, so that those around zero are twice as wide.
     CheckerboardCut,
-    /// Everything nearer than this to the start of a secondary ray is overlooked.
-    Epsilon(f64),
+    /// Everything nearer than some distance to the start of a secondary ray is overlooked.
+    Epsilon {
+        /// The distance that is overlooked.
+        distance: f64,
+    },
     /// Colours are computed in single precision.
     SinglePrecision,
 }
@@ -78,7 +83,7 @@ impl Rule {
                 Self::NormalsOfObjectSpace,
                 Self::CheckerboardCut,
             ])
-            .chain(EPSILONS.map(Self::Epsilon))
+            .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
             .chain([Self::SinglePrecision])
     }
 
@@ -104,7 +109,7 @@ impl Rule {
                     scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
                 }
                 Self::CheckerboardCut => scene.materials.iter().any(is_checkerboard),
-                Self::Epsilon(_) => has_shadows || bounces > 0,
+                Self::Epsilon { .. } => has_shadows || bounces > 0,
             }
     }
 
@@ -151,7 +156,7 @@ impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Shifted { half_pixels } => return shifted(*half_pixels, f),
-            Self::Epsilon(distance) => {
+            Self::Epsilon { distance } => {
                 return write!(f, "with an epsilon of {distance} for secondary rays, which is too large");
             }
             Self::ShadowsFromBehindLight => "with shadows from behind the light",

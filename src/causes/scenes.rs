@@ -3,10 +3,12 @@
 use super::transform_order;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{Color, Light, Scene};
+use serde::Serialize;
 use std::fmt;
 
 /// A change of the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "name", rename_all = "snake_case")]
 pub enum SceneChange {
     /// There is no ambient light.
     NoAmbient,

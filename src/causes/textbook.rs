@@ -154,7 +154,7 @@ impl Textbook<'_> {
 
     /// A ray that leaves a surface.
     fn leaving(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
-        if let Some(Rule::Epsilon(t_min)) = self.rule {
+        if let Some(Rule::Epsilon { distance: t_min }) = self.rule {
             return Ray { t_min, ..Ray::new(surface.position, direction) };
         }
         let largest = self.caster.world.max_abs_coord;

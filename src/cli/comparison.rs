@@ -3,18 +3,22 @@
 use super::error::CliError;
 use super::flags;
 use super::raw::Raw;
-use super::values::{bad, picture_name, whole};
+use super::values::{bad, lossy_or_null, picture_name, whole};
 use crate::compare::Tolerance;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// A comparison of two pictures. One that has no file is the rendered colour picture, and not both are.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Comparison {
     /// The picture in question.
+    #[serde(serialize_with = "lossy_or_null")]
     pub picture: Option<PathBuf>,
     /// The picture to compare it with.
+    #[serde(serialize_with = "lossy_or_null")]
     pub reference: Option<PathBuf>,
     /// The file of the picture that shows the difference.
+    #[serde(serialize_with = "lossy_or_null")]
     pub difference: Option<PathBuf>,
     /// The difference that still passes; none if any passes.
     pub tolerance: Option<Tolerance>,

@@ -126,6 +126,8 @@ pub enum Problem {
     NotScene,
     /// It does not have the file extension of a picture.
     NotPicture,
+    /// It is neither a dash nor does it have the file extension of a JSON document.
+    NotJson,
     /// It is outside the range of filter sizes.
     NotFilterSize,
     /// It is no kind of cost.
@@ -141,6 +143,7 @@ impl fmt::Display for Problem {
             Self::Negative => f.write_str("is negative"),
             Self::NotScene => f.write_str("does not end in .txt"),
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
+            Self::NotJson => f.write_str("is neither - nor ends in .json"),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
             Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
         }

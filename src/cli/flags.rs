@@ -126,6 +126,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &STATS,
     &COST_MAP,
     &PIXEL,
+    &JSON,
     &THREADS,
     &GUI,
     &TESSELLATION,
@@ -318,6 +319,13 @@ pub(super) const PIXEL: Flag = Flag::new(
     "Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.",
 )
 .conflicts(&["visualize_grid"]);
+
+pub(super) const JSON: Flag = Flag::new(
+    Section::Statistics,
+    "json",
+    &["file"],
+    "Writes everything that is reported as .json; - writes it to standard output in place of the text.",
+);
 
 pub(super) const THREADS: Flag = Flag::new(
     Section::Other,

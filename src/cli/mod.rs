@@ -16,7 +16,7 @@ mod values;
 
 pub use comparison::Comparison;
 pub use error::{CliError, Problem};
-pub use options::{Options, Output};
+pub use options::{JsonTarget, Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 

@@ -4,22 +4,24 @@ use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::raw::Raw;
-use super::values::{bad, finite, picture_name, whole, wholes};
+use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
 use crate::render::{Cost, Layer, Request};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::trace::{Effects, Shadows};
+use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf, absolute};
 
 /// The checked options of a run. Every number is in the range that its field states.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
     /// The scene file, whose name ends in `.txt`.
     ///
     /// It is none only if two pictures are compared that need no scene.
+    #[serde(serialize_with = "lossy_or_null")]
     pub input: Option<PathBuf>,
     /// The pictures to write, in the order of the help. No two name the same file.
     pub outputs: Vec<Output>,
@@ -39,6 +41,8 @@ pub struct Options {
     pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
+    /// Where everything that is reported goes as a JSON document, if anywhere.
+    pub json: Option<JsonTarget>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
     /// Whether the command line requests the course's preview, which this program does not have.
@@ -47,12 +51,26 @@ pub struct Options {
     pub threads: Option<usize>,
 }
 
+/// Where a JSON document goes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JsonTarget {
+    /// Standard output, in place of the text.
+    #[serde(rename = "-")]
+    StandardOutput,
+    /// A file whose name ends in `.json`.
+    #[serde(serialize_with = "lossy")]
+    File(PathBuf),
+}
+
 /// A picture to write.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
     /// What it shows. Depths and their difference are finite, and the sides of an enlarged picture are below 65536.
+    #[serde(flatten)]
     pub layer: Layer,
     /// The picture's file; ends in `.tga` or `.png`.
+    #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
 }
 
@@ -102,6 +120,7 @@ impl Options {
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
+            json: json(raw)?,
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
@@ -136,7 +155,11 @@ impl Options {
     fn files(&self) -> Vec<(&'static Flag, &Path)> {
         let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).collect()
+        let json = match &self.json {
+            Some(JsonTarget::File(file)) => Some((&flags::JSON, file.as_path())),
+            _ => None,
+        };
+        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).chain(json).collect()
     }
 
     /// Whether counters are needed.
@@ -172,13 +195,18 @@ fn distinct(files: &[(&'static Flag, &Path)]) -> Result<(), CliError> {
 fn scene(raw: &Raw) -> Result<Option<PathBuf>, CliError> {
     match raw.values(&flags::INPUT)? {
         None => Ok(None),
-        Some([word]) if is_scene(word) => Ok(Some(word.into())),
+        Some([word]) if ends_in(word, ".txt") => Ok(Some(word.into())),
         Some([word]) => Err(bad(&flags::INPUT, word, Problem::NotScene)),
     }
 }
 
-fn is_scene(word: &OsStr) -> bool {
-    word.as_encoded_bytes().last_chunk::<4>().is_some_and(|end| end.eq_ignore_ascii_case(b".txt"))
+fn json(raw: &Raw) -> Result<Option<JsonTarget>, CliError> {
+    match raw.values(&flags::JSON)? {
+        None => Ok(None),
+        Some([word]) if word == "-" => Ok(Some(JsonTarget::StandardOutput)),
+        Some([word]) if ends_in(word, ".json") => Ok(Some(JsonTarget::File(word.into()))),
+        Some([word]) => Err(bad(&flags::JSON, word, Problem::NotJson)),
+    }
 }
 
 fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {

@@ -4,8 +4,29 @@ use super::error::{CliError, Problem};
 use super::flags::Flag;
 use super::raw::Raw;
 use crate::image_io::Format;
+use serde::Serializer;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+
+/// Whether a file's name has this ending, in upper or lower case.
+pub(super) fn ends_in(word: &OsStr, ending: &str) -> bool {
+    let (bytes, ending) = (word.as_encoded_bytes(), ending.as_bytes());
+    let start = bytes.len().checked_sub(ending.len());
+    start.is_some_and(|start| bytes[start..].eq_ignore_ascii_case(ending))
+}
+
+/// A path in a JSON document, where what is not UTF-8 in it is replaced by U+FFFD.
+pub(super) fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+/// The same, and null for no path.
+pub(super) fn lossy_or_null<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    match path {
+        Some(path) => lossy(path, serializer),
+        None => serializer.serialize_none(),
+    }
+}
 
 pub(super) fn bad(flag: &Flag, word: &OsStr, problem: Problem) -> CliError {
     CliError::BadValue { flag: flag.name, word: word.to_owned(), problem }

@@ -4,6 +4,7 @@ use super::edges::EdgeMap;
 use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
 use crate::picture::Picture;
 use crate::stats::RULE;
+use serde::Serialize;
 use std::fmt;
 
 /// How A differs from B. `Display` prints a block like that of the statistics.
@@ -24,7 +25,7 @@ pub struct Comparison {
 }
 
 /// A pixel whose difference no other pixel exceeds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LargestDifference {
     /// Column and row from the top left.
     pub at: [u32; 2],

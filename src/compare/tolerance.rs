@@ -1,9 +1,10 @@
 //! How much difference passes a check.
 
 use super::Comparison;
+use serde::Serialize;
 
 /// At most `pixels` pixels may differ by more than `levels` levels. The default demands equality.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tolerance {
     /// The difference of a channel that any pixel may have.
     pub levels: u8,

@@ -6,10 +6,12 @@ use crate::math::robust::UNIT_ROUNDOFF;
 use crate::primitive::edge_functions::Sides;
 use crate::primitive::triangle::Shear;
 use crate::world::{Primitive, World};
+use serde::Serialize;
 use std::fmt;
 
 /// What is close.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// The ray passes an edge of a triangle within the error bound of its edge function.
     Edge,
@@ -30,7 +32,7 @@ pub enum Kind {
 }
 
 /// A decision that a few roundings could turn.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CloseCall {
     /// What is close.
     pub kind: Kind,

@@ -8,14 +8,14 @@ use std::fmt;
 
 /// A cost map in words. `Display` prints a block like that of the statistics.
 #[derive(Clone, Debug)]
-pub struct CostReport<'m> {
+pub struct CostReport {
     /// The map.
-    pub map: &'m CostMap,
+    pub map: CostMap,
     /// How full the grid's cells are; none without a grid.
     pub cells: Option<Fullness>,
 }
 
-impl fmt::Display for CostReport<'_> {
+impl fmt::Display for CostReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{RULE}\nCOST MAP")?;
         let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");

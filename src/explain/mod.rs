@@ -16,4 +16,4 @@ pub use cost_map::CostMap;
 pub use cost_report::CostReport;
 pub use objects::{ObjectPart, TextureWeight};
 pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
-pub use ray_tree::{Crossing, Lighting, RayNode, Shadow, Surface};
+pub use ray_tree::{Blocker, Crossing, Lighting, NotFollowed, RayNode, Shadow, Surface};

@@ -8,21 +8,23 @@ use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::first_weight;
 use crate::world::World;
 use glam::DVec3;
+use serde::Serialize;
 use std::fmt;
 
 /// A primitive, as a part of an object in the scene's text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ObjectPart {
     /// The keyword of the object, and the name of its file if it has one.
     pub name: String,
     /// Where the object stands.
+    #[serde(flatten)]
     pub at: Position,
     /// Which of the object's triangles, counted from 0; none for what is a single primitive.
     pub triangle: Option<u32>,
 }
 
 /// How a texture mixes its two materials at a point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureWeight {
     /// The texture's keyword.
     pub name: &'static str,

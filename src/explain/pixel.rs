@@ -2,10 +2,11 @@
 
 use super::close_call::{CloseCall, Kind, Seen, close_primitives, is_about_zero};
 use super::objects::Objects;
-use super::ray_tree::{RayNode, Recorder, Shadow, Surface};
+use super::ray_tree::{Blocker, RayNode, Recorder, Shadow, Surface};
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::mode::Course;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::render::Request;
@@ -18,6 +19,7 @@ use crate::shading::texture::is_in_boundary;
 use crate::stats::{Counts, Probe, Quiet};
 use crate::trace::{Event, Observer, Pending, Tracer};
 use glam::DVec2;
+use serde::Serialize;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -38,7 +40,7 @@ pub enum ExplainError {
 }
 
 /// A pixel with all that contributes to it. `Display` prints it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct PixelTree {
     /// Column and row from the top left, (0, 0).
     pub pixel: [usize; 2],
@@ -53,7 +55,7 @@ pub struct PixelTree {
 }
 
 /// A sample with the rays behind it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct SampleTree {
     /// The pixel that it is a sample of: column and row from the top left.
     pub pixel: [usize; 2],
@@ -214,7 +216,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, Seen { leaves: Some(leaves), sees });
         if shadow.crossed.is_empty() {
-            shadow.blocker = sees.map(|(primitive, t)| (self.objects.of(primitive), t));
+            shadow.blocker = sees.map(|(primitive, t)| Blocker { object: self.objects.of(primitive), t });
         }
     }
 
@@ -230,6 +232,19 @@ impl PixelTree {
         let rays = self.samples.iter().flat_map(|sample| &sample.rays);
         rays.fold(Counts::default(), |sum, node| sum.merge(node.all_counts()))
     }
+
+    /// The names of the channels whose byte a few roundings could change.
+    pub fn close_channels(&self) -> impl Iterator<Item = &'static str> {
+        let channels = ["red", "green", "blue"].into_iter().zip(self.color.to_array());
+        channels.filter(|&(_, channel)| is_about_to_change(channel)).map(|(name, _)| name)
+    }
+}
+
+fn is_about_to_change(channel: f64) -> bool {
+    const ROUNDINGS: f64 = 16.0;
+    let level = 255.0 * channel;
+    let whole = level.round();
+    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
 }
 
 impl fmt::Display for ExplainError {

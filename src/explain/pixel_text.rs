@@ -2,9 +2,8 @@
 
 use super::objects::ObjectPart;
 use super::pixel::{PixelTree, SampleTree};
-use super::ray_tree::{Crossing, Lighting, RayNode, Shadow, Surface};
+use super::ray_tree::{Blocker, Crossing, Lighting, NotFollowed, RayNode, Shadow, Surface};
 use super::short::{Short, Triple};
-use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::{Color, MaterialId, Position};
 use crate::stats::{Counts, RULE};
 use crate::trace::{End, Secondary};
@@ -44,21 +43,11 @@ impl Display for PixelTree {
         // All digits, since the bytes are cut from them.
         line("sum", format!("({r}, {g}, {b})"))?;
         line("bytes", format!("({red}, {green}, {blue})"))?;
-        for (name, channel) in [("red", r), ("green", g), ("blue", b)] {
-            if is_about_to_change(channel) {
-                line("close call", format!("255 times {name} is within roundings of a whole number"))?;
-            }
+        for name in self.close_channels() {
+            line("close call", format!("255 times {name} is within roundings of a whole number"))?;
         }
         writeln!(f, "{RULE}")
     }
-}
-
-/// Whether a few roundings could change the byte of a channel.
-fn is_about_to_change(channel: f64) -> bool {
-    const ROUNDINGS: f64 = 16.0;
-    let level = 255.0 * channel;
-    let whole = level.round();
-    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
 }
 
 fn write_sample(sample: &SampleTree, has_grid: bool, lines: &mut Lines) -> Result {
@@ -102,9 +91,9 @@ fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
         write_lights(surface, has_grid, &mut lines)?;
     }
     lines.line(format_args!("own colour {}", Triple(node.color)))?;
-    node.ends
-        .iter()
-        .try_for_each(|(kind, end)| lines.line(format_args!("no {} ray: {}", name(*kind), Why(*kind, *end))))
+    node.ends.iter().try_for_each(|&NotFollowed { kind, end }| {
+        lines.line(format_args!("no {} ray: {}", name(kind), Why(kind, end)))
+    })
 }
 
 fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
@@ -192,7 +181,7 @@ fn write_shadow(shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
         }
     }
     match &shadow.blocker {
-        Some((object, t)) => {
+        Some(Blocker { object, t }) => {
             lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
         }
         None if shadow.crossed.is_empty() => lines.line("shadow ray meets nothing")?,
@@ -237,7 +226,7 @@ impl Display for Why {
             (End::NoColor, Secondary::Reflected) => f.write_str("no reflective colour"),
             (End::NoColor, Secondary::Refracted) => f.write_str("no transparent colour"),
             (End::Bounces, _) => f.write_str("no bounces left"),
-            (End::Weight(weight), _) => write!(f, "weight {} is too little", Short(weight)),
+            (End::Weight { weight }, _) => write!(f, "weight {} is too little", Short(weight)),
             (End::TotalReflection, _) => f.write_str("total internal reflection"),
         }
     }

@@ -9,9 +9,10 @@ use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe};
 use crate::trace::{End, Event, Observer, Secondary};
 use crate::world::SurfacePoint;
+use serde::Serialize;
 
 /// A ray that was followed, with what it met.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct RayNode {
     /// How it left the surface where it starts; none for the camera ray.
     pub kind: Option<Secondary>,
@@ -20,12 +21,14 @@ pub struct RayNode {
     /// The ray.
     pub ray: Ray,
     /// The triangle that it leaves, which it does not meet again.
+    #[serde(skip)]
     pub exclude: Option<u32>,
     /// What its colour is multiplied by on the way to the picture.
     pub filter: Color,
     /// What it weighs.
     pub weight: f64,
     /// What it sees.
+    #[serde(skip)]
     pub visible: Option<Visible>,
     /// The work of finding that.
     pub counts: Counts,
@@ -34,15 +37,25 @@ pub struct RayNode {
     /// The colour of the surface by itself, or the background's.
     pub color: Color,
     /// The secondary rays that were not followed.
-    pub ends: Vec<(Secondary, End)>,
+    pub ends: Vec<NotFollowed>,
     /// The rays that start where it ends, by their places in the tree.
     pub children: Vec<usize>,
     /// Decisions about it that other roundings could change.
     pub close_calls: Vec<CloseCall>,
 }
 
+/// A secondary ray that was not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NotFollowed {
+    /// How it would have left the surface.
+    pub kind: Secondary,
+    /// Why it was not followed.
+    #[serde(flatten)]
+    pub end: End,
+}
+
 /// A surface that a ray has met, and how it is lit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Surface {
     /// The object that it belongs to.
     pub object: Option<ObjectPart>,
@@ -63,7 +76,7 @@ pub struct Surface {
 }
 
 /// What a light contributes to a surface's colour.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Lighting {
     /// What arrives where nothing is in the way.
     pub incident: Incident,
@@ -78,26 +91,36 @@ pub struct Lighting {
 }
 
 /// A ray towards a light.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Shadow {
     /// The ray, which ends at the light.
     pub ray: Ray,
     /// The surfaces on its way, as far as it was followed; none for what casts an opaque shadow.
     pub crossed: Vec<Crossing>,
-    /// What ends the way of an opaque shadow's ray, and at which t.
-    pub blocker: Option<(Option<ObjectPart>, f64)>,
+    /// What ends the way of an opaque shadow's ray.
+    pub blocker: Option<Blocker>,
     /// The work of finding that.
     pub counts: Counts,
     /// Decisions about it that other roundings could change.
     pub close_calls: Vec<CloseCall>,
 }
 
+/// What ends the way of an opaque shadow's ray.
+#[derive(Clone, Debug, Serialize)]
+pub struct Blocker {
+    /// The object that is in the way.
+    pub object: Option<ObjectPart>,
+    /// Where on the ray.
+    pub t: f64,
+}
+
 /// A surface on the way to a light.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Crossing {
     /// The object that it belongs to.
     pub object: Option<ObjectPart>,
     /// Where, on the way from the last surface.
+    #[serde(flatten)]
     pub hit: Hit,
     /// Its transparent colour; black where the way ends.
     pub tint: Color,
@@ -214,7 +237,9 @@ impl Observer for Recorder {
                 let node = RayNode::new(Some(kind), bounces + 1, ray);
                 self.push(RayNode { exclude, filter, weight, ..node });
             }
-            Event::NotFollowed { kind, end } => self.rays[self.current].ends.push((kind, end)),
+            Event::NotFollowed { kind, end } => {
+                self.rays[self.current].ends.push(NotFollowed { kind, end });
+            }
             Event::Ambient(color) => {
                 if let Some(surface) = self.surface() {
                     surface.ambient = Some(color);

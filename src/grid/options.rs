@@ -3,6 +3,7 @@
 
 use crate::math::aabb::Aabb;
 use crate::world::World;
+use serde::Serialize;
 
 /// Into which cells a primitive is inserted. The rule never changes a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +63,8 @@ impl GridOptions {
 }
 
 /// The acceleration structure that is asked for. Pictures are the same with each of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Structure {
     /// The one with the least total time.
     #[default]
@@ -97,7 +99,8 @@ impl Structure {
 }
 
 /// The requested number of cells along each axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Resolution {
     /// Exactly this number, whatever it costs.
     Cells([usize; 3]),

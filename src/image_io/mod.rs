@@ -1,14 +1,16 @@
-//! Reading and writing of TGA and PNG files.
+//! Reading and writing of TGA and PNG files, and writing of text files.
 
 mod error;
 mod input;
 mod output;
 mod spool;
+mod text;
 mod writer;
 
 pub use error::ImageError;
 pub use input::read_picture;
 pub use output::OutputFile;
+pub use text::TextFile;
 pub use writer::PictureWriter;
 
 use std::path::Path;

@@ -24,7 +24,7 @@ pub struct OutputFile {
     target: Target,
 }
 
-/// The destination of a picture.
+/// The destination of a file.
 #[derive(Debug)]
 pub(super) enum Target {
     /// A regular file, which need not exist yet, with links resolved. `permissions` are those of an existing
@@ -40,17 +40,7 @@ impl OutputFile {
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
-        let failed = |error| ImageError::io("write", path, error);
-        let target = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(ImageError::Folder { path: path.to_owned() }),
-            Ok(found) => existing(path, &found).map_err(failed)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Target::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
-            }
-            Err(error) => return Err(failed(error)),
-        };
-        target.probe().map_err(failed)?;
-        Ok(Self { path: path.to_owned(), format, target })
+        Ok(Self { path: path.to_owned(), format, target: Target::prepare(path)? })
     }
 
     /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished.
@@ -68,6 +58,21 @@ impl OutputFile {
 }
 
 impl Target {
+    /// Checks that a file can be written to `path`: its folder and the permissions.
+    pub(super) fn prepare(path: &Path) -> Result<Self, ImageError> {
+        let failed = |error| ImageError::io("write", path, error);
+        let target = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(ImageError::Folder { path: path.to_owned() }),
+            Ok(found) => existing(path, &found).map_err(failed)?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                Self::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
+            }
+            Err(error) => return Err(failed(error)),
+        };
+        target.probe().map_err(failed)?;
+        Ok(target)
+    }
+
     /// The folder for temporary files, which is on the disk of the target if that is a regular file.
     pub(super) fn folder(&self) -> PathBuf {
         match self {

@@ -1,9 +1,10 @@
 //! Axis-aligned boxes.
 
 use glam::DVec3;
+use serde::Serialize;
 
 /// A closed axis-aligned box. [`Aabb::EMPTY`] is the identity of [`Aabb::union`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Aabb {
     /// The corner with the smallest coordinates.
     pub min: DVec3,

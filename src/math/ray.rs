@@ -1,11 +1,12 @@
 //! Rays and hits.
 
 use glam::{DVec2, DVec3};
+use serde::Serialize;
 
 /// The points `origin + t * direction` with `t_min <= t < t_max`.
 ///
 /// The order of the fields lets vector instructions load them four at a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[repr(C)]
 pub struct Ray {
     /// The point at t = 0.
@@ -62,13 +63,15 @@ pub struct Visible {
 }
 
 /// The hit of a ray on a primitive of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hit {
     /// The ray parameter, accurate to a few rounding errors.
     pub t: f64,
     /// The primitive's id in its world.
+    #[serde(skip)]
     pub primitive: u32,
     /// The barycentric weights of a triangle's vertices, up to a common factor; none for other primitives.
+    #[serde(skip)]
     pub weights: Option<[f64; 3]>,
 }
 

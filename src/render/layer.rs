@@ -1,9 +1,11 @@
 //! The layers of a render: each of them is a picture that shows another property of the same scene.
 
 use crate::stats::Counts;
+use serde::Serialize;
 
 /// The property that a picture shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Layer {
     /// The colours that the camera sees.
     Color,
@@ -32,7 +34,8 @@ pub enum Layer {
 }
 
 /// What a pixel costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "cost", rename_all = "snake_case")]
 pub enum Cost {
     /// Rays of every kind.
     Rays,

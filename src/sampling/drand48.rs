@@ -23,6 +23,11 @@ impl Drand48 {
         Self { state: (seed as u64) << 16 | 0x330E }
     }
 
+    /// The seed that gives this state; none if no seed does, as for the unseeded generator.
+    pub fn seed(self) -> Option<u32> {
+        (self.state & 0xFFFF == 0x330E).then_some((self.state >> 16) as u32)
+    }
+
     /// The generator after `steps` draws, in as many operations as `steps` has bits (Brown, "Random
     /// Number Generation with Arbitrary Strides", Trans. Am. Nucl. Soc. 71, 1994).
     pub fn jumped(self, mut steps: u64) -> Self {

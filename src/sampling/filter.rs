@@ -1,9 +1,11 @@
 //! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
 use glam::DVec2;
+use serde::Serialize;
 
 /// A reconstruction filter. Its lengths are in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Filter {
     /// 1 within the radius along both axes.
     Box {

@@ -3,9 +3,11 @@
 use super::drand48::Drand48;
 use glam::DVec2;
 use rand::RngExt;
+use serde::{Serialize, Serializer};
 
 /// How the samples are distributed over a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Pattern {
     /// Independent, uniformly distributed points.
     Random,
@@ -16,12 +18,18 @@ pub enum Pattern {
 }
 
 /// Generates the sample positions of every pixel of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sampler {
     pattern: Pattern,
     count: u32,
+    #[serde(skip)]
     columns: u32,
+    #[serde(rename = "seed", serialize_with = "seed")]
     rng: Drand48,
+}
+
+fn seed<S: Serializer>(rng: &Drand48, serializer: S) -> Result<S::Ok, S::Error> {
+    rng.seed().serialize(serializer)
 }
 
 impl Sampler {

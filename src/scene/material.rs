@@ -2,6 +2,7 @@
 
 use super::{Color, MaterialId};
 use glam::DAffine3;
+use serde::Serialize;
 
 /// The material of a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +14,7 @@ pub enum Material {
 }
 
 /// A Blinn-Phong material, with the factors for reflected and refracted rays.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Phong {
     /// The diffuse colour.
     pub diffuse: Color,

@@ -22,13 +22,14 @@ mod transform;
 
 use glam::{DAffine3, DVec3};
 use material::Material;
+use serde::Serialize;
 pub(crate) use transform::TRANSFORMATIONS;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
 pub type Color = DVec3;
 
 /// A position in the scene text. Lines and columns start with 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Position {
     /// The line.
     pub line: u32,

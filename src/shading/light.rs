@@ -3,9 +3,10 @@
 use crate::scene::limits::LARGEST;
 use crate::scene::{Color, Light};
 use glam::DVec3;
+use serde::Serialize;
 
 /// The light that arrives at a point from one source.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Incident {
     /// Unit vector towards the light.
     pub direction: DVec3,

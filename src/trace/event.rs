@@ -8,6 +8,7 @@ use crate::scene::material::Phong;
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe, Quiet};
 use crate::world::SurfacePoint;
+use serde::Serialize;
 
 /// A probe that may also be told what happens to each ray.
 pub trait Observer: Probe {
@@ -21,7 +22,8 @@ impl Observer for Quiet {}
 impl Observer for Counts {}
 
 /// The way in which a ray leaves a surface to be followed further.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Secondary {
     /// Mirrored.
     Reflected,
@@ -30,14 +32,18 @@ pub enum Secondary {
 }
 
 /// Why no secondary ray is followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "reason", rename_all = "snake_case")]
 pub enum End {
     /// The material lets nothing go this way.
     NoColor,
     /// The ray has been reflected or refracted as often as is allowed.
     Bounces,
     /// It would weigh no more than what is worth following.
-    Weight(f64),
+    Weight {
+        /// What it would weigh.
+        weight: f64,
+    },
     /// All light is reflected at this angle.
     TotalReflection,
 }

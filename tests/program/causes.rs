@@ -244,7 +244,7 @@ fn broken_rules_are_named() {
         ),
         (
             FLAGS,
-            Cause::Rule(Rule::Epsilon(0.3)),
+            Cause::Rule(Rule::Epsilon { distance: 0.3 }),
             "with an epsilon of 0.3 for secondary rays, which is too large",
         ),
         (FLAGS, Cause::Rule(Rule::SinglePrecision), "seen through single precision (f32)"),

@@ -44,6 +44,7 @@ fn plain() -> Options {
         comparison: None,
         stats: false,
         pixel: None,
+        json: None,
         preview: false,
         threads: None,
     }
