@@ -32,9 +32,9 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     let threads =
         rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).use_current_thread();
     let threads = Arc::new(threads.build().map_err(failed)?);
-    let warnings = RefCell::new(vec![]);
+    let told = RefCell::new(vec![]);
     let tell = |line: &str| {
-        warnings.borrow_mut().push(line.to_owned());
+        told.borrow_mut().push(line.to_owned());
         tell(line);
     };
     if options.preview {
@@ -42,31 +42,35 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     }
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options)).transpose()?;
-    let json = match &options.json {
+    let file = match &options.json {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
-        _ => None,
+        Some(JsonTarget::StandardOutput) | None => None,
     };
     let render = if options.counts() { render::<Course, Counts> } else { render::<Fast, Quiet> };
     let rendered = options.input.as_ref().map(|input| render(options, input, &threads, &tell)).transpose()?;
     let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads);
     let verdict = compared.map(finish).transpose()?.flatten();
-    let text = || {
-        let rendered = rendered.as_ref().map(|rendered| rendered.text(options));
-        [rendered, verdict.as_ref().map(Verdict::text)].into_iter().flatten().collect()
+
+    let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
+    let (warnings, count) = (told.into_inner(), threads.current_num_threads());
+    let json = || {
+        let document = Document::new(options, &warnings, count, rendered.as_ref(), verdict.as_ref());
+        document.to_json().map_err(failed)
     };
-    let document = || {
-        let (rendered, verdict) = (rendered.as_ref(), verdict.as_ref());
-        let warnings = &warnings.borrow();
-        Document::new(options, warnings, threads.current_num_threads(), rendered, verdict)
-            .to_json()
-            .map_err(failed)
-    };
-    if let Some(file) = json {
-        file.write(&document()?).map_err(failed)?;
+    if let Some(file) = file {
+        file.write(&json()?).map_err(failed)?;
     }
-    let in_place = options.json == Some(JsonTarget::StandardOutput);
-    let text = if in_place { document()? } else { text() };
-    Ok(Outcome { text, passes: verdict.is_none_or(|verdict| verdict.passes != Some(false)) })
+    let text = match options.json {
+        Some(JsonTarget::StandardOutput) => json()?,
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
+    };
+    Ok(Outcome { text, passes })
+}
+
+/// What there is to print: the blocks of the rendering, then that of the comparison.
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> String {
+    let rendered = rendered.map(|rendered| rendered.text(options));
+    rendered.into_iter().chain(verdict.map(Verdict::text)).collect()
 }
 
 /// The pictures and files of a comparison.

@@ -151,15 +151,11 @@ impl Options {
         distinct(&self.files())
     }
 
-    /// The files to write, each with the flag that names it.
+    /// The pictures to write, each with the flag that names its file.
     fn files(&self) -> Vec<(&'static Flag, &Path)> {
         let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        let json = match &self.json {
-            Some(JsonTarget::File(file)) => Some((&flags::JSON, file.as_path())),
-            _ => None,
-        };
-        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).chain(json).collect()
+        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).collect()
     }
 
     /// Whether counters are needed.

@@ -193,7 +193,7 @@ fn pixels_that_are_moved_or_changed_are_named() {
 }
 
 /// The colour picture of a scene by way of the library.
-fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Original) -> T) -> T {
+pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Original) -> T) -> T {
     let loaded = scene_io::load(&folder.path().join("s.txt")).unwrap();
     let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
     let line = format!("raytracer -input s.txt {flags}");
