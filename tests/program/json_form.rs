@@ -213,3 +213,19 @@ fn the_example_is_what_the_program_writes() {
     let shown = shown.strip_suffix("\n```\n").expect("the end");
     assert_eq!(read(&written), read(shown), "docs/json.md should show {written}");
 }
+
+#[test]
+fn the_names_of_all_mistakes_are_listed() {
+    let (_, list) = DOCS.split_once("\n## Mistakes\n").expect("a list");
+    let items = list.split("\n* `").skip(1).filter_map(|item| item.split("\n\n").next()?.split_once("`: "));
+    let listed = items.flat_map(|(kind, names)| {
+        let name = |name: &str| name.trim().trim_matches(['`', '.']).to_owned();
+        names.split(',').map(move |one| (kind.to_owned(), name(one)))
+    });
+    let name = |cause: Cause| {
+        let mistake = serde_json::to_value(cause).expect("a value");
+        let text = |member: &str| mistake[member].as_str().map(str::to_owned);
+        Some((text("kind")?, text("name")?))
+    };
+    assert_eq!(listed.collect::<BTreeSet<_>>(), Cause::all().filter_map(name).collect::<BTreeSet<_>>());
+}
