@@ -1,10 +1,12 @@
 //! A picture by any function from rays to colours, with the request's samples and filter.
 
 use crate::camera::Camera;
+use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::Request;
-use crate::sampling::film::{Film, Spread};
+use crate::sampling::film::Film;
+use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -21,8 +23,9 @@ pub fn paint(
 ) -> Result<FloatPicture, BadSize> {
     let Request { size, filter, sampler, .. } = *request;
     let [width, height] = size;
+    let instructions = Instructions::available()[0];
     let row = |j: usize| {
-        let mut spread = Spread::new(filter, j, size);
+        let mut spread = Spread::new(filter, instructions, j, size);
         for i in 0..width {
             for offset in sampler.offsets((i * height + j) as u64) {
                 let ray = camera.ray(DVec2::new(i as f64, j as f64), offset + shift);

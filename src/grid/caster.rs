@@ -24,7 +24,8 @@ use std::sync::Arc;
 pub struct Caster<'w, M = Fast> {
     /// The world into which rays are cast.
     pub world: &'w World,
-    pub(super) instructions: Instructions,
+    /// The instructions that the inner loops use.
+    pub instructions: Instructions,
     /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
     mode: PhantomData<M>,

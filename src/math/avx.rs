@@ -1,7 +1,7 @@
 //! The AVX implementation of [`F64x4`]: four floats in one register. For rays it is the fast counterpart of
 //! [`Scalar`](super::f64x4::Scalar) and gives the same bits.
 
-use super::f64x4::F64x4;
+use super::f64x4::{EXPONENT_SHIFT, F64x4, ROUND_TO_INTEGER};
 use super::instructions::Avx2;
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
@@ -106,6 +106,28 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.with(avx!(self.proof, _mm256_sqrt_pd(self.lanes)))
+    }
+
+    #[inline(always)]
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
+        self.with(avx!(self.proof, {
+            let less = _mm256_cmp_pd::<_CMP_LT_OQ>(self.lanes, other.lanes);
+            _mm256_or_pd(_mm256_and_pd(less, then.lanes), _mm256_andnot_pd(less, otherwise.lanes))
+        }))
+    }
+
+    #[inline(always)]
+    fn times_exp2(self, exponents: Self) -> Self {
+        let exponents = exponents + self.broadcast(ROUND_TO_INTEGER);
+        self.with(avx!(self.proof, {
+            let exponents = _mm256_slli_epi64::<EXPONENT_SHIFT>(_mm256_castpd_si256(exponents.lanes));
+            _mm256_castsi256_pd(_mm256_add_epi64(_mm256_castpd_si256(self.lanes), exponents))
+        }))
+    }
+
+    #[inline(always)]
     fn le_mask(self, other: Self) -> u32 {
         avx!(self.proof, _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.lanes, other.lanes)) as u32)
     }
@@ -118,6 +140,11 @@ impl F64x4 for Avx {
     #[inline(always)]
     fn to_i32(self) -> [i32; 4] {
         bytemuck::cast(avx!(self.proof, _mm256_cvtpd_epi32(self.lanes)))
+    }
+
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        self.with(avx!(self.proof, _mm256_ceil_pd(self.lanes)))
     }
 
     #[inline(always)]

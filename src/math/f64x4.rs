@@ -43,6 +43,13 @@ pub trait F64x4:
     fn where_negative(self, value: f64) -> Self;
     /// This value where `other` is finite or NaN, and `replacement` where it is infinite.
     fn unless_infinite(self, other: Self, replacement: f64) -> Self;
+    /// The square roots.
+    fn sqrt(self) -> Self;
+    /// `then` where this is less than `other`, and `otherwise` elsewhere.
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self;
+    /// The product with 2 to the power of these integers, where neither this nor the product is zero,
+    /// subnormal, infinite or NaN.
+    fn times_exp2(self, exponents: Self) -> Self;
     /// The set of lanes where this is at most `other`, bit 0 for the first lane. A lane with a NaN is not in
     /// it.
     fn le_mask(self, other: Self) -> u32;
@@ -50,10 +57,17 @@ pub trait F64x4:
     fn sign_mask(self) -> usize;
     /// The nearest integers, for absolute values below 2^31.
     fn to_i32(self) -> [i32; 4];
-    /// Rounds to the nearest integers, for values from 0 to 2^51.
+    /// Rounds to the nearest integers, for absolute values below 2^51.
     #[inline(always)]
     fn round(self) -> Self {
         (self + self.broadcast(ROUND_TO_INTEGER)) - self.broadcast(ROUND_TO_INTEGER)
+    }
+    /// Rounds up to integers, for absolute values below 2^51. An integer keeps its value but may lose a sign
+    /// of zero.
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        let nearest = self.round();
+        nearest + (self - nearest).one_where_positive()
     }
     /// Rounds to single precision.
     fn to_f32(self) -> [f32; 4];
@@ -67,6 +81,9 @@ pub trait F64x4:
 /// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
 /// also handle NaN and numbers out of range.
 pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
+
+/// The number of bits below a float's exponent.
+pub const EXPONENT_SHIFT: i32 = 52;
 
 /// Four lanes in an array, for processors without AVX.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,6 +154,23 @@ impl F64x4 for Scalar {
     #[inline(always)]
     fn unless_infinite(self, other: Self, replacement: f64) -> Self {
         self.zip(other, |x, y| if y.abs() == f64::INFINITY { replacement } else { x })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
+        Self(std::array::from_fn(|i| if self.0[i] < other.0[i] { then.0[i] } else { otherwise.0[i] }))
+    }
+
+    #[inline(always)]
+    fn times_exp2(self, exponents: Self) -> Self {
+        self.zip(exponents, |x, n| {
+            f64::from_bits(x.to_bits().wrapping_add((n + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT))
+        })
     }
 
     #[inline(always)]
@@ -237,6 +271,9 @@ mod tests {
             check("absolute value", x.abs(), |a, _| a.abs());
             check("minimum", x.min(y), |a, b| if a < b { a } else { b });
             check("maximum", x.max(y), |a, b| if a > b { a } else { b });
+            check("square root", x.sqrt(), |a, _| a.sqrt());
+            let less = x.select_lt(y, x + y, x - y);
+            check("selection by order", less, |a, b| if a < b { a + b } else { a - b });
             check("is positive", x.one_where_positive(), |a, _| f64::from(a > 0.0));
             check("seven where negative", x.where_negative(7.0), |a, _| {
                 if a.is_sign_negative() { 7.0 } else { 0.0 }
@@ -278,9 +315,18 @@ mod tests {
         let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
         let [lanes, next] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
         assert_eq!(lanes.round().to_array(), numbers.map(f64::round));
+        assert_eq!(F::new(proof, numbers.map(|x| -x)).round().to_array(), numbers.map(|x| (-x).round()));
+        for i in -9..9 {
+            let numbers = [0.0, 0.25, 0.5, 0.75].map(|fraction| f64::from(i) + fraction);
+            assert_eq!(F::new(proof, numbers).ceil().to_array(), numbers.map(f64::ceil));
+        }
         assert_eq!(lanes.to_i32(), numbers.map(|x| x.round() as i32));
         assert_eq!(next.to_i32(), lanes.to_i32().map(|n| n + 1));
         assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), lanes.to_i32().map(|n| -n));
+        for (x, exponents) in [(-1.75, [0, 1, -1, 7]), (1.0, [1023, -1022, 52, -53]), (1e-300, [1030; 4])] {
+            let products = F::splat(proof, x).times_exp2(F::new(proof, exponents.map(f64::from)));
+            assert_eq!(products.to_array(), exponents.map(|n| libm::ldexp(x, n)));
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 pub mod aabb;
 pub mod double_double;
 pub(crate) mod exact_sum;
+pub(crate) mod exp;
 pub mod extremes;
 pub(crate) mod f64x4;
 pub mod instructions;

@@ -9,7 +9,8 @@ use crate::math::ray::Ray;
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Face;
-use crate::sampling::film::{Spread, Sum};
+use crate::sampling::spread::Spread;
+use crate::sampling::sum::Sum;
 use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::trace::{Observer, Pending, Tracer};
@@ -97,7 +98,9 @@ impl<M: Mode> Setting<'_, M> {
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
             (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
-            (true, _) => Colors::Spread(Spread::new(request.filter, j, request.size)),
+            (true, _) => {
+                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
+            }
         };
         let layers = request.layers.iter().map(|layer| match layer {
             Layer::Color | Layer::Filter { .. } => vec![],

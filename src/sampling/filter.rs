@@ -1,5 +1,8 @@
 //! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
+use crate::math::exp::exp_of_negative;
+use crate::math::f64x4::{F64x4, Scalar};
+use crate::math::instructions::Portable;
 use glam::DVec2;
 use serde::Serialize;
 
@@ -47,6 +50,31 @@ impl Filter {
         }
     }
 
+    /// What the weight of a sample depends on along one axis, for four samples at these distances from the
+    /// pixel's centre along it.
+    #[inline(always)]
+    pub(super) fn axis_terms<F: F64x4>(&self, distances: F) -> F {
+        let splat = |x: f64| distances.broadcast(x);
+        match *self {
+            Self::Box { radius } => splat(radius).select_lt(distances.abs(), splat(0.0), splat(1.0)),
+            Self::Tent { .. } | Self::Gaussian { .. } => distances * distances,
+            Self::Mitchell { radius } => mitchell_terms(distances.abs() * splat(2.0 / radius)),
+        }
+    }
+
+    /// The weights of four samples from their terms along both axes, with the bits of
+    /// [`weight`](Self::weight). A Gaussian must have a support of at least a pixel, so that it falls by no
+    /// more than a factor of e^36 within it.
+    #[inline(always)]
+    pub(super) fn weights<F: F64x4>(&self, x: F, y: F) -> F {
+        let splat = |a: f64| x.broadcast(a);
+        match *self {
+            Self::Box { .. } | Self::Mitchell { .. } => x * y,
+            Self::Tent { radius } => (splat(1.0) - (x + y).sqrt() / splat(radius)).max(splat(0.0)),
+            Self::Gaussian { sigma } => exp_of_negative((x + y) / splat(-2.0 * sigma * sigma)),
+        }
+    }
+
     /// The number of pixels along each axis over which a sample counts beyond its own pixel.
     pub fn support(&self) -> usize {
         let radius = match *self {
@@ -59,13 +87,18 @@ impl Filter {
 
 /// Mitchell and Netravali's cubic at x >= 0, which is zero from 2 on.
 fn mitchell(x: f64) -> f64 {
-    if x < 1.0 {
-        (7.0 * x * x * x - 12.0 * x * x + 16.0 / 3.0) / 6.0
-    } else if x < 2.0 {
-        (-7.0 / 3.0 * x * x * x + 12.0 * x * x - 20.0 * x + 32.0 / 3.0) / 6.0
-    } else {
-        0.0
-    }
+    mitchell_terms(Scalar::splat(Portable, x)).to_array()[0]
+}
+
+/// The same of four numbers.
+#[inline(always)]
+fn mitchell_terms<F: F64x4>(x: F) -> F {
+    let splat = |a: f64| x.broadcast(a);
+    let (two, six) = (splat(2.0), splat(6.0));
+    let square = splat(12.0) * x * x;
+    let near = (splat(7.0) * x * x * x - square + splat(16.0 / 3.0)) / six;
+    let far = (splat(-7.0 / 3.0) * x * x * x + square - splat(20.0) * x + splat(32.0 / 3.0)) / six;
+    x.select_lt(splat(1.0), near, x.select_lt(two, far, splat(0.0)))
 }
 
 #[cfg(test)]
@@ -112,5 +145,39 @@ mod tests {
         assert_eq!([2.0, 3.0].map(mitchell), [0.0, 0.0]);
         let wide = Filter::Mitchell { radius: 4.0 };
         assert_eq!(wide.weight(DVec2::new(-1.0, 3.0)), mitchell(0.5) * mitchell(1.5));
+    }
+
+    fn weighs_four_as_one<F: F64x4>(proof: F::Proof) {
+        let radii = [0.51, 1.0, 1.7, 2.3, 40.5];
+        let filters = radii.into_iter().flat_map(|radius| {
+            let gaussian = Filter::Gaussian { sigma: radius / 2.0 };
+            [Filter::Box { radius }, Filter::Tent { radius }, gaussian, Filter::Mitchell { radius }]
+        });
+        let distances =
+            (-90..=90).flat_map(|i| [f64::from(i) / 16.0, f64::from(i) * 0.1237, f64::from(i) / 1.7]);
+        for filter in filters {
+            let reach = filter.support() as f64 + 0.5;
+            let distances: Vec<f64> = distances.clone().filter(|d| d.abs() <= reach).collect();
+            for (x, shift) in distances.iter().enumerate().flat_map(|(i, x)| [(*x, 0), (*x, i), (-x, 3 * i)])
+            {
+                let y: [f64; 4] = std::array::from_fn(|k| distances[(shift + 7 * k) % distances.len()]);
+                let terms = [[x; 4], y].map(|axis| filter.axis_terms(F::new(proof, axis)));
+                let found = filter.weights(terms[0], terms[1]).to_array().map(f64::to_bits);
+                assert_eq!(
+                    found,
+                    y.map(|y| filter.weight(DVec2::new(x, y)).to_bits()),
+                    "{filter:?} {x} {y:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_weights_of_four_samples_have_the_bits_of_those_of_one() {
+        weighs_four_as_one::<Scalar>(Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            weighs_four_as_one::<crate::math::avx::Avx>(proof);
+        }
     }
 }

@@ -3,5 +3,7 @@
 
 pub mod drand48;
 pub mod filter;
+pub mod sum;
+pub mod spread;
 pub mod film;
 pub mod sampler;

@@ -8,12 +8,14 @@ use crate::support::scenes::{layers, scene_of};
 use crate::support::{hex, rays};
 use glam::{DVec2, DVec3};
 use raytracer::grid::Caster;
+use raytracer::math::instructions::Instructions;
 use raytracer::picture::FloatPicture;
 use raytracer::render::Request;
 use raytracer::sampling::drand48::Drand48;
-use raytracer::sampling::film::{Film, Spread};
+use raytracer::sampling::film::Film;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
+use raytracer::sampling::spread::Spread;
 use raytracer::scene::{Light, Object, Scene};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
@@ -162,7 +164,7 @@ fn case_63_threads() {
 /// The film's mean of a pixel's samples.
 fn film_mean(values: &[f64]) -> f64 {
     let mut film = Film::new(Filter::PIXEL, [1, 1]);
-    let mut spread = Spread::new(Filter::PIXEL, 0, [1, 1]);
+    let mut spread = Spread::new(Filter::PIXEL, Instructions::available()[0], 0, [1, 1]);
     values.iter().for_each(|&v| spread.add(0, DVec2::ZERO, DVec3::splat(v)));
     let mut mean = f64::NAN;
     film.add(spread, |_, colors| mean = colors.next().map_or(f64::NAN, |c| c.x));

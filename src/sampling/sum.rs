@@ -1,0 +1,89 @@
+//! The weighted sum of the samples of one pixel.
+
+use crate::math::f64x4::F64x4;
+use crate::scene::Color;
+
+/// The weighted sum of the samples of one pixel: red, green, blue, and the weights themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sum([f64; 4]);
+
+impl Sum {
+    /// Adds a sample.
+    pub fn add(&mut self, weight: f64, color: Color) {
+        // A sample of weight zero is skipped, since its product with a NaN or an infinity would be a NaN.
+        if weight != 0.0 {
+            let [red, green, blue] = (weight * color).to_array();
+            self.join(Sum([red, green, blue, weight]));
+        }
+    }
+
+    /// Adds samples, whose colours are followed by 1. `are_finite` tells that none of them is infinite or
+    /// NaN.
+    #[inline(always)]
+    pub(super) fn add_all<F: F64x4>(
+        &mut self,
+        proof: F::Proof,
+        weights: &[f64],
+        colors: &[[f64; 4]],
+        are_finite: bool,
+    ) {
+        if !are_finite {
+            let samples = weights.iter().zip(colors);
+            return samples.for_each(|(weight, color)| self.add(*weight, Color::from_slice(color)));
+        }
+        // A product with a weight of zero is zero and changes no sum, since no sum is -0.
+        let product = |(weight, color): (&f64, &[f64; 4])| F::splat(proof, *weight) * F::new(proof, *color);
+        // The groups are of a constant size so that the compiler unrolls their loop.
+        let (weights, last_weights) = weights.as_chunks::<4>();
+        let (colors, last_colors) = colors.as_chunks::<4>();
+        let mut sum = F::new(proof, self.0);
+        for group in weights.iter().zip(colors) {
+            for sample in group.0.iter().zip(group.1) {
+                sum = sum + product(sample);
+            }
+        }
+        for sample in last_weights.iter().zip(last_colors) {
+            sum = sum + product(sample);
+        }
+        self.0 = sum.to_array();
+    }
+
+    /// Adds the sum of other samples.
+    pub fn join(&mut self, other: Sum) {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+
+    /// The weighted mean of the samples, or black where no sample has weight.
+    pub fn color(&self) -> Color {
+        let [red, green, blue, weight] = self.0;
+        let color = Color::new(red, green, blue);
+        match weight {
+            0.0 => Color::ZERO,
+            // The usual case of a single sample needs no division.
+            1.0 => color,
+            weight => color / weight,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Sum {
+        /// The bits of the numbers, those of any NaN being the same.
+        pub fn bits(&self) -> [u64; 4] {
+            self.0.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })
+        }
+    }
+
+    #[test]
+    fn a_sample_of_weight_zero_is_ignored() {
+        let mut sum = Sum::default();
+        sum.add(0.0, Color::NAN);
+        assert_eq!(sum.color(), Color::ZERO);
+        sum.add(0.5, Color::ONE);
+        sum.add(1.5, Color::splat(3.0));
+        assert_eq!(sum.color(), Color::splat(2.5));
+    }
+}
