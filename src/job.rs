@@ -124,11 +124,12 @@ impl<'o> Compared<'o> {
     }
 }
 
-/// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, where
-/// the scene's picture has another size, or where there is no memory for it.
+/// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
+/// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
     let fits = [a.width(), a.height()] == options.size.map(|n| n as u32);
-    if options.visualize_grid || !fits {
+    // Where samples depend on what they show, a wrong picture differs by its samples too.
+    if options.visualize_grid || options.adaptive.is_some() || !fits {
         return None;
     }
     let request = Request { layers: vec![Layer::Color], ..options.request() };

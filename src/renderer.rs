@@ -16,6 +16,7 @@ use crate::scene_io::{self, LoadError, LoadedScene, Source};
 use crate::stats::Quiet;
 use crate::trace::Observer;
 use crate::world::World;
+use glam::DVec2;
 use rayon::ThreadPool;
 use std::path::Path;
 use std::sync::Arc;
@@ -215,6 +216,18 @@ impl<'r, M: Mode> Prepared<'r, M> {
     /// The camera that a request's pictures are seen with.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         self.renderer.camera(request)
+    }
+
+    /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the parts
+    /// of the pixel that they stand for, up to a factor.
+    pub(crate) fn samples(&self, request: &Request, [column, row]: [usize; 2]) -> Vec<(DVec2, f64)> {
+        let Some(settings) = request.adaptive else {
+            let index = (column * request.size[1] + row) as u64;
+            return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
+        };
+        let camera = self.camera(request);
+        let strata = render::strata(&camera, &self.caster, self.view(), request, settings, [column, row]);
+        strata.iter().map(|stratum| (stratum.offset, stratum.area())).collect()
     }
 
     fn view(&self) -> View<'_> {

@@ -59,6 +59,18 @@ pub struct Counts {
     pub cells_traversed: u64,
 }
 
+impl Counts {
+    /// What has been counted since.
+    pub fn since(self, before: Self) -> Self {
+        Self {
+            non_shadow_rays: self.non_shadow_rays - before.non_shadow_rays,
+            shadow_rays: self.shadow_rays - before.shadow_rays,
+            intersections: self.intersections - before.intersections,
+            cells_traversed: self.cells_traversed - before.cells_traversed,
+        }
+    }
+}
+
 impl Probe for Counts {
     const COUNTS: bool = true;
     fn non_shadow_ray(&mut self) {

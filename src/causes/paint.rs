@@ -29,7 +29,7 @@ pub fn paint(
         for i in 0..width {
             for offset in sampler.offsets((i * height + j) as u64) {
                 let ray = camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
-                spread.add(i, offset, color(&ray));
+                spread.add(i, offset, color(&ray), 1.0);
             }
         }
         spread

@@ -110,6 +110,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &RANDOM_SAMPLES,
     &UNIFORM_SAMPLES,
     &JITTERED_SAMPLES,
+    &ADAPTIVE_SAMPLES,
     &SEED,
     &BOX_FILTER,
     &TENT_FILTER,
@@ -212,6 +213,13 @@ pub(super) const JITTERED_SAMPLES: Flag = Flag::new(
     &["n"],
     "Takes a random sample in each cell of that grid.",
 );
+pub(super) const ADAPTIVE_SAMPLES: Flag = Flag::new(
+    Section::Sampling,
+    "adaptive_samples",
+    &["most", "error"],
+    "Takes 4 jittered samples per pixel and, where they disagree, up to most, 4 to 1024, until the error of the pixel is about this many levels.",
+)
+.conflicts(&["random_samples", "uniform_samples", "jittered_samples"]);
 pub(super) const SEED: Flag = Flag::new(
     Section::Sampling,
     "seed",

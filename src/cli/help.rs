@@ -3,7 +3,7 @@
 use super::flags::{FLAGS, Flag, Section};
 
 /// The column at which the descriptions start.
-const INDENT: usize = 29;
+const INDENT: usize = 32;
 /// The length of the longest lines in characters.
 const WIDTH: usize = 80;
 

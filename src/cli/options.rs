@@ -7,6 +7,7 @@ use super::raw::Raw;
 use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
 use crate::render::{Cost, Layer, Request};
+use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
@@ -31,6 +32,8 @@ pub struct Options {
     pub effects: Effects,
     /// The positions of the samples in a pixel.
     pub sampler: Sampler,
+    /// Whether a pixel gets more samples where its first four disagree.
+    pub adaptive: Option<Adaptive>,
     /// The reconstruction filter.
     pub filter: Filter,
     /// The acceleration structure. A grid has at least one cell along each axis, and less than 2^31 cells in all.
@@ -90,6 +93,8 @@ impl Output {
 
 const SIZE_RANGE: (u32, u32) = (1, 65535);
 const SAMPLE_RANGE: (u32, u32) = (1, 65536);
+/// The range of the largest number of adaptive samples. A pixel is not divided into more strata.
+const ADAPTIVE_RANGE: (u32, u32) = (Adaptive::BASE, Adaptive::LIMIT);
 /// The range of filter sizes, in pixels.
 const MIN_FILTER: f64 = 1e-6;
 const MAX_FILTER: f64 = 1e6;
@@ -115,6 +120,7 @@ impl Options {
                 min_weight: weight(raw)?,
             },
             sampler: sampler(raw)?,
+            adaptive: adaptive(raw)?,
             filter: filter(raw)?,
             structure: structure(raw)?,
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
@@ -171,6 +177,7 @@ impl Options {
             camera: None,
             effects: self.effects,
             sampler: self.sampler,
+            adaptive: self.adaptive,
             filter: self.filter,
             layers: self.outputs.iter().map(|output| output.layer).collect(),
         }
@@ -298,7 +305,18 @@ fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
             return Ok(Sampler::new(pattern, count, rng));
         }
     }
-    Ok(Sampler::CENTER)
+    // The first samples of each pixel.
+    Ok(if raw.given(&flags::ADAPTIVE_SAMPLES) { Sampler::first_of_adaptive(rng) } else { Sampler::CENTER })
+}
+
+fn adaptive(raw: &Raw) -> Result<Option<Adaptive>, CliError> {
+    let flag = &flags::ADAPTIVE_SAMPLES;
+    let Some([most, error]) = raw.values(flag)? else { return Ok(None) };
+    let most = whole(most, ADAPTIVE_RANGE).map_err(|problem| bad(flag, most, problem))?;
+    match finite(flag, error)? {
+        level if level < 0.0 => Err(bad(flag, error, Problem::Negative)),
+        error => Ok(Some(Adaptive { most, error })),
+    }
 }
 
 fn filter(raw: &Raw) -> Result<Filter, CliError> {

@@ -134,9 +134,9 @@ impl<'p, 'r> Explainer<'p, 'r> {
     ) -> impl Iterator<Item = SampleTree> {
         let [column, row] = own;
         let height = request.size[1];
-        let offsets = request.sampler.offsets((column * height + row) as u64);
-        offsets.enumerate().filter_map(move |(number, offset)| {
-            let weight = weight_for(target, request.filter, own, offset);
+        let samples = self.prepared.samples(request, own).into_iter();
+        samples.enumerate().filter_map(move |(number, (offset, area))| {
+            let weight = weight_for(target, request.filter, own, offset) * area;
             (weight != 0.0).then(|| {
                 let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                 let (color, rays) = self.trace(request, &ray);

@@ -15,6 +15,7 @@ use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::mode::Mode;
 use crate::picture::{BadSize, FloatPicture};
+use crate::sampling::adaptive::{Adaptive, Stratum};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::trace::Observer;
@@ -98,6 +99,18 @@ pub fn render<M: Mode, P: Observer, E>(
         end = strip.rows.start;
     }
     Ok(probe)
+}
+
+/// The adaptive samples of the pixel in this column and row from the bottom left.
+pub fn strata<M: Mode>(
+    camera: &Camera,
+    caster: &Caster<M>,
+    view: View,
+    request: &Request,
+    settings: Adaptive,
+    pixel: [usize; 2],
+) -> Vec<Stratum> {
+    Setting { camera, caster, view, request }.strata(settings, pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without

@@ -6,6 +6,7 @@ use crate::grid::Caster;
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Occupancy;
+use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::scene::material::Material;
@@ -51,6 +52,8 @@ pub struct Request {
     pub effects: Effects,
     /// The positions of the samples of a pixel.
     pub sampler: Sampler,
+    /// Whether a pixel gets further samples where those of the sampler, which are four then, disagree.
+    pub adaptive: Option<Adaptive>,
     /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
     /// The layers, in the order in which rows are handed out.
@@ -67,6 +70,7 @@ impl Request {
             camera: None,
             effects: Effects::default(),
             sampler: Sampler::CENTER,
+            adaptive: None,
             filter: Filter::PIXEL,
             layers: vec![Layer::Color],
         }

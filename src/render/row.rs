@@ -13,10 +13,14 @@ use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::scene::Color;
 use crate::shading::light::incident;
+use crate::stats::Probe;
 use crate::trace::{Observer, Pending, Tracer};
 use crate::world::{SurfacePoint, World};
+use adaptive::Refinement;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
+
+pub mod adaptive;
 
 /// The result of tracing a row of pixels.
 pub struct Row<P> {
@@ -66,24 +70,11 @@ impl<M: Mode> Setting<'_, M> {
         visibility: Option<&VisibilityBuffer>,
         j: usize,
         is_shown: bool,
+        refinement: Option<Refinement>,
     ) -> Row<P> {
-        let Setting { request, .. } = *self;
-        let shown = request.columns();
-        let mut painter: Painter<M, P> = Painter {
-            setting: *self,
-            visibility,
-            is_shown,
-            shown: shown.clone(),
-            pending: Pending::default(),
-            center_weight: request.filter.weight(DVec2::ZERO),
-            sum: Sum::default(),
-            plots: plots(request, is_shown),
-            row: self.empty_row(j),
-        };
-        let support = request.support();
-        let columns = shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0]);
-        let mut packet = SamplePacket::default();
-        if request.has_costs() {
+        let mut painter: Painter<M, P> = Painter { refinement, ..self.painter(visibility, j, is_shown) };
+        let (columns, mut packet) = (self.columns(), SamplePacket::default());
+        if self.request.has_costs() {
             columns.for_each(|column| painter.paint_and_count(column, &mut packet));
             return painter.row;
         }
@@ -91,6 +82,35 @@ impl<M: Mode> Setting<'_, M> {
             painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
         }
         painter.row
+    }
+
+    /// The columns whose samples contribute to the row.
+    fn columns(&self) -> Range<usize> {
+        let Setting { request, .. } = *self;
+        let (shown, support) = (request.columns(), request.support());
+        shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
+    }
+
+    /// A painter of row `j`.
+    fn painter<'a, P: Observer>(
+        &'a self,
+        visibility: Option<&'a VisibilityBuffer>,
+        j: usize,
+        is_shown: bool,
+    ) -> Painter<'a, M, P> {
+        let Setting { request, .. } = *self;
+        Painter {
+            setting: *self,
+            visibility,
+            is_shown,
+            shown: request.columns(),
+            pending: Pending::default(),
+            center_weight: request.filter.weight(DVec2::ZERO),
+            sum: Sum::default(),
+            plots: plots(request, is_shown),
+            refinement: None,
+            row: self.empty_row(j),
+        }
     }
 
     fn empty_row<P: Observer>(&self, j: usize) -> Row<P> {
@@ -134,6 +154,8 @@ struct Painter<'a, M, P> {
     sum: Sum,
     /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
+    /// What further samples start from, if there are any.
+    refinement: Option<Refinement<'a>>,
     row: Row<P>,
 }
 
@@ -148,7 +170,9 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
             self.paint_centers(columns.clone(), packet);
         }
-        if colors && !sampler.is_center() {
+        if colors && self.refinement.is_some() {
+            columns.for_each(|column| self.refine(column, packet));
+        } else if colors && !sampler.is_center() {
             columns.for_each(|column| self.take_samples(column, packet));
             self.color_samples(packet);
         }
@@ -162,10 +186,13 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         if !self.is_shown || !self.shown.contains(&column) {
             return;
         }
-        let after = self.row.probe.counts();
+        let mut cost = self.row.probe.counts().since(before);
+        if let Some(refinement) = &self.refinement {
+            cost = cost.merge(refinement.first_counts(column));
+        }
         for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
-            if let Layer::Cost(cost) = layer {
-                colors.push(Color::splat((cost.of(&after) - cost.of(&before)) as f64));
+            if let Layer::Cost(kind) = layer {
+                colors.push(Color::splat(kind.of(&cost) as f64));
             }
         }
     }
@@ -191,11 +218,17 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         packet.clear();
     }
 
+    /// The place of a pixel in the order in which random numbers are drawn.
+    fn index(&self, column: usize) -> u64 {
+        let [_, height] = self.setting.request.size;
+        (column * height + self.row.j) as u64
+    }
+
     /// Adds the samples of a pixel to a packet, and colours the packet whenever it is full.
     fn take_samples(&mut self, column: usize, packet: &mut SamplePacket) {
-        let Request { sampler, size: [_, height], .. } = *self.setting.request;
+        let Request { sampler, .. } = *self.setting.request;
         let j = self.row.j;
-        let offsets = sampler.offsets((column * height + j) as u64);
+        let offsets = sampler.offsets(self.index(column));
         for (offset, count) in offsets.zip(1..) {
             packet.push(self.setting.camera, [column, j], offset, count == sampler.count());
             if packet.samples().len() == SamplePacket::SIZE {
@@ -237,7 +270,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             Colors::Unwanted => {}
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
             Colors::Finished(_) => sum.add(self.setting.request.filter.weight(offset), color),
-            Colors::Spread(spread) => spread.add(column, offset, color),
+            Colors::Spread(spread) => spread.add(column, offset, color, 1.0),
         }
         if !self.plots.is_empty() {
             self.plot(column, offset, color);

@@ -7,6 +7,7 @@
 use super::Progress;
 use super::layer::Layer;
 use super::request::Request;
+use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
 use super::{TakeRow, Watch};
 use crate::mode::Mode;
@@ -58,6 +59,16 @@ pub struct Strip<'a, M> {
     pub rows: Range<usize>,
 }
 
+/// Does some work for each row; none if that of any row is none.
+fn in_parallel<T: Send>(
+    rows: Range<usize>,
+    work: impl Fn(usize) -> Option<T> + Sync + Send,
+) -> Option<Vec<T>> {
+    // By default the thread pool would split the rows into a few large parts, and wait for the slowest of them.
+    let done: Vec<Option<T>> = rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(work).collect();
+    done.into_iter().collect()
+}
+
 /// A strip's rows, ready to be handed out.
 pub struct Finished<P> {
     pub probe: P,
@@ -99,25 +110,58 @@ impl<'a, M: Mode> Strip<'a, M> {
     fn rows_in_flight(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
         let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
-        (MEMORY_IN_FLIGHT / (spread + 32 * size[0])).max(rayon::current_num_threads()).max(1)
+        let first = if self.setting.request.adaptive.is_some() { BYTES_PER_PIXEL } else { 0 };
+        (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
     fn trace<P: Observer>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
         let Setting { camera, caster, view, request } = *self.setting;
         let visibility = request.visibility::<M, P>(camera, caster, view, rows.clone());
-        let trace = |j| {
+        let (first, probes) = match request.adaptive {
+            Some(_) if request.traces_colors::<P>() => self.trace_first::<P>(&rows, tally)?,
+            _ => (vec![], vec![]),
+        };
+        let first_row = rows.start.saturating_sub(1);
+        let trace = |j: usize| {
             let is_shown = self.rows.contains(&j);
-            let row = (!tally.is_cancelled()).then(|| self.setting.row(visibility.as_ref(), j, is_shown))?;
+            let refinement = self.refinement(&first, first_row, j);
+            let row = (!tally.is_cancelled())
+                .then(|| self.setting.row::<P>(visibility.as_ref(), j, is_shown, refinement))?;
             if is_shown {
                 tally.row_is_done();
             }
             Some(row)
         };
-        // By default the thread pool would split the rows into a few large parts, and wait for the slowest of
-        // them.
-        let traced: Vec<Option<Row<P>>> =
-            rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(trace).collect();
-        traced.into_iter().collect()
+        let mut traced = in_parallel(rows.clone(), trace)?;
+        for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
+            row.probe = std::mem::take(&mut row.probe).merge(probe);
+        }
+        Some(traced)
+    }
+
+    /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
+    fn trace_first<P: Observer>(
+        &self,
+        rows: &Range<usize>,
+        tally: &Tally,
+    ) -> Option<(Vec<FirstSamples>, Vec<P>)> {
+        let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
+        let trace = |j| (!tally.is_cancelled()).then(|| self.setting.first_samples(j));
+        in_parallel(all, trace).map(|rows| rows.into_iter().unzip())
+    }
+
+    /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
+    /// the first samples are all.
+    fn refinement<'f>(
+        &self,
+        first: &'f [FirstSamples],
+        first_row: usize,
+        j: usize,
+    ) -> Option<Refinement<'f>> {
+        let row = |j: Option<usize>| first.get(j?.checked_sub(first_row)?);
+        let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
+        rows[1]?;
+        self.setting.request.adaptive.map(|settings| Refinement::new(settings, rows))
     }
 }
 

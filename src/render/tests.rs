@@ -3,6 +3,7 @@
 mod layers;
 
 use super::*;
+use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
@@ -87,6 +88,13 @@ fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
     FloatPicture { size, colors: rows.flat_map(row).collect() }
 }
 
+/// Stands for adaptive samples, which begin with these.
+const ADAPTIVE: Sampler = Sampler::first_of_adaptive(Drand48::UNSEEDED);
+
+fn further(sampler: Sampler) -> Option<Adaptive> {
+    (sampler == ADAPTIVE).then_some(Adaptive { most: 40, error: 2.0 })
+}
+
 #[test]
 fn a_window_shows_its_part_of_the_whole_picture_in_every_layer() {
     let (near, far) = (2.0, 7.0);
@@ -98,8 +106,11 @@ fn a_window_shows_its_part_of_the_whole_picture_in_every_layer() {
         ("", jittered(3), Filter::PIXEL),
         (SPHERE, jittered(2), Filter::Tent { radius: 2.7 }),
         (SPHERE, Sampler::CENTER, Filter::PIXEL),
+        (SPHERE, ADAPTIVE, Filter::PIXEL),
+        (SPHERE, ADAPTIVE, Filter::Gaussian { sigma: 0.7 }),
     ] {
-        let whole = Request { sampler, filter, layers: layers.to_vec(), ..Request::new([37, 21]) };
+        let adaptive = further(sampler);
+        let whole = Request { sampler, adaptive, filter, layers: layers.to_vec(), ..Request::new([37, 21]) };
         let pictures_of = |window| pictures(&scene(other), &Request { window, ..whole.clone() });
         let expected = pictures_of(None);
         assert_eq!(expected[0], expected[4]);
@@ -168,9 +179,11 @@ fn strips_of_several_rows_make_the_picture_of_strips_of_one_row() {
         (Sampler::CENTER, Filter::PIXEL),
         (jittered(2), Filter::PIXEL),
         (jittered(2), Filter::Tent { radius: 1.4 }),
+        (ADAPTIVE, Filter::PIXEL),
+        (ADAPTIVE, Filter::Tent { radius: 1.4 }),
     ] {
-        let whole =
-            Request { sampler, filter, layers: vec![Layer::Color, LARGE], ..Request::new(LARGE_SIZE) };
+        let (adaptive, layers) = (further(sampler), vec![Layer::Color, LARGE]);
+        let whole = Request { sampler, adaptive, filter, layers, ..Request::new(LARGE_SIZE) };
         let mut row_by_row = [vec![], vec![]];
         for y in 0..LARGE_SIZE[1] {
             let window = Window { x: 0, y, width: LARGE_SIZE[0], height: 1 };

@@ -76,7 +76,7 @@ mod tests {
         let mut picture = vec![];
         for y in 0..height {
             let mut spread = Spread::new(filter, Instructions::Portable, y, [width, height]);
-            (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y)));
+            (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y), 1.0));
             film.add(spread, |row, colors| {
                 assert_eq!(row, picture.len());
                 picture.push(colors.collect());
@@ -118,7 +118,7 @@ mod tests {
     fn a_pixel_without_weighted_samples_is_black() {
         let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
         let mut spread = Spread::new(Filter::Box { radius: 0.1 }, Instructions::Portable, 0, [1, 1]);
-        spread.add(0, DVec2::splat(-0.5), Color::ONE);
+        spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
         film.add(spread, |_, colors| assert_eq!(colors.next(), Some(Color::ZERO)));
     }
 

@@ -1,6 +1,7 @@
 //! Supersampling: the sample positions in a pixel, the reconstruction filters, and the film that adds samples
 //! up.
 
+pub mod adaptive;
 pub mod drand48;
 pub mod filter;
 pub mod sum;

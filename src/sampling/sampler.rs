@@ -1,5 +1,6 @@
 //! Samplers: the positions of the samples within a pixel.
 
+use super::adaptive::Adaptive;
 use super::drand48::Drand48;
 use glam::DVec2;
 use rand::RngExt;
@@ -45,6 +46,11 @@ impl Sampler {
         Self { pattern, count, columns: count / rows, rng }
     }
 
+    /// The first samples of adaptive sampling: one in each quarter of a pixel.
+    pub const fn first_of_adaptive(rng: Drand48) -> Self {
+        Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
+    }
+
     /// The number of samples per pixel.
     pub fn count(&self) -> u32 {
         self.count
@@ -53,6 +59,12 @@ impl Sampler {
     /// Whether the only sample of a pixel is at its centre.
     pub fn is_center(&self) -> bool {
         self.pattern == Pattern::Uniform && self.count == 1
+    }
+
+    /// The random numbers for up to `most` further samples of the pixel with this index, of a picture with so many pixels.
+    /// They follow those of the samples of all pixels.
+    pub fn further(self, index: u64, pixels: u64, most: u32) -> Drand48 {
+        self.rng.jumped(2 * pixels * u64::from(self.count) + 2 * index * u64::from(most))
     }
 
     /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the

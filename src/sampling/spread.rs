@@ -35,19 +35,21 @@ struct Batch {
     columns: [usize; BATCH],
     /// The samples' offsets from their pixels' centres, along x and along y.
     offsets: [PerSample; 2],
-    /// Their colours, each followed by 1, so that the weights are added up as the colours are.
+    /// Their colours times their areas, each followed by the area, so that the weights are added up as the colours
+    /// are.
     colors: [[f64; 4]; BATCH],
 }
 
 impl Batch {
     #[inline(always)]
-    fn push(&mut self, column: usize, offset: DVec2, color: Color) {
+    fn push(&mut self, column: usize, offset: DVec2, color: Color, area: f64) {
         let k = self.count;
         self.columns[k] = column;
         for (offsets, offset) in self.offsets.iter_mut().zip(offset.to_array()) {
             offsets[k / LANES][k % LANES] = offset;
         }
-        self.colors[k] = [color.x, color.y, color.z, 1.0];
+        let color = area * color;
+        self.colors[k] = [color.x, color.y, color.z, area];
         self.count = k + 1;
     }
 }
@@ -106,10 +108,11 @@ impl Spread {
         (2 * filter.support() + 1).min(height) * width * size_of::<Sum>()
     }
 
-    /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre.
+    /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre. `area` is the part of the pixel
+    /// that it stands for, which multiplies its weight; it is a power of 2, so that the product is exact.
     #[inline]
-    pub fn add(&mut self, x: usize, offset: DVec2, color: Color) {
-        self.batch.push(x, offset, color);
+    pub fn add(&mut self, x: usize, offset: DVec2, color: Color, area: f64) {
+        self.batch.push(x, offset, color, area);
         if self.batch.count == BATCH {
             self.weigh();
         }
@@ -223,7 +226,7 @@ mod tests {
         let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
         let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
         let mut spread = Spread::new(filter, Instructions::Portable, y, size);
-        spread.add(x, offset, Color::splat(2.0));
+        spread.add(x, offset, Color::splat(2.0), 1.0);
         assert_eq!(spread.target_rows, 1..=4);
         for (row, sums) in spread.sums() {
             for (column, sum) in sums.iter().enumerate() {
@@ -247,6 +250,11 @@ mod tests {
         }
     }
 
+    /// The part of its pixel that a sample stands for.
+    fn area(k: usize) -> f64 {
+        [1.0, 0.25, 0.0625, 1.0 / 1024.0][k % 4]
+    }
+
     /// Adds the samples of a row one by one to a spread and to sums, and compares these to the bit.
     fn check_row(filter: Filter, sampler: Sampler, row: usize, size: [usize; 2], exceptions: bool) {
         let support = filter.support();
@@ -257,7 +265,7 @@ mod tests {
         for instructions in Instructions::available() {
             let mut spread = Spread::new(filter, instructions, row, size);
             for (k, (x, offset)) in samples.iter().enumerate() {
-                spread.add(*x, *offset, color(k, exceptions));
+                spread.add(*x, *offset, color(k, exceptions), area(k));
             }
             let rows: Vec<usize> = spread.sums().map(|(target, _)| target).collect();
             assert_eq!(rows, (0..size[1]).filter(|target| reached(*target, row)).collect::<Vec<_>>());
@@ -268,7 +276,7 @@ mod tests {
                         samples.iter().enumerate().filter(|(_, s)| reached(target_column, s.0))
                     {
                         let weight = weight_for([target_column, target_row], filter, [*x, row], *offset);
-                        expected.add(weight, color(k, exceptions));
+                        expected.add(weight * area(k), color(k, exceptions));
                     }
                     assert_eq!(
                         sum.bits(),

@@ -10,14 +10,18 @@ pub struct Sum([f64; 4]);
 impl Sum {
     /// Adds a sample.
     pub fn add(&mut self, weight: f64, color: Color) {
+        self.add_part(weight, [color.x, color.y, color.z, 1.0]);
+    }
+
+    /// Adds a sample whose colour is multiplied by the part of the pixel that it stands for, and followed by it.
+    fn add_part(&mut self, weight: f64, color: [f64; 4]) {
         // A sample of weight zero is skipped, since its product with a NaN or an infinity would be a NaN.
         if weight != 0.0 {
-            let [red, green, blue] = (weight * color).to_array();
-            self.join(Sum([red, green, blue, weight]));
+            self.join(Sum(color.map(|channel| weight * channel)));
         }
     }
 
-    /// Adds samples, whose colours are followed by 1. `are_finite` tells that none of them is infinite or
+    /// Adds samples, whose colours are followed by the parts of the pixel that they stand for, as in `add_part`. `are_finite` tells that none of them is infinite or
     /// NaN.
     #[inline(always)]
     pub(super) fn add_all<F: F64x4>(
@@ -29,7 +33,7 @@ impl Sum {
     ) {
         if !are_finite {
             let samples = weights.iter().zip(colors);
-            return samples.for_each(|(weight, color)| self.add(*weight, Color::from_slice(color)));
+            return samples.for_each(|(weight, color)| self.add_part(*weight, *color));
         }
         // A product with a weight of zero is zero and changes no sum, since no sum is -0.
         let product = |(weight, color): (&f64, &[f64; 4])| F::splat(proof, *weight) * F::new(proof, *color);

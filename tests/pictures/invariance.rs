@@ -63,3 +63,8 @@ fn pictures_with_shadows_and_secondary_rays_stay_the_same() {
 fn pictures_with_random_samples_stay_the_same() {
     same_pictures_with("-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows");
 }
+
+#[test]
+fn pictures_with_adaptive_samples_stay_the_same() {
+    same_pictures_with("-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1");
+}

@@ -8,6 +8,7 @@
 //! If pictures are meant to change, `BLESS=1 cargo test --test pictures` overwrites the references; look at
 //! them before committing.
 
+mod adaptive;
 mod commands;
 mod compare;
 mod invariance;

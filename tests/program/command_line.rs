@@ -4,6 +4,7 @@ use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::render::Layer;
+use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -39,6 +40,7 @@ fn plain() -> Options {
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
+        adaptive: None,
         structure: Structure::Any,
         visualize_grid: false,
         comparison: None,
@@ -137,6 +139,13 @@ fn each_sampler_and_its_count() {
     accepts("-input s.txt -random_samples 9", sampled(Pattern::Random, 9, unseeded));
     accepts("-uniform_samples 4 -input s.txt", sampled(Pattern::Uniform, 4, unseeded));
     accepts("-input s.txt -jittered_samples 16", sampled(Pattern::Jittered, 16, unseeded));
+    let adaptive = |most, error| Options {
+        sampler: Sampler::first_of_adaptive(unseeded),
+        adaptive: Some(Adaptive { most, error }),
+        ..plain()
+    };
+    accepts("-input s.txt -adaptive_samples 4 0", adaptive(4, 0.0));
+    accepts("-adaptive_samples 1024 2.5 -input s.txt", adaptive(1024, 2.5));
     accepts("-input s.txt -uniform_samples 7", sampled(Pattern::Uniform, 7, unseeded));
     accepts("-input s.txt -uniform_samples 1", plain());
     accepts("-input s.txt -random_samples 1", sampled(Pattern::Random, 1, unseeded));

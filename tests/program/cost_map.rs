@@ -25,6 +25,8 @@ fn the_costs_of_all_pixels_are_those_of_the_statistics() {
         "-shadows",
         "-shadows -grid 5 6 7",
         "-shadows -bounces 3 -grid 5 6 7 -jittered_samples 5",
+        "-shadows -grid 5 6 7 -adaptive_samples 30 2",
+        "-shadows -bounces 2 -adaptive_samples 30 2 -gaussian_filter 0.6 -depth 5 9 d.tga",
         "-grid 5 6 7 -jittered_samples 20 -gaussian_filter 0.6 -normals n.tga",
     ] {
         for kind in ["rays", "tests", "cells"] {
@@ -45,8 +47,13 @@ fn the_costs_of_all_pixels_are_those_of_the_statistics() {
 #[test]
 fn counting_by_pixels_changes_neither_counters_nor_pictures() {
     let folder = Folder::with_scene(SCENE);
-    let flags =
-        "-input s.txt -size 23 17 -stats -shadows -bounces 2 -jittered_samples 7 -gaussian_filter 0.6";
+    for samples in ["-jittered_samples 7", "-adaptive_samples 40 1"] {
+        counting_changes_nothing(&folder, samples);
+    }
+}
+
+fn counting_changes_nothing(folder: &Folder, samples: &str) {
+    let flags = format!("-input s.txt -size 23 17 -stats -shadows -bounces 2 {samples} -gaussian_filter 0.6");
     let plain = folder.run(&format!("{flags} -output a.tga")).ok();
     let mapped = folder.run(&format!("{flags} -output b.tga -cost_map rays m.tga")).ok();
     assert_eq!(folder.read("a.tga"), folder.read("b.tga"));

@@ -131,6 +131,7 @@ fn the_options_are_the_checked_values() {
         "size": [100, 100],
         "effects": { "shadows": "none", "shade_back": false, "bounces": 0, "min_weight": 0.0 },
         "sampler": { "pattern": "uniform", "count": 1, "seed": null },
+        "adaptive": null,
         "filter": { "kind": "box", "radius": 0.5 },
         "structure": "any",
         "visualize_grid": false,
@@ -153,6 +154,7 @@ fn the_options_are_the_checked_values() {
             "sampler",
             json!({ "pattern": "random", "count": 3, "seed": 4294967295_u32 }),
         ),
+        ("-adaptive_samples 64 1.5", "adaptive", json!({ "most": 64, "error": 1.5 })),
         ("-jittered_samples 3", "sampler", json!({ "pattern": "jittered", "count": 3, "seed": null })),
         (
             "-depth 1 2.5 d.png",

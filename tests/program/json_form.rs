@@ -124,6 +124,7 @@ fn of_pixels(documents: &mut Vec<Value>) {
         (BOARD, "-shadows -jittered_samples 3 -seed 7 -gaussian_filter .6"),
         (MESH, "-shadows -grid 3 4 5"),
         (MARBLE, "-uniform_samples 4"),
+        (GLASS, "-shadows -adaptive_samples 20 3"),
     ] {
         let folder = Folder::with_scene(text);
         folder.write("m.obj", OBJ);

@@ -103,6 +103,7 @@ fn the_sums_of_pixels_are_those_of_the_text_to_the_last_bit() {
         (BOARD, "-shadows -jittered_samples 3 -gaussian_filter .6"),
         (MESH, "-shadows"),
         (MARBLE, "-uniform_samples 4"),
+        (BOARD, "-shadows -adaptive_samples 20 3"),
     ] {
         let folder = Folder::with_scene(text);
         folder.write("m.obj", OBJ);

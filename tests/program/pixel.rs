@@ -7,6 +7,7 @@ use raytracer::grid::options::Resolution;
 use raytracer::mode::Course;
 use raytracer::render::Request;
 use raytracer::renderer::{Meshes, Renderer};
+use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -50,6 +51,12 @@ fn cases() -> Vec<Case> {
         filter: Filter::Box { radius: 0.3 },
         ..request(shadows(Shadows::Opaque, 2))
     };
+    let adaptive = Request {
+        sampler: Sampler::first_of_adaptive(Drand48::UNSEEDED),
+        adaptive: Some(Adaptive { most: 20, error: 3.0 }),
+        ..request(shadows(Shadows::Opaque, 2))
+    };
+    let adaptive_spread = Request { filter: Filter::Gaussian { sigma: 0.5 }, ..adaptive.clone() };
     let grid = Some(Resolution::Cells([3, 4, 5]));
     let case = |text, flags, request, grid| Case { text, flags, request, grid };
     vec![
@@ -64,6 +71,8 @@ fn cases() -> Vec<Case> {
         case(BOARD, "-shadows -jittered_samples 3 -gaussian_filter .6", board, None),
         case(MESH, "-shadows -grid 3 4 5", request(shadows(Shadows::Opaque, 0)), grid),
         case(MARBLE, "-uniform_samples 4", marble, None),
+        case(GLASS, "-shadows -bounces 2 -adaptive_samples 20 3", adaptive.clone(), None),
+        case(GLASS, "-shadows -bounces 2 -adaptive_samples 20 3 -gaussian_filter .5", adaptive_spread, None),
     ]
 }
 

@@ -19,17 +19,7 @@ fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast, Quiet>)) {
     let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
     let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request: &request };
-    check(&mut Painter {
-        setting,
-        visibility: None,
-        is_shown: true,
-        shown: 2..10,
-        pending: Pending::default(),
-        center_weight: 1.0,
-        sum: Sum::default(),
-        plots: plots(&request, true),
-        row: setting.empty_row(5),
-    });
+    check(&mut Painter { shown: 2..10, center_weight: 1.0, ..setting.painter(None, 5, true) });
 }
 
 /// A sample whose place is rounded to the next pixel, or which lies on the border, is plotted in its own pixel.
