@@ -143,6 +143,9 @@ fn the_options_are_the_checked_values() {
         "threads": null,
     });
     assert_eq!(options(""), plain);
+    let adaptive = options("-adaptive_samples 64 1.5");
+    assert_eq!(adaptive["adaptive"], json!({ "most": 64, "error": 1.5 }));
+    assert_eq!(adaptive["sampler"], json!({ "pattern": "jittered", "count": 4, "seed": null }));
     for (flags, member, value) in [
         ("-size 7 5", "size", json!([7, 5])),
         ("-grid auto", "structure", json!({ "grid": "auto" })),
@@ -154,7 +157,6 @@ fn the_options_are_the_checked_values() {
             "sampler",
             json!({ "pattern": "random", "count": 3, "seed": 4294967295_u32 }),
         ),
-        ("-adaptive_samples 64 1.5", "adaptive", json!({ "most": 64, "error": 1.5 })),
         ("-jittered_samples 3", "sampler", json!({ "pattern": "jittered", "count": 3, "seed": null })),
         (
             "-depth 1 2.5 d.png",
