@@ -11,6 +11,7 @@ pub(super) enum Section {
     Sampling,
     Grid,
     Comparison,
+    Grading,
     Statistics,
     Preview,
     Other,
@@ -18,12 +19,13 @@ pub(super) enum Section {
 
 impl Section {
     /// All sections, in the order of the help.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Pictures,
         Self::Shading,
         Self::Sampling,
         Self::Grid,
         Self::Comparison,
+        Self::Grading,
         Self::Statistics,
         Self::Preview,
         Self::Other,
@@ -36,6 +38,7 @@ impl Section {
             Self::Sampling => "Sampling",
             Self::Grid => "Grid",
             Self::Comparison => "Comparison",
+            Self::Grading => "Grading",
             Self::Statistics => "Statistics",
             Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
             Self::Other => "Other",
@@ -123,6 +126,9 @@ pub(super) const FLAGS: &[&Flag] = &[
     &REFERENCE,
     &DIFFERENCE,
     &TOLERANCE,
+    &GRADE,
+    &COMMANDS,
+    &REPORT,
     &STATS,
     &COST_MAP,
     &PIXEL,
@@ -281,7 +287,7 @@ pub(super) const REFERENCE: Flag = Flag::new(
     Section::Comparison,
     "reference",
     &["file"],
-    "The picture to compare with. Default: the rendered picture.",
+    "The picture to compare with, or the folder of pictures for -grade. Default: the rendered picture.",
 );
 pub(super) const DIFFERENCE: Flag = Flag::new(
     Section::Comparison,
@@ -294,6 +300,26 @@ pub(super) const TOLERANCE: Flag = Flag::new(
     "tolerance",
     &["levels", "n"],
     "Ends with status 3 if more than n pixels differ by more than this many levels.",
+);
+
+pub(super) const GRADE: Flag = Flag::new(
+    Section::Grading,
+    "grade",
+    &["folder"],
+    "Compares the pictures in every folder of this folder with those of -reference or -commands.",
+);
+pub(super) const COMMANDS: Flag = Flag::new(
+    Section::Grading,
+    "commands",
+    &["file"],
+    "The pictures to grade by are those that the command lines in this file render.",
+)
+.conflicts(&["reference"]);
+pub(super) const REPORT: Flag = Flag::new(
+    Section::Grading,
+    "report",
+    &["file"],
+    "Writes what -grade finds as a page, .html, and as a table beside it, .csv.",
 );
 
 pub(super) const STATS: Flag =
