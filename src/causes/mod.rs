@@ -96,11 +96,6 @@ impl<'a> Original<'a> {
         Some(Self { prepared, structure, request, colors })
     }
 
-    /// The picture as it was rendered.
-    pub fn colors(&self) -> &FloatPicture {
-        &self.colors
-    }
-
     /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
     /// show.
     pub fn picture(&self, cause: Cause) -> Option<Picture> {

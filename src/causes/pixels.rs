@@ -78,6 +78,8 @@ impl PixelChange {
             Self::Times256 => channels(|channel| 256.0 / 255.0 * channel),
             Self::GammaEncoded => channels(|channel| libm::pow(channel.max(0.0), 1.0 / GAMMA)),
             Self::BytesGammaEncoded => {
+                let table: Vec<u8> = (0..=u8::MAX).map(encoded).collect();
+                let encoded = |byte: u8| table[usize::from(byte)];
                 rearranged(colors, |pixels| pixels.iter().map(|pixel| pixel.map(encoded)).collect())
             }
             Self::GammaDecoded => channels(|channel| libm::pow(channel.max(0.0), GAMMA)),

@@ -14,6 +14,7 @@ use super::{CompareError, colors, common_size};
 use crate::picture::Picture;
 use color::ColorSpace;
 use filter::{FeatureFilters, SpatialFilters};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::LazyCell;
 use std::f64::consts::PI;
@@ -40,6 +41,13 @@ pub struct Flip {
     features: FeatureFilters,
     /// From [`COLOR_EXPONENT`], between the two colours that are farthest apart.
     largest_color_difference: f64,
+}
+
+/// A tile of the reference.
+struct ReferenceTile {
+    filtered: FilteredTile,
+    /// Of each pixel.
+    perceived: Vec<DVec3>,
 }
 
 impl Default for Flip {
@@ -88,7 +96,7 @@ impl Flip {
         let window =
             |picture: &Picture| tile.window(picture.width() as usize, colors(picture), self.radius());
         let window_of_b = window(b);
-        let filtered_b = LazyCell::new(|| self.filtered(&window_of_b, tile));
+        let filtered_b = LazyCell::new(|| self.perceived(self.filtered(&window_of_b, tile), tile));
         let sum = |a: &Picture| {
             let window_of_a = window(a);
             if window_of_a == window_of_b {
@@ -105,14 +113,21 @@ impl Flip {
         self.spatial.radius().max(self.features.radius())
     }
 
-    fn error(&self, a: &FilteredTile, b: &FilteredTile, pixel: usize) -> f64 {
-        let [one, other] = [a, b].map(|tile| tile.color(pixel));
-        if one == other {
+    /// The tile of a reference with the colours that every picture is compared with.
+    fn perceived(&self, filtered: FilteredTile, tile: &Tile) -> ReferenceTile {
+        let pixels = 0..tile.width * tile.height;
+        let perceived = pixels.map(|pixel| self.colors.to_perceived(filtered.color(pixel))).collect();
+        ReferenceTile { filtered, perceived }
+    }
+
+    fn error(&self, a: &FilteredTile, b: &ReferenceTile, pixel: usize) -> f64 {
+        let color = a.color(pixel);
+        if color == b.filtered.color(pixel) {
             return 0.0;
         }
-        let [one, other] = [one, other].map(|color| self.colors.to_perceived(color));
-        let color = self.redistributed(libm::pow(color::distance(one, other), COLOR_EXPONENT));
-        let [one, other] = [a, b].map(|tile| tile.features(pixel));
+        let distance = color::distance(self.colors.to_perceived(color), b.perceived[pixel]);
+        let color = self.redistributed(libm::pow(distance, COLOR_EXPONENT));
+        let [one, other] = [a, &b.filtered].map(|tile| tile.features(pixel));
         let feature = (one - other).abs().max_element();
         libm::pow(color, 1.0 - (FEATURE_SCALE * feature).sqrt())
     }
