@@ -14,6 +14,7 @@ mod grading;
 mod help;
 mod options;
 mod raw;
+mod section;
 mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
