@@ -207,3 +207,40 @@ impl fmt::Display for Finding {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::causes::PixelChange::{GammaDecoded, GammaEncoded, Mirrored, UpsideDown};
+
+    #[test]
+    fn a_search_ends_with_its_cause_while_that_of_others_goes_on() {
+        let picture = |level: u8| Picture::from_rgb(1, 1, vec![level; 3]);
+        let made = |cause: Cause| match cause {
+            Cause::Pixels(UpsideDown) => Some(picture(50)),
+            Cause::Pixels(Mirrored) => Some(picture(90)),
+            Cause::Pixels(_) => None,
+            _ => Some(picture(0)),
+        };
+        let causes = [UpsideDown, GammaEncoded, Mirrored].map(Cause::Pixels);
+        let wrong = [50, 90, 255].map(picture);
+        let found = find_causes(causes.into_iter(), made, &wrong, &picture(0));
+        let equal = |change| Finding::Equal { cause: Cause::Pixels(change), pixels: 0 };
+        assert_eq!(found, [equal(UpsideDown), equal(Mirrored), Finding::Unknown { tried: 2 }]);
+
+        let all = causes.into_iter().chain([Cause::Pixels(GammaDecoded)]);
+        let no_more = |cause| {
+            assert_ne!(cause, Cause::Pixels(GammaDecoded), "all are found");
+            made(cause)
+        };
+        assert_eq!(find_causes(all, no_more, &wrong[..2], &picture(0)).len(), 2);
+    }
+
+    #[test]
+    fn a_cause_that_makes_the_reference_is_not_tried() {
+        let [own, wrong] = [0, 9].map(|level: u8| Picture::from_rgb(1, 1, vec![level; 3]));
+        let causes = [UpsideDown, Mirrored].map(Cause::Pixels).into_iter();
+        let found = find_causes(causes, |_| Some(own.clone()), &[wrong], &own);
+        assert_eq!(found, [Finding::Unknown { tried: 0 }]);
+    }
+}
