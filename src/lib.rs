@@ -31,7 +31,8 @@
 //!
 //! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA and
-//! PNG files and reads pictures, [`compare`] measures how two pictures differ, and [`causes`] finds out why.
+//! PNG files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out why, and
+//! [`grade`] does both for many pictures of many people.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 
@@ -63,5 +64,6 @@ pub mod scene_io;
 pub mod renderer;
 pub mod explain;
 pub mod causes;
+pub mod grade;
 #[doc(hidden)]
 pub mod cli;

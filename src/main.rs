@@ -1,12 +1,14 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
 mod document;
+mod grading;
 mod job;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
 mod rendering;
 
+use job::Outcome;
 use raytracer::cli::{self, Command};
 use std::fmt::Display;
 use std::io::Write;
@@ -18,20 +20,26 @@ const DIFFERENT: u8 = 3;
 fn main() -> ExitCode {
     match cli::parse(std::env::args_os()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => match job::run(&options, &tell) {
-            Ok(outcome) if outcome.passes => print(&outcome.text),
-            Ok(outcome) => {
-                print(&outcome.text);
-                ExitCode::from(DIFFERENT)
-            }
-            Err(message) => {
-                tell(&message);
-                ExitCode::FAILURE
-            }
-        },
+        Ok(Command::Render(options)) => report(job::run(&options, &tell)),
+        Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)
+        }
+    }
+}
+
+/// Says what a run has to say.
+fn report(outcome: Result<Outcome, String>) -> ExitCode {
+    match outcome {
+        Ok(outcome) if outcome.passes => print(&outcome.text),
+        Ok(outcome) => {
+            print(&outcome.text);
+            ExitCode::from(DIFFERENT)
+        }
+        Err(message) => {
+            tell(&message);
+            ExitCode::FAILURE
         }
     }
 }

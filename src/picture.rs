@@ -63,6 +63,12 @@ impl FloatPicture {
         let nans = truncate_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
         (bytes, nans)
     }
+
+    /// The picture's bytes, as they are written.
+    pub fn to_picture(&self) -> Picture {
+        let [width, height] = self.size.map(|n| n as u32);
+        Picture::from_rgb(width, height, self.to_bytes().0)
+    }
 }
 
 /// The index of red in a pixel's bytes if red comes first, for [`truncate_to_bytes`].

@@ -5,6 +5,7 @@
 //! or by a textbook's tracer that breaks a rule. The one that makes the picture in question is the cause.
 
 mod finding;
+mod finished;
 mod object_space;
 mod paint;
 mod pixels;
@@ -14,8 +15,10 @@ mod scenes;
 mod speckles;
 mod textbook;
 mod transform_order;
+mod window;
 
 pub use finding::Finding;
+pub use finished::Finished;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
 pub use rules::Rule;
@@ -25,9 +28,10 @@ use crate::grid::options::Structure;
 use crate::mode::Fast;
 use crate::picture::{FloatPicture, Picture};
 use crate::render::{Layer, Request};
-use crate::renderer::Renderer;
+use crate::renderer::{Prepared, Renderer};
 use crate::scene::Scene;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 
 /// A mistake that explains a difference. `Display` completes "this program's picture".
@@ -72,9 +76,11 @@ impl fmt::Display for Cause {
 /// This program's colour picture, and what it was rendered from.
 #[derive(Debug)]
 pub struct Original<'a> {
-    renderer: &'a Renderer,
+    prepared: Prepared<'a, Fast>,
     structure: Structure,
+    /// Its window is the part of the picture by which causes are judged.
     request: Request,
+    /// The whole picture.
     colors: FloatPicture,
 }
 
@@ -83,43 +89,55 @@ impl<'a> Original<'a> {
     /// kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
         let request = Request { layers: vec![Layer::Color], window: None, ..request.clone() };
-        let colors = colors(renderer, structure, &request)?;
-        Some(Self { renderer, structure, request, colors })
+        // The textbook's tracer casts all rays, also those that the renderer need not cast.
+        let rays = request.camera_rays();
+        let prepared = renderer.prepare(structure.resolution(renderer.world(), rays), rays).ok()?;
+        let colors = prepared.render(&request).ok()?.pop()?;
+        Some(Self { prepared, structure, request, colors })
     }
 
     /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
     /// show.
     pub fn picture(&self, cause: Cause) -> Option<Picture> {
-        let Self { renderer, structure, ref request, ref colors } = *self;
-        let scene = &renderer.scene;
+        let Self { prepared, request, .. } = self;
+        let Renderer { scene, source, .. } = prepared.renderer();
         match cause {
-            Cause::Unchanged => Some(cut(colors)),
-            Cause::Pixels(change) => Some(change.apply(colors)),
+            Cause::Unchanged => Some(self.colors_in_window().to_picture()),
+            Cause::Pixels(change) if change.moves() => Some(self.in_window(change.apply(&self.colors))),
+            Cause::Pixels(change) => Some(change.apply(&self.colors_in_window())),
             Cause::Request(change) => {
                 let request = change.apply(scene, request)?;
-                Some(cut(&self::colors(renderer, structure, &request)?))
+                Some(prepared.render(&request).ok()?.pop()?.to_picture())
             }
-            Cause::Scene(change) => self.picture_of(change.apply(scene, &renderer.source.text)?),
+            Cause::Scene(change) => self.picture_of(change.apply(scene, &source.text)?, request),
             Cause::Rule(rule) if rule.applies(scene, request) => rules::picture(self, Some(rule)),
             Cause::Rule(_) => None,
         }
     }
 
     /// The picture of another scene with the same meshes.
-    fn picture_of(&self, scene: Scene) -> Option<Picture> {
-        let renderer = self.renderer.with_scene(scene).ok()?;
-        Some(cut(&colors(&renderer, self.structure, &self.request)?))
+    fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
+        let renderer = self.renderer().with_scene(scene).ok()?;
+        let prepared = renderer.prepare_for::<Fast>(self.structure, request).ok()?;
+        Some(prepared.render(request).ok()?.pop()?.to_picture())
     }
-}
 
-/// Renders the colours of a request.
-fn colors(renderer: &Renderer, structure: Structure, request: &Request) -> Option<FloatPicture> {
-    let prepared = renderer.prepare_for::<Fast>(structure, request).ok()?;
-    prepared.render(request).ok()?.pop()
-}
+    fn renderer(&self) -> &Renderer {
+        self.prepared.renderer()
+    }
 
-/// The picture's bytes, as they are written.
-fn cut(colors: &FloatPicture) -> Picture {
-    let [width, height] = colors.size.map(|n| n as u32);
-    Picture::from_rgb(width, height, colors.to_bytes().0)
+    fn colors_in_window(&self) -> Cow<'_, FloatPicture> {
+        match self.request.window {
+            None => Cow::Borrowed(&self.colors),
+            Some(window) => Cow::Owned(window::part_of_colors(&self.colors, window)),
+        }
+    }
+
+    /// The window of a whole picture.
+    fn in_window(&self, picture: Picture) -> Picture {
+        match self.request.window {
+            None => picture,
+            Some(window) => window::part(&picture, window),
+        }
+    }
 }

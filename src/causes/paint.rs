@@ -10,11 +10,12 @@ use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use glam::DVec2;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// How many rows are painted at once. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// Paints a picture. The rays run through points that are `shift` pixels to the right of the samples and above them.
+/// Paints the window of a picture. The rays run through points that are `shift` pixels to the right of the samples and above them.
 pub fn paint(
     camera: &Camera,
     request: &Request,
@@ -23,10 +24,13 @@ pub fn paint(
 ) -> Result<FloatPicture, BadSize> {
     let Request { size, filter, sampler, .. } = *request;
     let [width, height] = size;
+    let (columns, rows) = (request.columns(), request.rows());
+    let traced_columns = with_border(&columns, filter.support(), width);
+    let traced_rows = with_border(&rows, filter.support(), height);
     let instructions = Instructions::available()[0];
     let row = |j: usize| {
         let mut spread = Spread::new(filter, instructions, j, size);
-        for i in 0..width {
+        for i in traced_columns.clone() {
             for offset in sampler.offsets((i * height + j) as u64) {
                 let ray = camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
                 spread.add(i, offset, color(&ray), 1.0);
@@ -34,14 +38,26 @@ pub fn paint(
         }
         spread
     };
-    let mut picture = FloatPicture::with_room(size)?;
-    let mut film = Film::new(filter, size);
-    for start in (0..height).step_by(ROWS) {
-        let spreads: Vec<Spread> = (start..height.min(start + ROWS)).into_par_iter().map(row).collect();
-        spreads.into_iter().for_each(|spread| film.add(spread, |_, row| picture.colors.extend(row)));
+    let mut picture = FloatPicture::with_room(request.window_size())?;
+    let mut film = Film::starting_at(filter, size, traced_rows.start);
+    for start in traced_rows.clone().step_by(ROWS) {
+        let spreads: Vec<Spread> =
+            (start..traced_rows.end.min(start + ROWS)).into_par_iter().map(row).collect();
+        for spread in spreads {
+            film.add(spread, |j, colors| {
+                if rows.contains(&j) {
+                    picture.colors.extend(colors.skip(columns.start).take(columns.len()));
+                }
+            });
+        }
     }
-    turn_over(&mut picture.colors, width);
+    turn_over(&mut picture.colors, columns.len());
     Ok(picture)
+}
+
+/// The range with the pixels around it whose samples contribute to it.
+fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
+    range.start.saturating_sub(support)..(range.end + support).min(end)
 }
 
 /// Puts the last row first.

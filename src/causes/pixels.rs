@@ -1,6 +1,5 @@
 //! Mistakes that show in the finished picture alone.
 
-use super::cut;
 use crate::compare::{Rgb, colors as pixels_of};
 use crate::picture::{FloatPicture, Picture};
 use crate::scene::Color;
@@ -44,12 +43,26 @@ impl PixelChange {
         Self::GammaDecoded,
     ];
 
+    /// The changes of a picture of which only the bytes are known.
+    pub(super) const OF_BYTES: [Self; 5] = [
+        Self::UpsideDown,
+        Self::Mirrored,
+        Self::RedAndBlueSwapped,
+        Self::BytesGammaEncoded,
+        Self::GammaDecoded,
+    ];
+
+    /// Whether pixels change their places.
+    pub(super) fn moves(self) -> bool {
+        matches!(self, Self::UpsideDown | Self::Mirrored)
+    }
+
     /// The changed picture of these colours.
     pub(super) fn apply(self, colors: &FloatPicture) -> Picture {
         let width = colors.size[0];
         let channels = |change: fn(f64) -> f64| {
             let changed = colors.colors.iter().map(|color| Color::from_array(color.to_array().map(change)));
-            cut(&FloatPicture { size: colors.size, colors: changed.collect() })
+            FloatPicture { size: colors.size, colors: changed.collect() }.to_picture()
         };
         match self {
             Self::UpsideDown => {
@@ -65,6 +78,8 @@ impl PixelChange {
             Self::Times256 => channels(|channel| 256.0 / 255.0 * channel),
             Self::GammaEncoded => channels(|channel| libm::pow(channel.max(0.0), 1.0 / GAMMA)),
             Self::BytesGammaEncoded => {
+                let table: Vec<u8> = (0..=u8::MAX).map(encoded).collect();
+                let encoded = |byte: u8| table[usize::from(byte)];
                 rearranged(colors, |pixels| pixels.iter().map(|pixel| pixel.map(encoded)).collect())
             }
             Self::GammaDecoded => channels(|channel| libm::pow(channel.max(0.0), GAMMA)),
@@ -78,7 +93,7 @@ fn encoded(byte: u8) -> u8 {
 
 /// The picture of these colours with other pixels in place of its own.
 fn rearranged(colors: &FloatPicture, rearrange: impl Fn(&[Rgb]) -> Vec<Rgb>) -> Picture {
-    let picture = cut(colors);
+    let picture = colors.to_picture();
     let pixels = rearrange(pixels_of(&picture));
     Picture::from_rgb(picture.width(), picture.height(), pixels.into_flattened())
 }

@@ -1,13 +1,10 @@
 //! Mistakes in how rays are generated, traced and shaded.
 
+use super::Original;
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
 use super::textbook::Textbook;
-use super::{Original, cut};
-use crate::camera::Camera;
-use crate::grid::options::GridOptions;
-use crate::grid::{Caster, Instructions};
 use crate::picture::{CHANNELS, FloatPicture, Picture};
 use crate::render::Request;
 use crate::scene::material::{Material, Pattern};
@@ -127,20 +124,18 @@ fn is_checkerboard(material: &Material) -> bool {
 
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
-    let Original { renderer, structure, ref request, .. } = *original;
-    let world = renderer.world();
+    let Original { prepared, request, .. } = original;
+    let renderer = prepared.renderer();
     let paint = || {
-        let rays = request.camera_rays();
-        let options = GridOptions::new(structure.resolution(world, rays), world, rays, false);
-        let caster = Caster::with(world, options, Instructions::available()[0]).ok()?;
-        let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), world);
-        let textbook = Textbook { caster: &caster, effects: request.effects, rule, spaces: &spaces };
-        let camera = Camera::new(request.camera.as_ref().unwrap_or(&renderer.scene.camera), request.size);
+        let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+        let textbook =
+            Textbook { caster: prepared.caster(), effects: request.effects, rule, spaces: &spaces };
+        let camera = prepared.camera(request);
         let shift = rule.map_or(DVec2::ZERO, Rule::shift);
         paint(&camera, request, shift, &|ray| textbook.color(ray)).ok()
     };
     let colors = renderer.on_own_threads(paint)?;
-    Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { cut(&colors) })
+    Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 
 /// The bytes of colours whose product with 255 is rounded to single precision.
@@ -203,8 +198,10 @@ fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::causes::Cause;
+    use crate::causes::window::part;
     use crate::grid::options::Structure;
-    use crate::render::Request;
+    use crate::render::{Request, Window};
     use crate::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, filter::Filter, sampler};
     use crate::scene_io;
@@ -216,7 +213,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
         let original = Original::new(&renderer, Structure::Any, request).unwrap();
-        [cut(&original.colors), picture(&original, None).unwrap()]
+        [original.colors.to_picture(), picture(&original, None).unwrap()]
     }
 
     #[test]
@@ -237,6 +234,25 @@ mod tests {
             for request in [&one, &many] {
                 let [real, textbook] = both(scene, request);
                 assert!(real == textbook, "{scene}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_is_a_part_of_the_picture() {
+        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
+        let window = Window { x: 30, y: 7, width: 20, height: 9 };
+        for filter in [Filter::PIXEL, Filter::Gaussian { sigma: 0.7 }] {
+            let request = Request { sampler, filter, ..Request::new([50, 40]) };
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
+            let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
+            let mut original = Original::new(&renderer, Structure::Any, &request).unwrap();
+            let causes: Vec<Cause> = Cause::all().collect();
+            let whole: Vec<_> = causes.iter().map(|&cause| original.picture(cause)).collect();
+            original.request.window = Some(window);
+            for (cause, whole) in causes.into_iter().zip(whole) {
+                let expected = whole.map(|whole| part(&whole, window));
+                assert!(original.picture(cause) == expected, "{cause:?} {filter:?}");
             }
         }
     }

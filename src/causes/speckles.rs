@@ -6,8 +6,10 @@
 use super::Original;
 use crate::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
 use crate::picture::Picture;
+use crate::render::Request;
 use crate::scene::{Color, Light};
 use crate::trace::Shadows;
+use std::cell::OnceCell;
 
 /// Fewer pixels may be in a shadow of their own by chance.
 const MIN_PIXELS: f64 = 3.0;
@@ -21,11 +23,34 @@ const MAX_NEIGHBOURS: usize = 4;
 /// Pictures are made for all combinations of so many lights that do not reach a point.
 const MAX_LIGHTS: usize = 4;
 
-/// How many of the pixels in which `a` differs from `b` are speckles, if that is what distinguishes `a`.
-pub fn count(original: &Original, a: &Picture, b: &Picture) -> Option<usize> {
-    if !can_show(original) {
-        return None;
+/// The search for speckles.
+pub struct Speckles<'o> {
+    original: &'o Original<'o>,
+    /// The whole picture with each combination of lights that reach nothing, once it is needed.
+    shadowed: OnceCell<Vec<Picture>>,
+}
+
+impl<'o> Speckles<'o> {
+    pub fn new(original: &'o Original<'o>) -> Self {
+        Self { original, shadowed: OnceCell::new() }
     }
+
+    /// How many of the pixels in which `a` differs from `b` are speckles, if that is what distinguishes `a`. Both are
+    /// whole pictures.
+    pub fn count(&self, a: &Picture, b: &Picture) -> Option<usize> {
+        if !can_show(self.original) {
+            return None;
+        }
+        count(self.original, || self.shadowed.get_or_init(|| shadowed(self.original)), a, b)
+    }
+}
+
+fn count<'p>(
+    original: &Original,
+    shadowed: impl FnOnce() -> &'p Vec<Picture>,
+    a: &Picture,
+    b: &Picture,
+) -> Option<usize> {
     let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b);
     let is_enough = |count: usize| {
         let count = count as f64;
@@ -34,7 +59,7 @@ pub fn count(original: &Original, a: &Picture, b: &Picture) -> Option<usize> {
     if !is_enough(scattered.len()) {
         return None;
     }
-    let shadowed = shadowed(original);
+    let shadowed = shadowed();
     let is_shadowed =
         |&&at: &&usize| shadowed.iter().any(|picture| nearly(colors(picture)[at], colors(a)[at]));
     let speckles = scattered.iter().filter(is_shadowed).count();
@@ -44,7 +69,7 @@ pub fn count(original: &Original, a: &Picture, b: &Picture) -> Option<usize> {
 /// Whether speckles would be found. Where several samples share a pixel, it is darkened only in part.
 pub fn can_show(original: &Original) -> bool {
     let request = &original.request;
-    let lights = original.renderer.scene.lights.len();
+    let lights = original.renderer().scene.lights.len();
     request.effects.shadows != Shadows::None
         && (1..=MAX_LIGHTS).contains(&lights)
         && request.sampler.is_center()
@@ -97,7 +122,8 @@ fn is_darker(a: Rgb, b: Rgb) -> bool {
 
 /// The scene with each combination of lights that reach nothing.
 fn shadowed(original: &Original) -> Vec<Picture> {
-    let scene = &original.renderer.scene;
+    let scene = &original.renderer().scene;
+    let whole = Request { window: None, ..original.request.clone() };
     let combinations = 1..1_usize << scene.lights.len();
     let without = combinations.filter_map(|combination| {
         let mut scene = scene.clone();
@@ -105,7 +131,7 @@ fn shadowed(original: &Original) -> Vec<Picture> {
             let (Light::Directional { color, .. } | Light::Point { color, .. }) = light;
             *color = Color::ZERO;
         }
-        original.picture_of(scene)
+        original.picture_of(scene, &whole)
     });
     without.collect()
 }

@@ -46,7 +46,8 @@ impl Comparison {
     }
 }
 
-fn tolerance(raw: &Raw) -> Result<Option<Tolerance>, CliError> {
+/// The difference that still passes.
+pub(super) fn tolerance(raw: &Raw) -> Result<Option<Tolerance>, CliError> {
     let Some([levels, pixels]) = raw.values(&flags::TOLERANCE)? else { return Ok(None) };
     let number = |word, range| whole(word, range).map_err(|problem| bad(&flags::TOLERANCE, word, problem));
     let levels = number(levels, (0, u32::from(u8::MAX)))?;

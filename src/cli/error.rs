@@ -90,6 +90,13 @@ pub enum CliError {
         /// The flag.
         flag: &'static str,
     },
+    /// A flag about grading, without a folder to grade.
+    GradeNeeded {
+        /// The flag.
+        flag: &'static str,
+    },
+    /// `-grade` without anything to grade by.
+    ReferencesNeeded,
     /// Two flags that name the same output file.
     SameFile {
         /// The flag.
@@ -128,6 +135,8 @@ pub enum Problem {
     NotPicture,
     /// It is neither a dash nor does it have the file extension of a JSON document.
     NotJson,
+    /// It does not have the file extension of a page.
+    NotPage,
     /// It is outside the range of filter sizes.
     NotFilterSize,
     /// It is no kind of cost.
@@ -142,6 +151,7 @@ impl fmt::Display for Problem {
             Self::NotFinite => f.write_str("is not a finite number"),
             Self::Negative => f.write_str("is negative"),
             Self::NotScene => f.write_str("does not end in .txt"),
+            Self::NotPage => f.write_str("does not end in .html"),
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
             Self::NotJson => f.write_str("is neither - nor ends in .json"),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
@@ -182,6 +192,8 @@ impl CliError {
             Self::ComparisonNeeded { flag } => {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
+            Self::GradeNeeded { flag } => format!("`-{flag}` needs `-grade folder`"),
+            Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
             }

@@ -3,45 +3,7 @@
 //! A new flag needs one constant here, one entry in [`FLAGS`], and the code in `options.rs` that interprets
 //! it. The parser and the help text are generated from the table.
 
-/// The section of the help that lists a flag.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Section {
-    Pictures,
-    Shading,
-    Sampling,
-    Grid,
-    Comparison,
-    Statistics,
-    Preview,
-    Other,
-}
-
-impl Section {
-    /// All sections, in the order of the help.
-    pub const ALL: [Self; 8] = [
-        Self::Pictures,
-        Self::Shading,
-        Self::Sampling,
-        Self::Grid,
-        Self::Comparison,
-        Self::Statistics,
-        Self::Preview,
-        Self::Other,
-    ];
-
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Pictures => "Scene and pictures",
-            Self::Shading => "Shading",
-            Self::Sampling => "Sampling",
-            Self::Grid => "Grid",
-            Self::Comparison => "Comparison",
-            Self::Statistics => "Statistics",
-            Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
-            Self::Other => "Other",
-        }
-    }
-}
+use super::section::Section;
 
 /// A flag. Names are without the dash.
 #[derive(Debug)]
@@ -124,6 +86,9 @@ pub(super) const FLAGS: &[&Flag] = &[
     &REFERENCE,
     &DIFFERENCE,
     &TOLERANCE,
+    &GRADE,
+    &COMMANDS,
+    &REPORT,
     &STATS,
     &COST_MAP,
     &PIXEL,
@@ -289,7 +254,7 @@ pub(super) const REFERENCE: Flag = Flag::new(
     Section::Comparison,
     "reference",
     &["file"],
-    "The picture to compare with. Default: the rendered picture.",
+    "The picture to compare with, or the folder of pictures for -grade. Default: the rendered picture.",
 );
 pub(super) const DIFFERENCE: Flag = Flag::new(
     Section::Comparison,
@@ -302,6 +267,26 @@ pub(super) const TOLERANCE: Flag = Flag::new(
     "tolerance",
     &["levels", "n"],
     "Ends with status 3 if more than n pixels differ by more than this many levels.",
+);
+
+pub(super) const GRADE: Flag = Flag::new(
+    Section::Grading,
+    "grade",
+    &["folder"],
+    "Compares the pictures in every folder of this folder with those of -reference or -commands.",
+);
+pub(super) const COMMANDS: Flag = Flag::new(
+    Section::Grading,
+    "commands",
+    &["file"],
+    "The pictures to grade by are those that the command lines in this file render.",
+)
+.conflicts(&["reference"]);
+pub(super) const REPORT: Flag = Flag::new(
+    Section::Grading,
+    "report",
+    &["file"],
+    "Writes what -grade finds as a page, .html, and as a table beside it, .csv.",
 );
 
 pub(super) const STATS: Flag =

@@ -1,6 +1,7 @@
 //! The help text, generated from the table of flags.
 
-use super::flags::{FLAGS, Flag, Section};
+use super::flags::{FLAGS, Flag};
+use super::section::Section;
 
 /// The column at which the descriptions start.
 const INDENT: usize = 32;

@@ -6,16 +6,21 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
+mod commands;
 mod comparison;
 mod error;
 mod flags;
+mod grading;
 mod help;
 mod options;
 mod raw;
+mod section;
 mod values;
 
+pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
 pub use comparison::Comparison;
 pub use error::{CliError, Problem};
+pub use grading::{Grading, References};
 pub use options::{JsonTarget, Options, Output};
 use raw::{Raw, Stop};
 use std::ffi::OsString;
@@ -25,6 +30,8 @@ use std::ffi::OsString;
 pub enum Command {
     /// Render with these options.
     Render(Box<Options>),
+    /// Grade a folder with these options.
+    Grade(Grading),
     /// Print this text, which ends with a newline, on standard output.
     Help(String),
     /// Print this text, which ends with a newline, on standard output.
@@ -37,7 +44,10 @@ pub enum Command {
 /// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
-        Ok(raw) => Options::from_raw(&raw).map(|options| Command::Render(Box::new(options))),
+        Ok(raw) => match Grading::from_raw(&raw)? {
+            Some(grading) => Ok(Command::Grade(grading)),
+            None => Options::from_raw(&raw).map(|options| Command::Render(Box::new(options))),
+        },
         Err(Stop::Help) => Ok(Command::Help(help::text())),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),

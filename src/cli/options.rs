@@ -102,7 +102,7 @@ const MAX_FILTER: f64 = 1e6;
 const MAX_INT: u32 = i32::MAX as u32;
 /// The upper limit is far above the cores of any machine, and far below the number of threads that cannot be
 /// started.
-const THREAD_RANGE: (u32, u32) = (1, 4096);
+pub(super) const THREAD_RANGE: (u32, u32) = (1, 4096);
 /// The number of cells stays below this, so that the index of a cell fits into 32 bits.
 const CELL_LIMIT: u64 = 1 << 31;
 

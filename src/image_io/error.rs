@@ -65,6 +65,15 @@ pub enum ImageError {
         /// The height in pixels.
         height: u32,
     },
+    /// A picture of another size than the only one that is accepted.
+    OtherSize {
+        /// The path of the file.
+        path: PathBuf,
+        /// The width and height in pixels.
+        size: [u32; 2],
+        /// Those that were expected.
+        expected: [u32; 2],
+    },
     /// A TGA file of an unknown type.
     TgaType {
         /// The path of the file.
@@ -111,6 +120,10 @@ impl fmt::Display for ImageError {
             Self::NoHeader { path } => write!(f, "cannot read {}: it ends within its header", shown(path)),
             Self::Short { path, width, height } => {
                 write!(f, "cannot read {}: it is too short for {width} x {height} pixels", shown(path))
+            }
+            Self::OtherSize { path, size: [width, height], expected: [w, h] } => {
+                let path = shown(path);
+                write!(f, "cannot read {path}: its size is {width} x {height} pixels instead of {w} x {h}")
             }
             Self::TgaType { path, image_type } => {
                 write!(f, "cannot read {}: TGA of type {image_type} is not supported", shown(path))

@@ -33,13 +33,23 @@ const TGA_HEADER: usize = 18;
 /// against the file's length before memory is allocated for it, and a picture of more than 512 MiB is an
 /// error.
 pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
+    read(path, None)
+}
+
+/// Reads a picture like [`read_picture`], of this width and height in pixels. One of another size is an error, for which
+/// no memory is allocated.
+pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, ImageError> {
+    read(path, Some(size))
+}
+
+fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<Picture, ImageError> {
     let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
     let failed = |error| ImageError::io("read", path, error);
     let found = fs::metadata(path).map_err(failed)?;
     if !found.is_file() {
         return Err(ImageError::NotAFile { path: path.to_owned() });
     }
-    let file = InputFile { path, length: found.len() };
+    let file = InputFile { path, length: found.len(), expected };
     let reader = BufReader::new(File::open(path).map_err(failed)?);
     match format {
         Format::Tga => file.read_tga(reader),
@@ -47,10 +57,14 @@ pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
     }
 }
 
-/// The path of a file, for messages, and its length in bytes.
+/// A file that is to be read.
 struct InputFile<'a> {
+    /// For messages.
     path: &'a Path,
+    /// In bytes.
     length: u64,
+    /// The only size that is accepted, if not all are.
+    expected: Option<[u32; 2]>,
 }
 
 impl InputFile<'_> {
@@ -78,6 +92,13 @@ impl InputFile<'_> {
         let ((width, height), color_type) = (decoder.dimensions(), decoder.color_type());
         if u64::from(width) * u64::from(height) > max_pixels {
             return Err(self.short(width, height));
+        }
+        if let Some(expected) = self.expected.filter(|&expected| expected != [width, height]) {
+            return Err(ImageError::OtherSize {
+                path: self.path.to_owned(),
+                size: [width, height],
+                expected,
+            });
         }
         let bytes = Some(decoder.total_bytes()).filter(|&bytes| bytes <= MAX_BYTES);
         let too_large = || ImageError::Memory {

@@ -8,7 +8,7 @@ mod text;
 mod writer;
 
 pub use error::ImageError;
-pub use input::read_picture;
+pub use input::{read_picture, read_picture_of_size};
 pub use output::OutputFile;
 pub use text::TextFile;
 pub use writer::PictureWriter;

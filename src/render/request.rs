@@ -82,13 +82,13 @@ impl Request {
     }
 
     /// The columns that are rendered.
-    pub(super) fn columns(&self) -> Range<usize> {
+    pub(crate) fn columns(&self) -> Range<usize> {
         let [width, _] = self.size;
         self.window.map_or(0..width, |w| w.x.min(width)..w.x.saturating_add(w.width).min(width))
     }
 
     /// The rows that are rendered, counted from the bottom as the camera counts them.
-    pub(super) fn rows(&self) -> Range<usize> {
+    pub(crate) fn rows(&self) -> Range<usize> {
         let [_, height] = self.size;
         let from_top = |w: Window| w.y.min(height)..w.y.saturating_add(w.height).min(height);
         let rows = self.window.map_or(0..height, from_top);

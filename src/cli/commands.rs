@@ -1,0 +1,105 @@
+//! Files of command lines, such as the course's.
+
+use super::error::CliError;
+use super::options::Options;
+use super::{Command, parse};
+use crate::render::Layer;
+use std::ffi::OsString;
+use std::fmt;
+
+/// A command line that renders a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendering {
+    /// Its number in the file, from 1.
+    pub line: usize,
+    /// What it asks for. There is a scene.
+    pub options: Options,
+}
+
+/// A line that cannot be used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommandsError {
+    /// Its number in the file, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub problem: CommandsProblem,
+}
+
+/// What is wrong with a command line in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CommandsProblem {
+    /// It is no valid command line.
+    Invalid(CliError),
+    /// It does something else than to render a scene.
+    NotRendering,
+    /// It draws a map of costs, which no other program can be asked for.
+    CostMap,
+}
+
+/// The command lines of a text. Each starts with the name of the program, which may be any; words are separated by
+/// white space. Empty lines, and those that start with `#`, are skipped.
+pub fn parse_commands(text: &str) -> Result<Vec<Rendering>, CommandsError> {
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    let commands = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    commands
+        .map(|(line, words)| match rendering(words) {
+            Ok(options) => Ok(Rendering { line, options }),
+            Err(problem) => Err(CommandsError { line, problem }),
+        })
+        .collect()
+}
+
+fn rendering(line: &str) -> Result<Options, CommandsProblem> {
+    match parse(line.split_whitespace().map(OsString::from)) {
+        Ok(Command::Render(options)) if options.input.is_none() => Err(CommandsProblem::NotRendering),
+        Ok(Command::Render(options)) if options.outputs.iter().any(|output| is_cost(output.layer)) => {
+            Err(CommandsProblem::CostMap)
+        }
+        Ok(Command::Render(options)) => Ok(*options),
+        Ok(_) => Err(CommandsProblem::NotRendering),
+        Err(error) => Err(CommandsProblem::Invalid(error)),
+    }
+}
+
+fn is_cost(layer: Layer) -> bool {
+    matches!(layer, Layer::Cost(_))
+}
+
+impl fmt::Display for CommandsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: ", self.line)?;
+        match &self.problem {
+            CommandsProblem::Invalid(error) => error.fmt(f),
+            CommandsProblem::NotRendering => f.write_str("the command does not render a scene"),
+            CommandsProblem::CostMap => f.write_str("a cost map is nothing to grade by"),
+        }
+    }
+}
+
+impl std::error::Error for CommandsError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_numbered_and_comments_skipped() {
+        let text = "# a\n\nraytracer -input a.txt -output a.tga\r\n  ./rt -input b.txt -size 7 8\n";
+        let found = parse_commands(text).unwrap();
+        assert_eq!(found.iter().map(|rendering| rendering.line).collect::<Vec<_>>(), [3, 4]);
+        assert_eq!(found[1].options.size, [7, 8]);
+    }
+
+    #[test]
+    fn a_line_that_cannot_be_used_is_named() {
+        for (line, message) in [
+            ("rt -input a.txt -sise 1 1", "line 2: unknown flag `-sise`; did you mean `-size`?"),
+            ("rt -help", "line 2: the command does not render a scene"),
+            ("rt -compare a.tga -reference b.tga", "line 2: the command does not render a scene"),
+            ("rt -grade a -reference b", "line 2: the command does not render a scene"),
+            ("rt -input a.txt -cost_map rays a.tga", "line 2: a cost map is nothing to grade by"),
+        ] {
+            assert_eq!(parse_commands(&format!("\n{line}")).unwrap_err().to_string(), message);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The flags about the grading of a folder.
+
+use super::comparison::tolerance;
+use super::error::{CliError, Problem};
+use super::flags::{self, FLAGS, Flag};
+use super::options::THREAD_RANGE;
+use super::raw::Raw;
+use super::values::{bad, ends_in, wholes};
+use crate::compare::Tolerance;
+use std::path::PathBuf;
+
+/// A folder with a folder of pictures for every name, and what they are to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grading {
+    /// The folder of folders.
+    pub folder: PathBuf,
+    /// What the pictures are compared with.
+    pub references: References,
+    /// The page, whose name ends in `.html`.
+    pub report: Option<PathBuf>,
+    /// The difference that passes; none if none was named.
+    pub tolerance: Option<Tolerance>,
+    /// The number of threads, 1 to 4096; `None` for all cores.
+    pub threads: Option<usize>,
+}
+
+/// Where the reference pictures come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum References {
+    /// The picture files of a folder.
+    Folder(PathBuf),
+    /// Rendered by the command lines in a file.
+    Commands(PathBuf),
+}
+
+/// The flags that a grading understands.
+const UNDERSTOOD: [&Flag; 6] =
+    [&flags::GRADE, &flags::REFERENCE, &flags::COMMANDS, &flags::REPORT, &flags::TOLERANCE, &flags::THREADS];
+
+impl Grading {
+    /// The grading that the flags ask for, if they do.
+    pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
+        let path = |flag| Ok(raw.values(flag)?.map(|[word]| PathBuf::from(word)));
+        let Some(folder) = path(&flags::GRADE)? else { return refuse_without_folder(raw) };
+        let is_foreign = |flag: &&&Flag| {
+            raw.given(flag) && !UNDERSTOOD.iter().any(|understood| understood.name == flag.name)
+        };
+        if let Some(flag) = FLAGS.iter().find(is_foreign) {
+            return Err(CliError::Conflict { flag: flags::GRADE.name.into(), other: flag.name.into() });
+        }
+        let references = match (path(&flags::REFERENCE)?, path(&flags::COMMANDS)?) {
+            (Some(folder), _) => References::Folder(folder),
+            (None, Some(file)) => References::Commands(file),
+            (None, None) => return Err(CliError::ReferencesNeeded),
+        };
+        let threads = wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize);
+        Ok(Some(Self { folder, references, report: report(raw)?, tolerance: tolerance(raw)?, threads }))
+    }
+}
+
+fn refuse_without_folder(raw: &Raw) -> Result<Option<Grading>, CliError> {
+    match [&flags::COMMANDS, &flags::REPORT].into_iter().find(|flag| raw.given(flag)) {
+        Some(flag) => Err(CliError::GradeNeeded { flag: flag.name }),
+        None => Ok(None),
+    }
+}
+
+fn report(raw: &Raw) -> Result<Option<PathBuf>, CliError> {
+    match raw.values(&flags::REPORT)? {
+        Some([word]) if !ends_in(word, ".html") => Err(bad(&flags::REPORT, word, Problem::NotPage)),
+        words => Ok(words.map(|[word]| word.into())),
+    }
+}

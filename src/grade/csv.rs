@@ -1,0 +1,58 @@
+//! A table of results as comma-separated values (RFC 4180), a line for each picture of each name.
+
+use super::{Cell, Table};
+
+const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
+                    root mean square error,mean FLIP,reason\r\n";
+
+/// The table's lines, name by name.
+pub fn csv(table: &Table) -> String {
+    let rows = table.names.iter().enumerate();
+    let lines = rows.flat_map(|(row, name)| {
+        table.columns.iter().map(move |column| line(name, &column.picture, &column.cells[row]))
+    });
+    std::iter::once(HEAD.to_owned()).chain(lines).collect()
+}
+
+fn line(name: &str, picture: &str, cell: &Cell) -> String {
+    let numbers = match cell {
+        Cell::Equal => ["0", "0", "0", "0", "0"].map(str::to_owned),
+        Cell::Different { comparison, .. } => [
+            comparison.pixels_that_differ().to_string(),
+            comparison.pixels_differing_by_more_than(1).to_string(),
+            comparison.largest.map_or(0, |largest| largest.levels).to_string(),
+            format!("{:.6}", comparison.root_mean_square_error),
+            format!("{:.6}", comparison.mean_flip),
+        ],
+        Cell::Missing | Cell::Unusable(_) | Cell::Ungraded => Default::default(),
+    };
+    let reason = cell.reason().unwrap_or_default();
+    let (name, picture) = (field(name), field(picture));
+    format!("{name},{picture},{},{},{}\r\n", cell.verdict().word(), numbers.join(","), field(&reason))
+}
+
+/// A text between quotes. One that a spreadsheet would take for a formula starts with an apostrophe.
+fn field(text: &str) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    let apostrophe = if is_formula { "'" } else { "" };
+    format!("\"{apostrophe}{}\"", text.replace('"', "\"\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_neither_end_nor_compute() {
+        for (text, expected) in [
+            ("anna", "\"anna\""),
+            ("a,\"b\"\n", "\"a,\"\"b\"\"\n\""),
+            ("=1+1", "\"'=1+1\""),
+            ("-a", "\"'-a\""),
+            ("@a", "\"'@a\""),
+            ("a=1", "\"a=1\""),
+        ] {
+            assert_eq!(field(text), expected);
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! The results as a block like that of the statistics.
+
+use super::{Score, Table};
+use crate::escape::escape;
+use crate::stats::RULE;
+use std::fmt::Write;
+
+/// How many pictures pass: of all, of each name, and of each picture.
+pub fn summary(table: &Table) -> String {
+    let mut text = format!("{RULE}\nGRADING\n");
+    let tolerance = table.tolerance;
+    add(&mut text, "tolerance", &format!("{} levels, {} pixels", tolerance.levels, tolerance.pixels));
+    add(&mut text, "pictures that pass", &of(table.score()));
+    text += "NAMES\n";
+    for (row, name) in table.names.iter().enumerate() {
+        add(&mut text, &escape(name), &of(table.score_of_row(row)));
+    }
+    text += "PICTURES\n";
+    for column in &table.columns {
+        let result = column.problem.as_ref().map_or_else(|| of(Score::of(&column.cells)), |_| "NULL".into());
+        add(&mut text, &escape(&column.picture), &result);
+    }
+    text + RULE + "\n"
+}
+
+fn add(text: &mut String, label: &str, value: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "  {label:<26} {value}");
+}
+
+fn of(score: Score) -> String {
+    format!("{} of {}", score.passed, score.graded)
+}

@@ -1,0 +1,91 @@
+//! A run that grades a folder: it is read, and the page and the table of the results are written.
+
+mod folder;
+mod progress;
+mod references;
+
+use crate::failed;
+use crate::job::Outcome;
+use folder::Folder;
+use progress::Progress;
+use rayon::ThreadPool;
+use raytracer::cli::Grading;
+use raytracer::compare::Tolerance;
+use raytracer::escape::escape;
+use raytracer::grade::{Column, Page, Table, csv, summary};
+use raytracer::image_io::TextFile;
+use references::{Reference, References};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Compares everything with its reference. Warnings go to `tell`; an error is the message that ends the program.
+pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
+    let threads: Arc<ThreadPool> = Arc::new(threads.use_current_thread().build().map_err(failed)?);
+    let folder = Folder::open(&options.folder)?;
+    let references = References::open(&options.references, &threads)?;
+    // A file that cannot be written is no reason to wait for the comparison.
+    let files = options.report.as_deref().map(prepare).transpose()?;
+
+    let page = files.is_some().then(Page::default);
+    let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
+    let mut progress = Progress::new(references.len());
+    let mut columns = Vec::with_capacity(references.len());
+    for (index, name) in references.names().enumerate() {
+        progress.next(&escape(&name.to_string_lossy()));
+        columns.push(references.with(index, |reference| grader.column(name, reference)));
+    }
+    progress.end();
+
+    let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
+    problems
+        .for_each(|(name, problem)| tell(&format!("warning: no reference for {}: {problem}", escape(name))));
+    let notes = folder.notes(&references);
+    let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
+    if let (Some([page, values]), Some(shown)) = (files, grader.page) {
+        page.write(&shown.finish(&table)).map_err(failed)?;
+        values.write(&csv(&table)).map_err(failed)?;
+    }
+    Ok(Outcome { text: summary(&table), passes: options.tolerance.is_none() || table.passes() })
+}
+
+/// The files of the page and of the table beside it.
+fn prepare(page: &Path) -> Result<[TextFile; 2], String> {
+    let [page, values] = [page.to_owned(), page.with_extension("csv")].map(|file| TextFile::prepare(&file));
+    Ok([page.map_err(failed)?, values.map_err(failed)?])
+}
+
+/// Compares one picture of all names after the other.
+struct Grader<'f> {
+    folder: &'f Folder,
+    tolerance: Tolerance,
+    /// If one is wanted.
+    page: Option<Page>,
+}
+
+impl Grader<'_> {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Column {
+        let shown = name.to_string_lossy().into_owned();
+        match reference {
+            Ok(reference) => self.graded(name, shown, reference),
+            Err(problem) => {
+                self.page.iter_mut().for_each(Page::add_ungraded);
+                Column::ungraded(shown, problem, self.folder.len())
+            }
+        }
+    }
+
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Column {
+        let Reference { picture, source } = reference;
+        let submissions = self.folder.submissions(name, [picture.width(), picture.height()]);
+        // Causes stand in the report alone.
+        let is_wanted = self.page.is_some();
+        let explain = |wrong: &[_]| if is_wanted { source.explain(wrong, &picture) } else { Vec::new() };
+        let (column, wrong) = Column::graded(shown, &picture, submissions, self.tolerance, explain);
+        if let Some(page) = &mut self.page {
+            page.add(&picture, &wrong);
+        }
+        column
+    }
+}

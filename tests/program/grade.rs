@@ -1,0 +1,339 @@
+//! `-grade`: a folder of everybody's pictures against references, and the page and the table of the results.
+
+use crate::support::{Folder, Run, only_line, program, sphere};
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::symlink;
+use std::process::Command;
+
+const COMMANDS: &str = "# the pictures of the exercise
+rt -input s.txt -size 24 18 -output some/where/o.tga
+rt -input s.txt -size 24 18 -depth 8 9 d.tga
+";
+
+/// A folder with a scene, its pictures as `o.tga` and `d.tga` in `ref`, and those of anna, which are right.
+fn folder() -> Folder {
+    let folder = Folder::with_scene(&sphere());
+    folder.write("commands.txt", COMMANDS);
+    ["ref", "class", "class/anna"].iter().for_each(|name| make(&folder, name));
+    folder.run("-input s.txt -size 24 18 -output ref/o.tga -depth 8 9 ref/d.tga").ok();
+    ["o.tga", "d.tga"].iter().for_each(|name| hand_in(&folder, "anna", name, &picture(&folder, name)));
+    folder
+}
+
+fn make(folder: &Folder, name: &str) {
+    fs::create_dir_all(folder.path().join(name)).unwrap();
+}
+
+/// The bytes of a reference.
+fn picture(folder: &Folder, name: &str) -> Vec<u8> {
+    folder.read(&format!("ref/{name}"))
+}
+
+fn hand_in(folder: &Folder, who: &str, name: &str, bytes: &[u8]) {
+    make(folder, &format!("class/{who}"));
+    folder.write(&format!("class/{who}/{name}"), bytes);
+}
+
+/// The same picture with its rows in the opposite order.
+fn upside_down(bytes: &[u8]) -> Vec<u8> {
+    let rows = bytes[18..].chunks(24 * 3).rev();
+    [&bytes[..18], &rows.collect::<Vec<_>>().concat()].concat()
+}
+
+/// The same picture with one level less in so many bytes from the middle on.
+fn darkened(bytes: &[u8], count: usize) -> Vec<u8> {
+    let mut changed = bytes.to_vec();
+    let middle = 18 + 9 * 24 * 3 + 24;
+    changed[middle..middle + count].iter_mut().for_each(|byte| *byte -= 1);
+    changed
+}
+
+/// The lines of the table, without its head.
+fn table(folder: &Folder) -> Vec<String> {
+    let text = String::from_utf8(folder.read("page.csv")).unwrap();
+    text.lines().skip(1).map(str::to_owned).collect()
+}
+
+/// The line of one picture, from the result on.
+fn result(folder: &Folder, who: &str, name: &str) -> String {
+    let start = format!("\"{who}\",\"{name}\",");
+    let found: Vec<String> =
+        table(folder).iter().filter_map(|line| line.strip_prefix(&start).map(Into::into)).collect();
+    assert_eq!(found.len(), 1, "{start}: {:?}", table(folder));
+    found[0].clone()
+}
+
+fn grade(folder: &Folder) -> Run {
+    folder.run("-grade class -commands commands.txt -report page.html").ok()
+}
+
+#[test]
+fn the_summary_counts_what_passes() {
+    let folder = folder();
+    hand_in(&folder, "bela", "o.tga", &darkened(&picture(&folder, "o.tga"), 4));
+    let block = |passed: &str, o: &str, bela: &str| {
+        format!(
+            "********************************************\nGRADING\n  tolerance                  {passed}\nNAMES\n  \
+             anna                       2 of 2\n  bela                       {bela} of 2\nPICTURES\n  \
+             o.tga                      {o} of 2\n  d.tga                      1 of 2\n\
+             ********************************************\n"
+        )
+    };
+    let run = grade(&folder);
+    assert_eq!(run.stderr, "");
+    assert_eq!(run.stdout, block("0 levels, 0 pixels\n  pictures that pass         2 of 4", "1", "0"));
+    let run = folder.run("-grade class -commands commands.txt -tolerance 1 0");
+    assert_eq!(run.status, Some(3), "one is missing");
+    assert_eq!(run.stdout, block("1 levels, 0 pixels\n  pictures that pass         3 of 4", "2", "1"));
+}
+
+#[test]
+fn a_tolerance_makes_it_a_check() {
+    let folder = folder();
+    hand_in(&folder, "bela", "o.tga", &darkened(&picture(&folder, "o.tga"), 9));
+    hand_in(&folder, "bela", "d.tga", &picture(&folder, "d.tga"));
+    for (tolerance, status) in [("", 0), ("-tolerance 0 0", 3), ("-tolerance 0 2", 3), ("-tolerance 0 3", 0)]
+    {
+        let run = folder.run(&format!("-grade class -reference ref {tolerance}"));
+        assert_eq!(run.status, Some(status), "{tolerance}: {run:?}");
+    }
+}
+
+#[test]
+fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
+    let folder = Folder::with_scene(&sphere().replace("0 0 0 radius .7", ".3 .2 0 radius .5"));
+    folder.write("commands.txt", COMMANDS);
+    folder.run("-input s.txt -size 24 18 -output o.tga -depth 8 9 d.tga").ok();
+    make(&folder, "ref");
+    ["o.tga", "d.tga"].iter().for_each(|name| folder.write(&format!("ref/{name}"), folder.read(name)));
+    for name in ["o.tga", "d.tga"] {
+        hand_in(&folder, "over", name, &upside_down(&folder.read(name)));
+    }
+    folder.write(
+        "reversed.txt",
+        String::from_utf8(folder.read("s.txt"))
+            .unwrap()
+            .replace("direction 0 0 -1 color", "direction 0 0 1 color"),
+    );
+    make(&folder, "class/light");
+    folder.run("-input reversed.txt -size 24 18 -output class/light/o.tga").ok();
+    grade(&folder);
+    for (who, name, end) in [
+        ("over", "o.tga", "\"upside down\""),
+        ("over", "d.tga", "\"upside down\""),
+        ("light", "o.tga", "\"with directional lights from the other side\""),
+    ] {
+        assert!(result(&folder, who, name).ends_with(end), "{}", result(&folder, who, name));
+    }
+    folder.run("-grade class -reference ref -report page.html").ok();
+    assert!(result(&folder, "over", "o.tga").ends_with("\"upside down\""));
+    assert!(result(&folder, "light", "o.tga").ends_with("\"unknown (4 causes tried)\""));
+}
+
+#[test]
+fn what_is_no_picture_is_a_cell() {
+    let folder = folder();
+    let right = picture(&folder, "o.tga");
+    let huge = [&[0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 24, 32], &right[18..]].concat();
+    let packed = [&[0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 24, 32], &right[18..]].concat();
+    let mut other_size = right.clone();
+    (other_size[12], other_size[14]) = (18, 24);
+    for (who, bytes) in [
+        ("short", &right[..right.len() - 1]),
+        ("header", &right[..10]),
+        ("empty", &[]),
+        ("huge", &huge),
+        ("packed", &packed),
+        ("other", &other_size),
+        ("text", b"no picture at all, but long enough for a header"),
+    ] {
+        hand_in(&folder, who, "o.tga", bytes);
+    }
+    make(&folder, "class/nothing");
+    make(&folder, "class/folder/o.tga");
+    make(&folder, "class/fifo");
+    assert!(Command::new("mkfifo").arg(folder.path().join("class/fifo/o.tga")).status().unwrap().success());
+    make(&folder, "class/link");
+    symlink("../anna/o.tga", folder.path().join("class/link/o.tga")).unwrap();
+    make(&folder, "class/dangling");
+    symlink("nowhere", folder.path().join("class/dangling/o.tga")).unwrap();
+    assert_eq!(grade(&folder).stderr, "");
+    for (who, expected) in [
+        ("anna", "passed,0,0,0,0,0,\"\""),
+        ("nothing", "missing,,,,,,\"\""),
+        ("short", "unusable,,,,,,\"it is too short for 24 x 18 pixels\""),
+        ("header", "unusable,,,,,,\"it ends within its header\""),
+        ("empty", "unusable,,,,,,\"it ends within its header\""),
+        ("huge", "unusable,,,,,,\"it is too short for 65535 x 65535 pixels\""),
+        ("packed", "unusable,,,,,,\"it is too short for 65535 x 65535 pixels\""),
+        ("other", "unusable,,,,,,\"its size is 18 x 24 pixels instead of 24 x 18\""),
+        ("text", "unusable,,,,,,\"TGA of type 32 is not supported\""),
+        ("folder", "unusable,,,,,,\"it is not a regular file\""),
+        ("fifo", "unusable,,,,,,\"it is not a regular file\""),
+        ("link", "unusable,,,,,,\"it is a link\""),
+        ("dangling", "unusable,,,,,,\"it is a link\""),
+    ] {
+        assert_eq!(result(&folder, who, "o.tga"), expected, "{who}");
+    }
+}
+
+#[test]
+fn names_are_text_and_nothing_else() {
+    let folder = folder();
+    let wrong = upside_down(&darkened(&picture(&folder, "o.tga"), 4));
+    for who in ["<script>alert(1)", "\"a' onclick=x", "=1+1", "a,b"] {
+        hand_in(&folder, who, "o.tga", &wrong);
+    }
+    hand_in(&folder, "anna", "<b>.tga", b"");
+    let strange = folder.path().join("class").join(OsStr::from_bytes(b"\xff\x1b[2J"));
+    fs::create_dir(strange).unwrap();
+    folder.write("class/notes.doc", "");
+    make(&folder, "class/.git");
+    let run = grade(&folder);
+    assert!(
+        run.stdout.contains("\n  \u{fffd}\\u{1b}[2J ") && !run.stdout.contains('\u{1b}'),
+        "{}",
+        run.stdout
+    );
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    for text in [
+        ">&lt;script&gt;alert(1)<",
+        ">&quot;a&#39; onclick=x<",
+        ">\u{fffd}\\u{1b}[2J<",
+        "<li>notes.doc: not a folder</li>",
+        "<li>anna: no reference for &lt;b&gt;.tga</li>",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(!page.contains(".git") && page.matches("<script").count() == 2);
+    assert!(table(&folder).iter().any(|line| line.starts_with("\"'=1+1\",\"o.tga\",failed,")));
+    assert!(table(&folder).iter().any(|line| line.starts_with("\"a,b\",\"o.tga\",failed,")));
+}
+
+#[test]
+fn the_page_is_one_file_and_has_a_wrong_picture_once() {
+    let folder = folder();
+    let wrong = upside_down(&darkened(&picture(&folder, "o.tga"), 4));
+    ["b", "c", "d"].iter().for_each(|who| hand_in(&folder, who, "o.tga", &wrong));
+    grade(&folder);
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    assert!(page.contains("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';"));
+    for outside in ["http:", "https:", "<link", "<img", "src=", "@import", "url(h"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    let (_, pictures) = page.split_once("id=\"pictures\">[").unwrap();
+    let pictures = pictures.split_once(']').unwrap().0;
+    assert_eq!(pictures.split(',').count(), 2, "the reference and the wrong one");
+    assert_eq!(page.matches("<td class=\"failed\" data-a=\"1\" data-b=\"0\"").count(), 3);
+    // One thumbnail of each reference, and one of the wrong picture.
+    assert_eq!(page.matches("{background-image:").count(), 3);
+}
+
+#[test]
+fn the_last_of_the_lines_that_write_a_picture_counts() {
+    let folder = folder();
+    folder.write(
+        "commands.txt",
+        "rt -input s.txt -size 9 9 -output o.tga\nrt -input s.txt -size 24 18 -output o.tga",
+    );
+    assert!(grade(&folder).stdout.contains("pictures that pass         1 of 1\n"));
+}
+
+#[test]
+fn a_missing_reference_is_told() {
+    let folder = folder();
+    folder.write("commands.txt", format!("{COMMANDS}rt -input none.txt -output n.tga"));
+    let run = folder.run("-grade class -commands commands.txt -report page.html").ok();
+    let start = "warning: no reference for n.tga: none.txt: error: cannot read the scene: ";
+    assert!(only_line(&run.stderr).starts_with(start), "{}", run.stderr);
+    assert!(run.stdout.contains("\n  n.tga                      NULL\n"), "{}", run.stdout);
+    assert_eq!(result(&folder, "anna", "n.tga"), "no reference,,,,,,\"\"");
+    let checked = folder.run("-grade class -commands commands.txt -tolerance 0 0");
+    assert_eq!(checked.status, Some(3), "not everything was checked");
+    folder.write("ref/broken.png", "none");
+    let run = folder.run("-grade class -reference ref").ok();
+    let start = "warning: no reference for broken.png: cannot read `ref/broken.png`: ";
+    assert!(only_line(&run.stderr).starts_with(start), "{}", run.stderr);
+}
+
+#[test]
+fn grids_and_normals_are_graded_too() {
+    let folder = folder();
+    folder.write(
+        "commands.txt",
+        "rt -input s.txt -size 24 18 -grid 4 4 4 -visualize_grid -output g.tga -normals n.tga",
+    );
+    folder.run("-input s.txt -size 24 18 -grid 4 4 4 -visualize_grid -output class/anna/g.tga -normals class/anna/n.tga").ok();
+    assert!(grade(&folder).stdout.contains("pictures that pass         2 of 2\n"));
+}
+
+#[test]
+fn the_results_do_not_depend_on_the_threads() {
+    let folder = folder();
+    for n in 0..5 {
+        hand_in(&folder, &format!("n{n}"), "o.tga", &darkened(&picture(&folder, "o.tga"), 3 * n));
+    }
+    let mut found = Vec::new();
+    for threads in [1, 3] {
+        let line = format!("-grade class -commands commands.txt -report page.html -threads {threads}");
+        found.push((folder.run(&line).ok().stdout, folder.read("page.html"), folder.read("page.csv")));
+    }
+    assert!(found[0] == found[1]);
+}
+
+#[test]
+fn a_command_line_that_makes_no_sense_is_refused() {
+    let folder = folder();
+    for (line, message) in [
+        ("-grade class", "`-grade` needs `-reference folder` or `-commands file`"),
+        ("-report page.html", "`-report` needs `-grade folder`"),
+        ("-input s.txt -commands commands.txt", "`-commands` needs `-grade folder`"),
+        ("-grade class -reference ref -report page.txt", "`-report`: `page.txt` does not end in .html"),
+        (
+            "-grade class -reference ref -commands commands.txt",
+            "`-reference` cannot be combined with `-commands`",
+        ),
+        ("-grade class -reference ref -input s.txt", "`-grade` cannot be combined with `-input`"),
+        ("-grade class -reference ref -stats", "`-grade` cannot be combined with `-stats`"),
+        ("-grade class -reference ref -compare o.tga", "`-grade` cannot be combined with `-compare`"),
+    ] {
+        assert_eq!(only_line(&folder.run(line).message(2)), format!("error: {message}"), "{line}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_or_written_ends_the_run() {
+    let folder = folder();
+    make(&folder, "hollow");
+    folder.write("bad.txt", "\nrt -input s.txt -sise 3 3");
+    folder.write("idle.txt", "rt -input s.txt -stats");
+    let with = |flags: &str| folder.run(flags).message(1);
+    for (line, start) in [
+        ("-grade none -reference ref", "error: cannot read the folder `none`: "),
+        ("-grade s.txt -reference ref", "error: cannot read the folder `s.txt`: "),
+        ("-grade hollow -reference ref", "error: `hollow` has no folder of pictures in it"),
+        ("-grade class -reference none", "error: cannot read the folder `none`: "),
+        ("-grade class -reference hollow", "error: there is no picture to grade by"),
+        ("-grade class -commands ref", "error: cannot read the commands `ref`: it is not a regular file"),
+        ("-grade class -commands bad.txt", "error: `bad.txt`, line 2: unknown flag `-sise`"),
+        ("-grade class -commands idle.txt", "error: there is no picture to grade by"),
+        ("-grade class -reference ref -report none/p.html", "error: cannot write `none/p.html`: "),
+    ] {
+        let message = with(line);
+        assert!(only_line(&message).starts_with(start), "{line}: {message}");
+    }
+    // The table cannot be written, so that the page is not either.
+    make(&folder, "page.csv");
+    with("-grade class -reference ref -report page.html");
+    assert!(!folder.names().contains(&"page.html".into()));
+}
+
+#[test]
+fn progress_is_for_terminals_alone() {
+    let folder = folder();
+    let run =
+        crate::support::finish(&mut program(folder.path(), ["-grade", "class", "-reference", "ref"])).ok();
+    assert_eq!(run.stderr, "");
+}
