@@ -18,7 +18,8 @@ pub fn exp_of_negative<F: F64x4>(x: F) -> F {
         -1.6533902205465252e-6,
         4.1381367970572385e-8,
     ];
-    // Above the first, k is 0; above the second, exp(x) is 1 + x. `libm::exp` compares the upper halves of the bits.
+    // Above the first, k is 0; above the second, exp(x) is 1 + x. `libm::exp` compares the upper halves of the
+    // bits.
     let (no_multiple, no_square) =
         (-f64::from_bits(0x3FD6_2E42_FFFF_FFFF), -f64::from_bits(0x3E30_0000_FFFF_FFFF));
     let splat = |number: f64| x.broadcast(number);

@@ -14,6 +14,20 @@ pub struct Sphere {
     pub radius: f64,
 }
 
+/// The error bound of a point's power, in roundings of the sum of both squares (`proofs/sphere_power.g`).
+const POWER_ROUNDINGS: f64 = 8.0;
+
+/// How many times that bound the line of a ray must be outside of the sphere to miss it surely, however b and the
+/// direction's squared length are rounded.
+const BESIDE: f64 = 3.0;
+
+/// The quadratic a t^2 - 2 b t + c, whose roots are c / q and q / a.
+struct Quadratic {
+    a: f64,
+    b: f64,
+    q: f64,
+}
+
 impl Sphere {
     /// The tight bounding box.
     pub fn bounds(&self) -> Aabb {
@@ -21,8 +35,37 @@ impl Sphere {
     }
 
     /// The nearest t on the ray: the smaller root, or the larger one where the smaller is not on the ray.
+    ///
+    /// Most rays that start on the sphere, and those that pass beside it, are decided by the origin's power without
+    /// double-double arithmetic or divisions. `proofs/sphere_power.g` proves the error bound.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let from_center = ray.origin - self.center;
+        let (power, bound) = self.power_and_error_bound(from_center);
+        let starts_here = ray.t_min >= 0.0;
+        if power > bound {
+            let b = -from_center.dot(ray.direction);
+            let is_beside = b * b < ray.direction.length_squared() * (power - BESIDE * bound);
+            // Both roots have the sign of b.
+            if is_beside || starts_here && b <= 0.0 {
+                return None;
+            }
+        }
+        if power < -bound && starts_here {
+            // One root is negative, and the other one does not depend on the power where b is positive.
+            let Quadratic { a, b, q } = self.quadratic(ray.origin, ray.direction)?;
+            if b > 0.0 {
+                return Some(q / a).filter(|&t| ray.covers(t));
+            }
+        }
         first_on_ray(self.roots(ray.origin, ray.direction)?, ray)
+    }
+
+    /// The power of a point, and a bound on its error in double precision.
+    #[inline(always)]
+    fn power_and_error_bound(&self, from_center: DVec3) -> (f64, f64) {
+        let (distance, square) = (from_center.length_squared(), self.radius * self.radius);
+        // The smallest normal number covers what subnormal products lose.
+        (distance - square, POWER_ROUNDINGS * UNIT_ROUNDOFF * (distance + square) + f64::MIN_POSITIVE)
     }
 
     /// The two t at which a line crosses the sphere, in order.
@@ -33,6 +76,15 @@ impl Sphere {
     /// the sphere where the origin is almost on it. There they are computed in double-double arithmetic.
     #[inline(always)]
     pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let Quadratic { a, q, .. } = self.quadratic(origin, direction)?;
+        let c = self.power(origin, origin - self.center);
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
+        Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
+    }
+
+    /// The quadratic a t^2 - 2 b t + c of a line, except for c; none if it has no roots.
+    #[inline(always)]
+    fn quadratic(&self, origin: DVec3, direction: DVec3) -> Option<Quadratic> {
         let from_center = origin - self.center;
         let a = direction.length_squared();
         let b = -from_center.dot(direction);
@@ -44,10 +96,7 @@ impl Sphere {
         if discriminant < 0.0 || discriminant.is_nan() {
             return None;
         }
-        let q = b + f64::copysign((a * discriminant).sqrt(), b);
-        let c = self.power(origin, from_center);
-        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
-        Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
+        Some(Quadratic { a, b, q: b + f64::copysign((a * discriminant).sqrt(), b) })
     }
 
     /// Whether the line of a ray with a unit direction is tangent to the sphere within roundings.
@@ -219,6 +268,46 @@ mod tests {
             assert!((found - near).abs() <= bits * UNIT_ROUNDOFF * near.abs(), "{i}: {found} {near}");
             assert!((other - far).abs() <= 16.0 * UNIT_ROUNDOFF * far, "{i}: {other} {far}");
         }
+    }
+
+    /// The nearest t on a ray by both roots, without the decisions by the origin's power.
+    fn by_roots(sphere: &Sphere, ray: &Ray) -> Option<f64> {
+        first_on_ray(sphere.roots(ray.origin, ray.direction)?, ray)
+    }
+
+    #[test]
+    fn a_start_on_the_surface_is_decided_as_by_both_roots() {
+        let (mut hits, mut misses) = (0, 0);
+        for (i, radius) in (1..20_000).zip([1e-3, 1.0, 1e3, 1e-160].into_iter().cycle()) {
+            let (sphere, start, along) = grazing(i, radius, 2.0, 0.5);
+            let Some([near, _]) = sphere.roots(start, along) else { continue };
+            let nudge = f64::from(i % 23) - 11.0;
+            let origin = (start + near * along) * (1.0 + nudge * UNIT_ROUNDOFF);
+            for direction in [along, -along, along.cross(DVec3::X), along.any_orthonormal_vector()] {
+                for t_min in [0.0, f64::NEG_INFINITY] {
+                    let ray = Ray { t_min, ..Ray::new(origin, direction) };
+                    let expected = by_roots(&sphere, &ray);
+                    assert_eq!(sphere.intersect(&ray), expected, "{i} {sphere:?} {ray:?}");
+                    if expected.is_some() { hits += 1 } else { misses += 1 }
+                }
+            }
+        }
+        assert!(hits > 10_000 && misses > 10_000, "{hits} {misses}");
+    }
+
+    #[test]
+    fn a_line_beside_the_sphere_is_decided_as_by_both_roots() {
+        let mut hits = 0;
+        for (i, radius) in (1..20_000).zip([1e-3, 1.0, 1e3].into_iter().cycle()) {
+            let away = [1.5, 3.0, 50.0, 1e6][i as usize % 4];
+            let inside = ((i as f64 * 2f64.sqrt()).fract() - 0.5) * away * [1.0, 64.0][i as usize / 4 % 2];
+            let (sphere, origin, along) = grazing(i, radius, away, inside * UNIT_ROUNDOFF);
+            for ray in [Ray::new(origin, along), Ray::new(origin, along.normalize())] {
+                assert_eq!(sphere.intersect(&ray), by_roots(&sphere, &ray), "{i} {sphere:?} {ray:?}");
+                hits += u32::from(sphere.intersect(&ray).is_some());
+            }
+        }
+        assert!((10_000..30_000).contains(&hits), "{hits}");
     }
 
     #[test]

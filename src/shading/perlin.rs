@@ -1,5 +1,6 @@
 //! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
 
+use crate::math::f64x4::ROUND_TO_INTEGER;
 use glam::DVec3;
 
 /// Perlin's permutation of 0..=255.
@@ -29,20 +30,55 @@ pub fn wrapped(cell: f64, period: i64) -> i64 {
     if cell.abs() < EXACT { cell as i64 & (period - 1) } else { cell.rem_euclid(period as f64) as i64 }
 }
 
+/// The directions to the edges of a cube in Perlin's order, four of them twice: the gradients for the low four bits of
+/// a hash.
+const GRADIENTS: [[f64; 3]; 16] = [
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [-1.0, -1.0, 0.0],
+    [1.0, 0.0, 1.0],
+    [-1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [-1.0, 0.0, -1.0],
+    [0.0, 1.0, 1.0],
+    [0.0, -1.0, 1.0],
+    [0.0, 1.0, -1.0],
+    [0.0, -1.0, -1.0],
+    [1.0, 1.0, 0.0],
+    [0.0, -1.0, 1.0],
+    [-1.0, 1.0, 0.0],
+    [0.0, -1.0, -1.0],
+];
+
+/// The largest integer up to `x`, and its remainder modulo 256.
+#[inline(always)]
+fn cell_along_axis(x: f64) -> (f64, usize) {
+    if x.abs() >= ROUND_TO_INTEGER / 3.0 {
+        let cell = x.floor();
+        return (cell, wrapped(cell, 256) as usize);
+    }
+    // Without SSE4.1, which the compilation target may lack, the library's function takes three times as long.
+    let shifted = x + ROUND_TO_INTEGER;
+    let nearest = shifted - ROUND_TO_INTEGER;
+    let is_above = nearest > x;
+    (nearest - f64::from(is_above as u8), (shifted.to_bits().wrapping_sub(is_above as u64) & 255) as usize)
+}
+
 /// One octave of noise: between about -1 and 1, zero at integer points, with period 256 along each axis.
 pub fn noise(p: DVec3) -> f64 {
-    let cell = p.floor();
-    let [x, y, z] = cell.to_array().map(|c| wrapped(c, 256) as usize);
-    let f = p - cell;
-    let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    // The contribution of the lattice corner at the offset (dx, dy, dz).
-    let corner = |dx: usize, dy: usize, dz: usize| {
-        let hash = permute(permute(permute(x + dx) + y + dy) + z + dz);
-        gradient(hash, f - DVec3::new(dx as f64, dy as f64, dz as f64))
+    let [(cell_x, x), (cell_y, y), (cell_z, last)] = p.to_array().map(cell_along_axis);
+    let near = p - DVec3::new(cell_x, cell_y, cell_z);
+    let far = near - 1.0;
+    let fade = near * near * near * (near * (near * 6.0 - 15.0) + 10.0);
+    // Each step of the hash is computed once for all corners that share it.
+    let columns = [permute(x) + y, permute(x + 1) + y];
+    let row = |dy: usize, dz: usize, y: f64, z: f64| {
+        let [left, right] = columns.map(|column| permute(permute(column + dy) + last + dz));
+        lerp(fade.x, gradient(left, DVec3::new(near.x, y, z)), gradient(right, DVec3::new(far.x, y, z)))
     };
-    let row = |dy, dz| lerp(fade.x, corner(0, dy, dz), corner(1, dy, dz));
-    let slice = |dz| lerp(fade.y, row(0, dz), row(1, dz));
-    lerp(fade.z, slice(0), slice(1))
+    let slice = |dz, z| lerp(fade.y, row(0, dz, near.y, z), row(1, dz, far.y, z));
+    lerp(fade.z, slice(0, near.z), slice(1, far.z))
 }
 
 /// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
@@ -59,17 +95,10 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
-/// The dot product of `offset` with a gradient: one of the twelve directions to the edges of a cube, selected
-/// by the low four bits of the hash.
+/// The dot product of `offset` with the gradient of a hash. Two of its terms are exact and the third is zero.
+#[inline(always)]
 fn gradient(hash: usize, offset: DVec3) -> f64 {
-    let h = hash & 15;
-    let u = if h < 8 { offset.x } else { offset.y };
-    let v = match h {
-        0..4 => offset.y,
-        12 | 14 => offset.x,
-        _ => offset.z,
-    };
-    (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+    DVec3::from_array(GRADIENTS[hash & 15]).dot(offset)
 }
 
 #[cfg(test)]
@@ -107,32 +136,36 @@ mod tests {
         assert_eq!(turbulence(DVec3::splat(0.3), 1), noise(DVec3::splat(0.3)));
     }
 
-    /// The gradients in Perlin's order: the directions to the edges of a cube, four of them twice.
-    const GRADIENTS: [[f64; 3]; 16] = [
-        [1.0, 1.0, 0.0],
-        [-1.0, 1.0, 0.0],
-        [1.0, -1.0, 0.0],
-        [-1.0, -1.0, 0.0],
-        [1.0, 0.0, 1.0],
-        [-1.0, 0.0, 1.0],
-        [1.0, 0.0, -1.0],
-        [-1.0, 0.0, -1.0],
-        [0.0, 1.0, 1.0],
-        [0.0, -1.0, 1.0],
-        [0.0, 1.0, -1.0],
-        [0.0, -1.0, -1.0],
-        [1.0, 1.0, 0.0],
-        [0.0, -1.0, 1.0],
-        [-1.0, 1.0, 0.0],
-        [0.0, -1.0, -1.0],
-    ];
+    /// The dot product with a gradient as Perlin's reference implementation selects it by the bits of a hash.
+    fn selected(hash: usize, offset: DVec3) -> f64 {
+        let h = hash & 15;
+        let u = if h < 8 { offset.x } else { offset.y };
+        let v = match h {
+            0..4 => offset.y,
+            12 | 14 => offset.x,
+            _ => offset.z,
+        };
+        (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+    }
 
     #[test]
-    fn gradients_point_to_the_edges_of_a_cube() {
-        let offset = DVec3::new(0.25, 0.5, 0.125);
-        for (hash, direction) in GRADIENTS.into_iter().enumerate() {
-            assert_eq!(gradient(hash, offset), DVec3::from(direction).dot(offset), "{hash}");
-            assert_eq!(gradient(hash + 240, offset), gradient(hash, offset));
+    fn gradients_are_those_of_the_reference() {
+        for hash in 0..256 {
+            for offset in [DVec3::new(0.25, 0.5, 0.125), DVec3::new(-0.7, 0.1, -1.0 / 3.0)] {
+                assert_eq!(gradient(hash, offset), selected(hash, offset), "{hash}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_are_those_of_the_floor() {
+        let large = ROUND_TO_INTEGER / 3.0;
+        for x in [0.0, -0.0, 0.5, 0.75, 1.0, 254.5, 255.5, 256.0, 1e9 + 0.3, large - 1.0, large, 2e18, 1e300]
+        {
+            for x in [x, -x, x.next_up(), -x.next_up(), x.next_down(), -x.next_down()] {
+                let (cell, wrap) = cell_along_axis(x);
+                assert_eq!((cell, wrap as i64), (x.floor(), wrapped(x.floor(), 256)), "{x}");
+            }
         }
     }
 

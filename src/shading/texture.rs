@@ -33,7 +33,12 @@ pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> 
 /// distributes its weight to its two children, which come before it. This takes time linear in the number of
 /// materials, where a recursion could take exponential time.
 fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DVec3) -> PointMaterial<'m> {
-    let mut weights = vec![0.0; materials.len()];
+    // Most scenes have so few materials that no memory has to be allocated for their weights.
+    let (mut few, mut many) = ([0.0; 16], vec![]);
+    let weights = few.get_mut(..materials.len()).unwrap_or_else(|| {
+        many.resize(materials.len(), 0.0);
+        &mut many
+    });
     weights[texture.children[0]] += first;
     weights[texture.children[1]] += 1.0 - first;
     let mut sum: Option<PointMaterial> = None;
