@@ -79,22 +79,28 @@ const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
+/// The error bound of a t that is interpolated, in units of u times the distance of the farthest vertex over the
+/// length of the ray's direction: see [`is_interpolation_accurate`].
+pub const T_ROUNDINGS: f64 = 238.0;
+
+/// The steepest triangle whose depth is interpolated.
+const MAX_INTERPOLATED_STEEPNESS: f64 = 32.0;
+
 /// Whether a triangle that the ray hits is not too steep for interpolating its depth along the ray: the error
-/// of the depth is then at most 320 u (M + Z), with M and Z as for the error bound. In random tests it was
-/// below 10. `area` is the sum of the edge functions.
+/// of t is then at most [`T_ROUNDINGS`]. `area` is the sum of the edge functions.
 ///
 /// Let e be the triangle's extents. As a function of x and y, the depth changes by at most e_z e_y / area per
-/// unit of x and e_z e_x / area per unit of y. So the errors of the vertices, 2 u M + 3.5 u Z, change it by
-/// at most G times as much, with G = (e_x + e_y) e_z / area. The edge functions' own rounding errors, 4 u X Y
-/// each, change it by at most 6 G u M together, since X <= e_x <= 2 X for a ray that passes within the
-/// triangle. G is at most 32, or 38 with the error of the area. This makes 304 u M + 133 u Z, and the rest of
-/// the formula adds 15 u (M + Z). This derivation has not been checked by machine.
+/// unit of x and e_z e_x / area per unit of y, which are together at most `MAX_INTERPOLATED_STEEPNESS`. So much
+/// do the errors of the vertices count, and those of the edge functions no more. `proofs/triangle_t.g` adds
+/// them up for triangles of an area of more than 10,000 u times the squared distance of the farthest vertex;
+/// for smaller ones the area's own error makes the error of t some times as large.
 #[inline(always)]
 pub fn is_interpolation_accurate([a, b, c]: [DVec3; 3], area: f64) -> bool {
     // Taken axis by axis, because glam's own min and max of vectors compile to four times as many
     // instructions.
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
-    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
+    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z)
+        <= MAX_INTERPOLATED_STEEPNESS * area.abs()
 }
 
 #[cfg(test)]
@@ -153,7 +159,7 @@ mod tests {
     #[test]
     fn interpolation_is_accurate_up_to_a_steepness() {
         for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 0.5)] {
-            let steepest = 32.0 * x * y / (x + y);
+            let steepest = MAX_INTERPOLATED_STEEPNESS * x * y / (x + y);
             for from in [DVec3::ZERO, DVec3::new(-0.3, -0.2, 40.0), DVec3::new(0.0, 0.0, -7.0)] {
                 let corners = |z: f64| [from, from + DVec3::new(x, 0.0, -z), from + DVec3::new(0.0, y, 0.0)];
                 for area in [x * y, -x * y] {
