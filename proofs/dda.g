@@ -24,7 +24,7 @@
 # (spheres.g); in a triangle by 5 across the ray for each sheared corner (a difference, the slope, its product and
 # another difference), and by 3 along it (that of the depth, 1 / d and their product); by 3 on a plane. For insertion a
 # triangle's plane and its cells take another 2^-22 cells. Together these are at most POSITION_ERROR_BOUND cells. An
-# origin is at most MAX_ORIGIN_CELLS from the lattice's middle, and the lattice has at most an eighth as many.
+# origin is at most MAX_ORIGIN_CELLS from the lattice's middle, and half of the lattice's cells are an eighth of that.
 
 SETUP_ROUNDINGS = 2.0;
 MAX_ORIGIN_CELLS = 2147483648.0;
