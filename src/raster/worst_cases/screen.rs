@@ -21,7 +21,7 @@ const STEPS: usize = 100_000;
 /// About this view from close to the origin, and a point about there.
 fn near(rng: &mut Rng, direction: DVec3, up: DVec3, angle: f64, point: DVec3) -> PointInView {
     let mut about = |v: DVec3| v + 1e-3 * rng.vector();
-    [about(DVec3::ZERO), about(direction), about(up), DVec3::X * f64::log10(angle), about(point)]
+    [about(DVec3::ZERO), about(direction), about(up), DVec3::X * libm::log10(angle), about(point)]
 }
 
 /// The viewport, and the point relative to the eye, scaled: as the program computes it and exactly.
@@ -89,7 +89,7 @@ const ASIDE: DVec3 = DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0);
 fn error_bounds_hold_and_are_needed() {
     // The last two points are a thousandth of their distance ahead, which is about the steepest that is projected, and
     // on a side plane, which is 5.5 pixels beside the middle of 9.
-    let border = f64::to_radians(0.5).tan() * 5.5 / 4.5;
+    let border = libm::tan(f64::to_radians(0.5)) * 5.5 / 4.5;
     let found = [
         search(STARTS, STEPS, |rng| near(rng, ALONG, ASIDE, 60.0, ACROSS), behind).0,
         search(STARTS, STEPS, |rng| near(rng, ASIDE, ALONG, 1.0, ALONG + 0.001 * ASIDE), screen).0,
