@@ -16,3 +16,5 @@ pub mod robust;
 pub mod scaled;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
+#[cfg(test)]
+pub(crate) mod worst_case;

@@ -16,7 +16,8 @@ const OFFSET_ROUNDINGS: f64 = 32.0;
 ///
 /// The distance of a computed point from its surface is at most a few roundings of the point's coordinates
 /// and of the coordinates of the primitives nearby, the largest of which is `max_abs_coord`.
-/// `OFFSET_ROUNDINGS` covers that error and the intersection test's own, as `proofs/offset.g` proves.
+/// `OFFSET_ROUNDINGS` covers that error and the intersection test's own, as `proofs/offset.g` and
+/// `proofs/offset_ellipsoid.g` prove.
 /// Measured: no false and no missed shadow at scales from 1e-6 to 1e6.
 ///
 /// The point moves along the direction, so that it stays on the line of the ray and the error of a path does

@@ -43,17 +43,16 @@ pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 }
 
 /// The bound on the error of the edge functions of sheared vertices, compared with the exact values for the
-/// vertices and the ray as given.
+/// vertices and the ray as given: the sign of what exceeds the bound is right.
 ///
 /// Let u be the unit roundoff. A sheared coordinate is x = X - s Z, where X and Z are the vertex's
 /// coordinates relative to the ray's origin, and s is the ray's slope, which is at most 1. X, Z, s, the
 /// product and the difference each have a relative error of u, except that the slope's error is at most u / 2
 /// because it is at most 1. Since X = x + s Z, the error of x is 2 u |x| + 3.5 u |Z|. Let M be the largest
-/// |x| plus the largest
-/// |y|, and Z the largest |z| of the three vertices. Then to first order the error of an edge function is
-/// 7 u M Z + 2 u M^2 from the vertices and u M^2 from its own roundings. The second-order part is less than
-/// 24.5 u^2 Z^2 where M is small. `proofs/edge_functions.g` adds up all of these and the roundings of the
-/// bound.
+/// |x| plus the largest |y|, and Z the largest |z| of the three vertices. Then the sign can be wrong only
+/// where the edge function is at most 7 u M Z + 4 u M^2, because of the vertices, plus u M^2, because of its
+/// own roundings. This has no terms of second order, although the error of an edge function has:
+/// `proofs/edge_functions.g` shows why, and adds the roundings of the bound.
 ///
 /// Products that underflow add less than 2^-1072 (1 + M) to the error. `MIN_EDGE_ERROR_BOUND` is far larger,
 /// so where an edge function exceeds the bound, underflow does not matter. The bound overflows to infinity
@@ -63,16 +62,12 @@ pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
     let largest = |p: f64, q: f64, r: f64| max3([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let extent = across + largest(a.z, b.z, c.z);
-    let square = HUGE * extent * (across + SHEAR_ROUNDINGS * UNIT_ROUNDOFF * extent);
-    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * square + MIN_EDGE_ERROR_BOUND
+    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * (HUGE * extent * across) + MIN_EDGE_ERROR_BOUND
 }
 
-/// The error bound of an edge function in units of u M (M + Z).
-const EDGE_ROUNDINGS: f64 = 7.0;
-
-/// How many times u (M + Z) is added to M to cover the second-order errors. The proof needs it, but a search
-/// found no input that does.
-const SHEAR_ROUNDINGS: f64 = 5.0;
+/// The error bound of an edge function in units of u M (M + Z). The thousandth is for the roundings of the
+/// bound.
+const EDGE_ROUNDINGS: f64 = 7.001;
 
 /// A factor that makes the bound overflow before the edge functions do.
 const HUGE: f64 = power_of_two(500);
@@ -84,22 +79,28 @@ const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
+/// The error bound of a t that is interpolated, in units of u times the distance of the farthest vertex over the
+/// length of the ray's direction: see [`is_interpolation_accurate`].
+pub const T_ROUNDINGS: f64 = 238.0;
+
+/// The steepest triangle whose depth is interpolated.
+const MAX_INTERPOLATED_STEEPNESS: f64 = 32.0;
+
 /// Whether a triangle that the ray hits is not too steep for interpolating its depth along the ray: the error
-/// of the depth is then at most 320 u (M + Z), with M and Z as for the error bound. In random tests it was
-/// below 10. `area` is the sum of the edge functions.
+/// of t is then at most [`T_ROUNDINGS`]. `area` is the sum of the edge functions.
 ///
 /// Let e be the triangle's extents. As a function of x and y, the depth changes by at most e_z e_y / area per
-/// unit of x and e_z e_x / area per unit of y. So the errors of the vertices, 2 u M + 3.5 u Z, change it by
-/// at most G times as much, with G = (e_x + e_y) e_z / area. The edge functions' own rounding errors, 4 u X Y
-/// each, change it by at most 6 G u M together, since X <= e_x <= 2 X for a ray that passes within the
-/// triangle. G is at most 32, or 38 with the error of the area. This makes 304 u M + 133 u Z, and the rest of
-/// the formula adds 15 u (M + Z). This derivation has not been checked by machine.
+/// unit of x and e_z e_x / area per unit of y, which are together at most `MAX_INTERPOLATED_STEEPNESS`. So much
+/// do the errors of the vertices count, and those of the edge functions no more. `proofs/triangle_t.g` adds
+/// them up for triangles of an area of more than 10,000 u times the squared distance of the farthest vertex;
+/// for smaller ones the area's own error makes the error of t some times as large.
 #[inline(always)]
 pub fn is_interpolation_accurate([a, b, c]: [DVec3; 3], area: f64) -> bool {
     // Taken axis by axis, because glam's own min and max of vectors compile to four times as many
     // instructions.
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
-    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z) <= 32.0 * area.abs()
+    (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z)
+        <= MAX_INTERPOLATED_STEEPNESS * area.abs()
 }
 
 #[cfg(test)]
@@ -145,10 +146,11 @@ mod tests {
         for far in [1e-20, 1.0, 1e6, 1e60] {
             for (x, y, z) in [(1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (1e-17, 1e-16, 1.0), (3.0, 1.0, 0.0)] {
                 let (across, extent) = (far * (x + y), far * (x + y + z));
-                let expected = EDGE_ROUNDINGS * u * extent * (across + SHEAR_ROUNDINGS * u * extent);
+                let expected = EDGE_ROUNDINGS * u * extent * across;
                 let corners = [DVec3::new(-x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), DVec3::new(0.0, 0.0, -z)];
                 let found = edge_error_bound(corners.map(|v| far * v));
-                assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+                let least = MIN_EDGE_ERROR_BOUND;
+                assert!((found - least - expected).abs() <= 1e-12 * expected, "{found} {expected}");
             }
         }
         assert!(edge_error_bound([DVec3::ZERO; 3]) > 0.0);
@@ -157,7 +159,7 @@ mod tests {
     #[test]
     fn interpolation_is_accurate_up_to_a_steepness() {
         for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 0.5)] {
-            let steepest = 32.0 * x * y / (x + y);
+            let steepest = MAX_INTERPOLATED_STEEPNESS * x * y / (x + y);
             for from in [DVec3::ZERO, DVec3::new(-0.3, -0.2, 40.0), DVec3::new(0.0, 0.0, -7.0)] {
                 let corners = |z: f64| [from, from + DVec3::new(x, 0.0, -z), from + DVec3::new(0.0, y, 0.0)];
                 for area in [x * y, -x * y] {

@@ -123,10 +123,13 @@ fn half_axes(linear: DMat3) -> DMat3 {
     DMat3::from_cols(axes[0], axes[1], axes[2])
 }
 
+/// Two columns whose product is at most so many roundings of their lengths count as orthogonal.
+const ORTHOGONAL_ROUNDINGS: f64 = 4.0;
+
 /// Two columns after the Jacobi rotation that makes them orthogonal; none if they already are.
 fn orthogonalized(p: DVec3, q: DVec3) -> Option<(DVec3, DVec3)> {
     let product = p.dot(q);
-    if product.abs() <= 4.0 * UNIT_ROUNDOFF * (p.length() * q.length()) {
+    if product.abs() <= ORTHOGONAL_ROUNDINGS * UNIT_ROUNDOFF * (p.length() * q.length()) {
         return None;
     }
     let slope = (q.length_squared() - p.length_squared()) / (2.0 * product);

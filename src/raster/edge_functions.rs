@@ -13,30 +13,23 @@
 //! | quantity | its magnitude is at most | its error is at most |
 //! |---|---|---|
 //! | a, b, c | R | u R, for one difference |
-//! | b x c | R^2 | 4.62 u R^2: 4 roundings (corners 2, product, difference), terms <= 2 R^2 / sqrt(3) |
-//! | (b x c).D | R^2 L | 4.62 u R^2 L from b x c, 3 for the coefficients, 3 for their sum, 6 for D |
-//! | V | R^3 | 9.24 u R^3: 8 roundings of terms that add up to at most 2 R^3 / sqrt(3) |
+//! | b x c | R^2 | 4.47 u R^2: 3 roundings (corners 2, product) of terms <= 2 R^2 / sqrt(3), 1 for the difference |
+//! | (b x c).D | R^2 L | 4.47 u R^2 L from b x c, 3 for the coefficients, 3 for their sum, 6 for D |
+//! | V | R^3 | 8.47 u R^3: 4.47 from b x c, 1 for a, 3 for the product |
 //!
 //! The 6 roundings of D are one of the pixel's steps `right` and `up` here, and five in the ray that is cast,
-//! whose length does not matter. Hence the error of an edge function is less than 17 u R^2 L. The inverse
-//! depth n takes two additions, a division and a product more; where V is clearly not zero, its error is
-//! less than (64 u R^2 L + n 10 u R^3) / V.
+//! whose length does not matter. Hence the error of an edge function is less than 16.5 u R^2 L. The inverse
+//! depth n takes two additions, a division and a product more, but its three normals add up to one of at most
+//! 2.6 R^2, to which most of the roundings apply; where V is clearly not zero, its error is less than
+//! (47.5 u R^2 L + n 8.5 u R^3) / V.
 //!
-//! *The error of the t that casting the ray gives.* Where the triangle is not too steep, the ray's test
-//! interpolates t from weights w_i and depths z_i of the sheared corners. "Not too steep" means that
-//! (E_x + E_y) Z is at most 32 A, where E_x and E_y are the triangle's extents across the ray, Z its extent
-//! along the ray and A twice its area across the ray. The error of a sheared corner is 4.6 u R across the
-//! ray. It moves the crossing by as much, on a plane whose depth changes by at most (E_x + E_y) Z / A <= 32
-//! per unit of length, so it moves the depth by at most 147 u R. The error of a weight is at most
-//! 2 u |x y'| + 2 u |x' y| <= 4 u E_x E_y, and Z / A times three of these is at most
-//! 96 u (E_x + E_y) <= 544 u R. A depth's own error u R and the formula's 6 u Z + 2 u R come on top. The sum
-//! is less than 712 u R along the ray's longest axis, and so less than 1234 u R along the ray. For steeper
-//! triangles t is taken from the exact plane. Hence the relative error of 1 / t, whose value is n, is less
-//! than T_ROUNDINGS u R n.
+//! The relative error of the t that casting the ray gives is less than `T_ROUNDINGS` u R / t, as
+//! `proofs/triangle_t.g` proves, where V is clearly not zero. n is 1 / t.
 
 use super::{Affine, Viewport};
 use crate::math::extremes::max3;
 use crate::math::robust::UNIT_ROUNDOFF as U;
+use crate::primitive::edge_functions::T_ROUNDINGS;
 use crate::primitive::plane::Plane;
 use glam::DVec3;
 use std::ops::Range;
@@ -61,15 +54,13 @@ impl ErrorBound {
 }
 
 /// The error bound of an edge function, in units of u R^2 L.
-const EDGE_ROUNDINGS: f64 = 17.0;
+const EDGE_ROUNDINGS: f64 = 16.5;
 /// The error bound of an inverse depth, without the error of V, in units of u R^2 L / V.
-const INV_DEPTH_ROUNDINGS: f64 = 64.0;
+const INV_DEPTH_ROUNDINGS: f64 = 47.5;
 /// The error bound of V, in units of u R^3.
-const VOLUME_ROUNDINGS: f64 = 10.0;
+const VOLUME_ROUNDINGS: f64 = 8.5;
 /// How many times its error bound V has to be, so that its sign is known and a division by it is accurate.
-const VOLUME_CLEARANCE: f64 = 64.0;
-/// The relative error bound of the t that casting the ray gives, in units of u R / t.
-const T_ROUNDINGS: f64 = 1250.0;
+const VOLUME_CLEARANCE: f64 = 1024.0;
 /// The error bound of a plane's inverse depth, in units of u L over the plane's distance from the eye.
 const PLANE_ROUNDINGS: f64 = 19.0;
 

@@ -30,11 +30,11 @@ const ASIDE: f32 = 0.0;
 const BEHIND: f32 = -1.0;
 
 /// The largest ratio of a point's distance to its depth for which the point is projected.
-const MAX_STEEPNESS: f64 = 1024.0;
+pub const MAX_STEEPNESS: f64 = 1024.0;
 
 /// The error bound of a screen coordinate from rounding a point's products and the division, in units of u times
 /// the point's distance over its depth, times `max_direction_length` and the length of an axis.
-const SCREEN_ROUNDINGS: f64 = 8.0;
+pub const SCREEN_ROUNDINGS: f64 = 2.5;
 
 /// The error bound of a screen coordinate from rounding the rays, the axis and the cosines in
 /// [`screen_error_bound`], in units of u times the square of `max_direction_length` and the length of an axis.
@@ -48,12 +48,12 @@ const SCREEN_CLEARANCE: f64 = 0.9;
 pub const MAX_SCREEN_ERROR: f64 = SCREEN_CLEARANCE / SUBPIXELS as f64;
 
 /// The error bound of a point's depth, in units of u times the point's distance.
-const BEHIND_ROUNDINGS: f64 = 5.0;
+pub const BEHIND_ROUNDINGS: f64 = 2.75;
 
 /// The error bound of screen coordinates in this view, in pixels. Errors come from rounding, and from the
 /// eye's vectors being not quite orthogonal, which matters when it looks almost along the upward direction.
 ///
-/// A coordinate along one axis is at most `max_direction_length` times the axis's length, or far outside the
+/// A coordinate along one axis is at most `max_direction_length` - 1 times the axis's length, or outside the
 /// picture, and along the other axis at most [`MAX_STEEPNESS`] times. A cosine between two vectors changes
 /// the depth by that fraction of both, and the coordinate in proportion.
 pub fn screen_error_bound(eye: &Eye, axes: [DVec3; 2], max_direction_length: f64) -> f64 {
@@ -70,8 +70,8 @@ impl ScreenVertex {
         let point = viewport.eye_space(point);
         let (depth, distance) = (point.dot(viewport.eye.direction), point.length());
         if MAX_STEEPNESS * depth > distance {
-            let ([right, up], inv_depth) = (viewport.axes, 1.0 / depth);
-            let at = DVec2::new(point.dot(right), point.dot(up)) * inv_depth + viewport.eye.middle;
+            let inv_depth = 1.0 / depth;
+            let at = pixel_coordinates(point, inv_depth, viewport);
             // A coordinate far outside the picture may be clamped, since only comparisons with pixels matter.
             let at = (at * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
             Self { at, inv_depth: inv_depth as f32 }
@@ -80,6 +80,13 @@ impl ScreenVertex {
             Self { at: [0; 2], inv_depth: if is_behind { BEHIND } else { ASIDE } }
         }
     }
+}
+
+/// Where a point relative to the eye is on the screen, in pixels.
+#[inline(always)]
+pub fn pixel_coordinates(point: DVec3, inv_depth: f64, viewport: &Viewport) -> DVec2 {
+    let [right, up] = viewport.axes;
+    DVec2::new(point.dot(right), point.dot(up)) * inv_depth + viewport.eye.middle
 }
 
 /// A triangle's id and its screen-space bounds: a rectangle of pixels outside which no ray hits it.
@@ -127,7 +134,7 @@ impl TriangleBounds {
 
 /// The error bound of a point's signed distance from a side plane of the frustum, in units of u times the
 /// point's distance from the eye, times the plane's coefficients.
-const SIDE_ROUNDINGS: f64 = 7.0;
+pub const SIDE_ROUNDINGS: f64 = 4.3;
 
 /// Whether a triangle certainly lies beyond one of the four side planes of the view frustum.
 fn is_outside_frustum(viewport: &Viewport, corners: [DVec3; 3]) -> bool {
