@@ -108,7 +108,7 @@ struct Compared {
     root_mean_square_error: f64,
     /// In dB; null, for infinity, if the pictures are equal.
     psnr: f64,
-    mean_flip: f64,
+    mean_flip: Option<f64>,
     differing_beside_an_edge: u64,
     tolerance: Option<Check>,
     cause: Option<CauseFound>,

@@ -1,7 +1,7 @@
 //! The measures of a difference, and the block that shows them.
 
 use super::edges::EdgeMap;
-use super::{CompareError, Flip, Rgb, colors, largest_channel_difference, sum_of_squares};
+use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
 use crate::picture::Picture;
 use crate::stats::RULE;
 use rayon::prelude::*;
@@ -17,8 +17,8 @@ pub struct Comparison {
     pub largest: Option<LargestDifference>,
     /// In levels, over all channels of all pixels.
     pub root_mean_square_error: f64,
-    /// The mean error of LDR-FLIP, from 0 to 1.
-    pub mean_flip: f64,
+    /// The mean error of LDR-FLIP, from 0 to 1; none where it is left out, since it takes longer than all the rest.
+    pub mean_flip: Option<f64>,
     /// How many of the pixels that differ lie on an edge of B or beside one.
     pub differing_near_edges: u64,
     /// How many pixels have this number of levels as the largest difference of a channel.
@@ -41,18 +41,20 @@ pub struct LargestDifference {
 impl Comparison {
     /// Compares picture `a` with the reference `b`. Different sizes are an error.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, CompareError> {
-        Ok(Self::with_flip(a, b, Flip::default().mean(a, b)?, &EdgeMap::new(b)))
+        let mean_flip = Some(Flip::default().mean(a, b)?);
+        Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
     }
 
-    /// Compares each of these pictures with the reference `b`, in less time than one after the other.
+    /// Compares each of these pictures with the reference `b`, without FLIP.
     pub fn of_each(pictures: &[Picture], b: &Picture) -> Result<Vec<Self>, CompareError> {
-        let (edges, means) = (EdgeMap::new(b), Flip::default().means(pictures, b)?);
-        Ok(pictures.par_iter().zip(means).map(|(a, mean)| Self::with_flip(a, b, mean, &edges)).collect())
+        pictures.iter().try_for_each(|a| common_size(a, b).map(drop))?;
+        let edges = EdgeMap::new(b);
+        Ok(pictures.par_iter().map(|a| Self::without_flip(a, b, &edges)).collect())
     }
 
-    /// The pictures are of one size, and have this mean error of LDR-FLIP.
-    fn with_flip(a: &Picture, b: &Picture, mean_flip: f64, edges: &EdgeMap) -> Self {
-        let mut comparison = Self { mean_flip, ..Self::of_equals([b.width(), b.height()]) };
+    /// The pictures are of one size.
+    fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Self {
+        let mut comparison = Self::of_equals([b.width(), b.height()]);
         let mut squares = 0;
         for (index, (&a, &b)) in colors(a).iter().zip(colors(b)).enumerate().filter(|(_, (a, b))| a != b) {
             squares += sum_of_squares(a, b);
@@ -68,7 +70,7 @@ impl Comparison {
             size,
             largest: None,
             root_mean_square_error: 0.0,
-            mean_flip: 0.0,
+            mean_flip: None,
             differing_near_edges: 0,
             pixels_by_levels: [0; 256],
         }
@@ -109,26 +111,27 @@ impl Comparison {
 
 impl Comparison {
     /// The lines of the block, each a label and what is said of it.
-    fn lines(&self) -> [(&'static str, String); 8] {
+    fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
         let [width, height] = self.size;
         let counted = |count| format!("{count} ({})", percent(count, self.pixels()));
         let differing = self.pixels_that_differ();
-        [
+        let flip = self.mean_flip.map(|mean| ("mean FLIP", format!("{mean:.6}")));
+        let lines = [
             ("size", format!("{width}x{height}")),
             ("pixels that differ", counted(differing)),
             ("by more than one level", counted(self.pixels_differing_by_more_than(1))),
             ("largest difference", self.largest.map_or("0".into(), |largest| largest.to_string())),
             ("root mean square error", format!("{:.6} levels", self.root_mean_square_error)),
             ("PSNR", format!("{:.2} dB", self.psnr())),
-            ("mean FLIP", format!("{:.6}", self.mean_flip)),
-            ("differing beside an edge", percent(self.differing_near_edges, differing)),
-        ]
+        ];
+        let edges = ("differing beside an edge", percent(self.differing_near_edges, differing));
+        lines.into_iter().chain(flip).chain([edges])
     }
 
     /// The block, with one more line at its end if there is a cause of the difference to tell.
     pub fn block(&self, cause: Option<&dyn fmt::Display>) -> String {
         let cause = cause.map(|cause| ("cause", cause.to_string()));
-        let lines = self.lines().into_iter().chain(cause);
+        let lines = self.lines().chain(cause);
         let lines: String = lines.map(|(label, value)| format!("  {label:<27}{value}\n")).collect();
         format!("{RULE}\nPICTURE COMPARISON\n{lines}{RULE}\n")
     }
@@ -206,7 +209,10 @@ mod tests {
     fn many_pictures_are_compared_as_each_of_them_is() {
         let pictures =
             [changed(&[]), changed(&[(0, 0, [7; 3])]), changed(&[(4, 3, [0; 3]), (1, 1, [99; 3])])];
-        let each = pictures.each_ref().map(|picture| Comparison::new(picture, &reference()).unwrap());
+        let each = pictures.each_ref().map(|picture| {
+            let alone = Comparison::new(picture, &reference()).unwrap();
+            Comparison { mean_flip: None, ..alone }
+        });
         assert_eq!(Comparison::of_each(&pictures, &reference()).unwrap(), each);
         let other = [reference(), Picture::new(7, 3).unwrap()];
         assert!(Comparison::of_each(&other, &reference()).is_err());
@@ -229,7 +235,7 @@ mod tests {
     #[test]
     fn the_block_of_a_difference() {
         let found = comparison(&[(1, 2, [140, 100, 70]), (3, 3, [100, 101, 100])]);
-        let found = Comparison { mean_flip: 0.0123456, ..found };
+        let found = Comparison { mean_flip: Some(0.0123456), ..found };
         let expected = "\
 ********************************************
 PICTURE COMPARISON

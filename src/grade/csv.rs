@@ -3,7 +3,7 @@
 use super::{Cell, Table};
 
 const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
-                    root mean square error,mean FLIP,reason\r\n";
+                    root mean square error,reason\r\n";
 
 /// The table's lines, name by name.
 pub fn csv(table: &Table) -> String {
@@ -16,13 +16,12 @@ pub fn csv(table: &Table) -> String {
 
 fn line(name: &str, picture: &str, cell: &Cell) -> String {
     let numbers = match cell {
-        Cell::Equal => ["0", "0", "0", "0", "0"].map(str::to_owned),
+        Cell::Equal => ["0", "0", "0", "0"].map(str::to_owned),
         Cell::Different { comparison, .. } => [
             comparison.pixels_that_differ().to_string(),
             comparison.pixels_differing_by_more_than(1).to_string(),
             comparison.largest.map_or(0, |largest| largest.levels).to_string(),
             format!("{:.6}", comparison.root_mean_square_error),
-            format!("{:.6}", comparison.mean_flip),
         ],
         Cell::Missing | Cell::Unusable(_) | Cell::Ungraded => Default::default(),
     };

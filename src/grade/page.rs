@@ -176,12 +176,11 @@ fn details(picture: &str, comparison: &Comparison) -> String {
     let largest = comparison.largest.map_or(String::new(), |largest| largest.to_string());
     let text = format!(
         "{picture}: {} of {} pixels differ, {} by more than one level. Largest difference {largest}. Root mean \
-         square error {:.3} levels, mean FLIP {:.4}.",
+         square error {:.3} levels.",
         comparison.pixels_that_differ(),
         comparison.pixels(),
         comparison.pixels_differing_by_more_than(1),
-        comparison.root_mean_square_error,
-        comparison.mean_flip
+        comparison.root_mean_square_error
     );
     escaped(&text)
 }

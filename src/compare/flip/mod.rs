@@ -14,11 +14,8 @@ use super::{CompareError, colors, common_size};
 use crate::picture::Picture;
 use color::ColorSpace;
 use filter::{FeatureFilters, SpatialFilters};
-use glam::DVec3;
 use rayon::prelude::*;
-use std::cell::LazyCell;
 use std::f64::consts::PI;
-use std::slice;
 use tile::{FilteredTile, Tile, tiles};
 
 /// Of a display 0.7 m wide with 3840 pixels in a row, seen from 0.7 m: 67.02.
@@ -43,13 +40,6 @@ pub struct Flip {
     largest_color_difference: f64,
 }
 
-/// A tile of the reference.
-struct ReferenceTile {
-    filtered: FilteredTile,
-    /// Of each pixel.
-    perceived: Vec<DVec3>,
-}
-
 impl Default for Flip {
     /// At the distance of the reference implementation, [`PIXELS_PER_DEGREE`].
     fn default() -> Self {
@@ -71,41 +61,26 @@ impl Flip {
 
     /// The mean error of the picture `a` against the reference `b`, from 0 to 1. Different sizes are
     /// an error.
-    pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, CompareError> {
-        Ok(self.means(slice::from_ref(a), b)?.into_iter().sum())
-    }
-
-    /// The mean error of each of these pictures, in less time than that of one after the other.
     ///
     /// Tiles are computed in parallel and summed in a fixed order: the result does not depend on the
     /// number of threads.
-    pub fn means(&self, pictures: &[Picture], b: &Picture) -> Result<Vec<f64>, CompareError> {
-        pictures.iter().try_for_each(|a| common_size(a, b).map(drop))?;
-        let [width, height] = [b.width() as usize, b.height() as usize];
+    pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, CompareError> {
+        let [width, height] = common_size(a, b)?.map(|side| side as usize);
         let tiles: Vec<Tile> = tiles(width, height).collect();
-        let sums: Vec<Vec<f64>> =
-            tiles.par_iter().map(|tile| self.sums_of_errors(pictures, b, tile)).collect();
-        let mean =
-            |picture: usize| sums.iter().map(|sums| sums[picture]).sum::<f64>() / (width * height) as f64;
-        Ok((0..pictures.len()).map(mean).collect())
+        let sums: Vec<f64> = tiles.par_iter().map(|tile| self.sum_of_errors(a, b, tile)).collect();
+        Ok(sums.iter().sum::<f64>() / (width * height) as f64)
     }
 
     /// A pixel's error depends on the pixels within the filters' radius: without a difference there
     /// it is exactly 0.
-    fn sums_of_errors(&self, pictures: &[Picture], b: &Picture, tile: &Tile) -> Vec<f64> {
-        let window =
-            |picture: &Picture| tile.window(picture.width() as usize, colors(picture), self.radius());
-        let window_of_b = window(b);
-        let filtered_b = LazyCell::new(|| self.perceived(self.filtered(&window_of_b, tile), tile));
-        let sum = |a: &Picture| {
-            let window_of_a = window(a);
-            if window_of_a == window_of_b {
-                return 0.0;
-            }
-            let a = self.filtered(&window_of_a, tile);
-            (0..tile.width * tile.height).map(|pixel| self.error(&a, &filtered_b, pixel)).sum()
-        };
-        pictures.iter().map(sum).collect()
+    fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &Tile) -> f64 {
+        let windows =
+            [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), self.radius()));
+        if windows[0] == windows[1] {
+            return 0.0;
+        }
+        let [a, b] = windows.map(|window| self.filtered(&window, tile));
+        (0..tile.width * tile.height).map(|pixel| self.error(&a, &b, pixel)).sum()
     }
 
     /// The largest distance, in pixels, at which a pixel has an influence.
@@ -113,21 +88,14 @@ impl Flip {
         self.spatial.radius().max(self.features.radius())
     }
 
-    /// The tile of a reference with the colours that every picture is compared with.
-    fn perceived(&self, filtered: FilteredTile, tile: &Tile) -> ReferenceTile {
-        let pixels = 0..tile.width * tile.height;
-        let perceived = pixels.map(|pixel| self.colors.to_perceived(filtered.color(pixel))).collect();
-        ReferenceTile { filtered, perceived }
-    }
-
-    fn error(&self, a: &FilteredTile, b: &ReferenceTile, pixel: usize) -> f64 {
-        let color = a.color(pixel);
-        if color == b.filtered.color(pixel) {
+    fn error(&self, a: &FilteredTile, b: &FilteredTile, pixel: usize) -> f64 {
+        let [one, other] = [a, b].map(|tile| tile.color(pixel));
+        if one == other {
             return 0.0;
         }
-        let distance = color::distance(self.colors.to_perceived(color), b.perceived[pixel]);
-        let color = self.redistributed(libm::pow(distance, COLOR_EXPONENT));
-        let [one, other] = [a, &b.filtered].map(|tile| tile.features(pixel));
+        let [one, other] = [one, other].map(|color| self.colors.to_perceived(color));
+        let color = self.redistributed(libm::pow(color::distance(one, other), COLOR_EXPONENT));
+        let [one, other] = [a, b].map(|tile| tile.features(pixel));
         let feature = (one - other).abs().max_element();
         libm::pow(color, 1.0 - (FEATURE_SCALE * feature).sqrt())
     }
