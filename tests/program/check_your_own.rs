@@ -9,6 +9,7 @@ const PAGE: &str = include_str!("../../docs/check-your-own.md");
 
 /// A command of the page, and the lines that it is said to print.
 struct Step {
+    /// The program's words, or those of `mkdir`.
     line: &'static str,
     shown: Vec<&'static str>,
 }
@@ -17,7 +18,7 @@ fn steps() -> Vec<Step> {
     let blocks = PAGE.split("```console\n").skip(1).filter_map(|rest| rest.split("```").next());
     let mut steps: Vec<Step> = vec![];
     for line in blocks.flat_map(str::lines) {
-        match (line.strip_prefix("$ raytracer "), steps.last_mut()) {
+        match (line.strip_prefix("$ "), steps.last_mut()) {
             (Some(line), _) => steps.push(Step { line, shown: vec![] }),
             (None, Some(step)) => step.shown.push(line),
             (None, None) => panic!("`{line}` stands before every command"),
@@ -48,12 +49,23 @@ fn folder() -> Folder {
     folder
 }
 
+/// What `mkdir -p` does.
+fn make_folders(place: &Path, line: &str) {
+    let names =
+        line.strip_prefix("mkdir -p ").unwrap_or_else(|| panic!("`{line}` is no command of the page"));
+    names.split_whitespace().for_each(|name| fs::create_dir_all(place.join(name)).expect("a folder"));
+}
+
 #[test]
 fn every_command_prints_what_the_page_shows() {
     let (folder, steps) = (folder(), steps());
     assert!(steps.len() >= 8, "{}", steps.len());
     for Step { line, shown } in &steps {
-        let said = finish(&mut program(folder.path(), line.split_whitespace())).ok().stdout;
+        let Some(words) = line.strip_prefix("raytracer ") else {
+            make_folders(folder.path(), line);
+            continue;
+        };
+        let said = finish(&mut program(folder.path(), words.split_whitespace())).ok().stdout;
         let lines: Vec<&str> = said.lines().collect();
         assert!(matches(shown, &lines), "{line} prints\n{said}\ninstead of\n{}", shown.join("\n"));
         if let Some((_, name)) = line.split_once("-difference ") {
