@@ -35,12 +35,12 @@ pub struct Stratum {
 }
 
 /// The first samples of a pixel, one in each quarter: bottom left, bottom right, top left, top right.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quarters {
-    /// Their offsets from the pixel's centre.
-    pub offsets: [DVec2; 4],
-    /// Their colours.
-    pub colors: [Color; 4],
+    offsets: [DVec2; 4],
+    colors: [Color; 4],
+    /// The variance of the samples, as the mean of the channels.
+    variance: f64,
 }
 
 /// A pixel's first samples among those of the 3 x 3 pixels around it, row by row from the bottom left. Those outside the
@@ -98,10 +98,11 @@ impl Stratum {
 }
 
 impl Quarters {
-    /// The variance of the samples, as the mean of the channels.
-    fn variance(&self) -> f64 {
-        let mean = self.colors.iter().sum::<Color>() / 4.0;
-        self.colors.iter().map(|color| (*color - mean).length_squared()).sum::<f64>() / 9.0
+    /// Samples at these offsets from the pixel's centre, with their colours.
+    pub fn new(offsets: [DVec2; 4], colors: [Color; 4]) -> Self {
+        let mean = colors.iter().sum::<Color>() / 4.0;
+        let squares = colors.map(|color| (color - mean).length_squared());
+        Self { offsets, colors, variance: squares.iter().sum::<f64>() / 9.0 }
     }
 
     fn color(&self, [x, y]: [usize; 2]) -> Color {
@@ -240,7 +241,7 @@ fn prior_variance(around: &Neighborhood) -> f64 {
         .iter()
         .flatten()
         .flatten()
-        .fold((0.0, 0.0), |(sum, count), quarters| (sum + quarters.variance(), count + 1.0));
+        .fold((0.0, 0.0), |(sum, count), quarters| (sum + quarters.variance, count + 1.0));
     sum / count
 }
 

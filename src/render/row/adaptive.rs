@@ -64,20 +64,21 @@ impl<M: Mode> Setting<'_, M> {
         let mut painter: Painter<M, P> = self.painter(None, j, false);
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
-        let mut first = FirstSamples { start, quarters: vec![], counts: vec![] };
+        let mut first = FirstSamples { start, quarters: Vec::with_capacity(columns.len()), counts: vec![] };
+        let mut colored = Vec::with_capacity(SamplePacket::SIZE);
         let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
         for some in columns.clone().step_by(pixels_at_once) {
             let before = painter.row.probe.counts();
             for column in some..columns.end.min(some + pixels_at_once) {
                 painter.push_first(column, &mut packet);
             }
-            let mut colored = vec![];
             painter.trace_colors(&mut packet, |sample, color| colored.push((sample.offset, color)));
             let (pixels, _) = colored.as_chunks::<4>();
-            first.quarters.extend(pixels.iter().map(|pixel| Quarters {
-                offsets: pixel.map(|(offset, _)| offset),
-                colors: pixel.map(|(_, color)| color),
-            }));
+            let quarters = |pixel: &[_; 4]| {
+                Quarters::new(pixel.map(|(offset, _)| offset), pixel.map(|(_, color)| color))
+            };
+            first.quarters.extend(pixels.iter().map(quarters));
+            colored.clear();
             if self.request.has_costs() {
                 first.counts.push(painter.row.probe.counts().since(before));
             }

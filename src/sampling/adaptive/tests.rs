@@ -5,7 +5,7 @@ const SETTINGS: Adaptive = Adaptive { most: 256, error: 1.0 };
 /// The quarters of a pixel, each sampled in its middle, whose lower left corner is at `corner` of a scene.
 fn quarters(corner: DVec2, scene: &dyn Fn(DVec2) -> Color) -> Quarters {
     let offsets = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(DVec2::from);
-    Quarters { offsets, colors: offsets.map(|offset| scene(corner + 0.5 + offset)) }
+    Quarters::new(offsets, offsets.map(|offset| scene(corner + 0.5 + offset)))
 }
 
 /// Samples the pixel whose lower left corner is the origin; the eight pixels around it show the same scene.
@@ -135,4 +135,51 @@ fn a_pixel_at_the_border_has_fewer_neighbours() {
     strata.start(&own);
     let mut rng = Drand48::seeded(7);
     assert!(!strata.divide(SETTINGS, &around, &mut rng).is_empty());
+}
+
+#[test]
+fn a_stratum_is_compared_with_the_samples_beside_it() {
+    // Each sample around the pixel has a number of its own, whose bits tell which have been counted.
+    let value = |pixel: usize, quarter: usize| f64::from(1 << (2 * pixel + quarter / 2 + quarter % 2 * 9));
+    let offsets = quarters(DVec2::ZERO, &flat).offsets;
+    let pixels: [[Quarters; 3]; 3] = std::array::from_fn(|j| {
+        std::array::from_fn(|i| {
+            let colors = [0, 1, 2, 3].map(|k| if (i, j) == (1, 1) { 0.0 } else { value(3 * j + i, k) });
+            Quarters::new(offsets, colors.map(Color::splat))
+        })
+    });
+    let around = pixels.each_ref().map(|row| row.each_ref().map(Some));
+    let mut strata = Strata::default();
+    strata.start(&pixels[1][1]);
+    let (below, left, right, above) = (1, 3, 5, 7);
+    for (k, beside) in
+        [[(left, 1), (below, 2)], [(right, 0), (below, 3)], [(left, 3), (above, 0)], [(right, 2), (above, 1)]]
+            .into_iter()
+            .enumerate()
+    {
+        let depth = strata.index();
+        let expected: f64 = beside.map(|(pixel, quarter)| value(pixel, quarter).powi(2)).iter().sum();
+        assert_eq!(strata.contrast(&strata.strata[k], depth, &around), expected, "{k}");
+    }
+    // Finer strata are compared with the same samples outside, and with those beside them inside.
+    let mut rng = Drand48::seeded(7);
+    strata.divide(Adaptive { most: 16, error: 0.0 }, &around, &mut rng);
+    assert_eq!(strata.strata.len(), 16);
+    for stratum in &mut strata.strata {
+        stratum.color = Color::splat(0.25 * (4 * stratum.place[1] + stratum.place[0]) as f64);
+    }
+    let depth = strata.index();
+    for stratum in &strata.strata {
+        let [x, y] = stratum.place;
+        let own = stratum.color.x;
+        let outside = |pixel, quarter| (value(pixel, quarter) - own).powi(2);
+        let half = |place: usize| place / 2;
+        let expected = [
+            if x == 0 { outside(left, 2 * half(y) + 1) } else { 0.0625 },
+            if x == 3 { outside(right, 2 * half(y)) } else { 0.0625 },
+            if y == 0 { outside(below, 2 + half(x)) } else { 1.0 },
+            if y == 3 { outside(above, half(x)) } else { 1.0 },
+        ];
+        assert_eq!(strata.contrast(stratum, depth, &around), expected.iter().sum::<f64>(), "{x} {y}");
+    }
 }
