@@ -12,22 +12,38 @@ use glam::{DAffine3, DVec3};
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///
 /// A point of a checkerboard has just one material, which is borrowed from the scene.
+#[inline(always)]
 pub fn material_at(
     materials: &[Material],
-    mut id: MaterialId,
+    id: MaterialId,
     point: DVec3,
     instructions: Instructions,
 ) -> PointMaterial<'_> {
+    match &materials[id] {
+        Material::Phong(phong) => phong.into(),
+        Material::Texture(texture) => textured(materials, id, texture, point, instructions),
+    }
+}
+
+/// The same for a texture, whose id is `id`.
+#[inline(never)]
+fn textured<'m>(
+    materials: &'m [Material],
+    mut id: MaterialId,
+    mut texture: &'m Texture,
+    point: DVec3,
+    instructions: Instructions,
+) -> PointMaterial<'m> {
     loop {
-        let texture = match &materials[id] {
-            Material::Phong(phong) => return phong.into(),
-            Material::Texture(texture) => texture,
-        };
         let first = first_weight(texture, point, instructions);
         id = match first {
             1.0 => texture.children[0],
             0.0 => texture.children[1],
             _ => return mixed(&materials[..id], texture, first, point, instructions),
+        };
+        texture = match &materials[id] {
+            Material::Phong(phong) => return phong.into(),
+            Material::Texture(texture) => texture,
         };
     }
 }
