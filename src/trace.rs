@@ -95,6 +95,13 @@ impl<M: Mode> Tracer<'_, M> {
         self.caster.world
     }
 
+    /// The material of a surface, with its textures evaluated at the point.
+    #[inline(always)]
+    fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
+        let Caster { world, instructions, .. } = *self.caster;
+        material_at(&world.materials, surface.material, surface.position, instructions)
+    }
+
     /// The colour along a camera ray, given the surface that it hits.
     ///
     /// Secondary rays are kept on an explicit stack instead of being traced by recursion, so that the number
@@ -148,7 +155,7 @@ impl<M: Mode> Tracer<'_, M> {
             }
             return self.world().background;
         };
-        let material = material_at(&self.world().materials, surface.material, surface.position);
+        let material = self.material(surface);
         if P::OBSERVES {
             probe.observe(Event::Surface { point: surface, material: &material.phong });
         }
@@ -226,7 +233,7 @@ impl<M: Mode> Tracer<'_, M> {
         let mut passed = Color::ONE;
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, &hit);
-            let material = material_at(&self.world().materials, surface.material, surface.position);
+            let material = self.material(&surface);
             let tint = material.phong.transparent;
             let leaves = surface.normal.dot(ray.direction) >= 0.0;
             if P::OBSERVES {

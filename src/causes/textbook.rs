@@ -90,13 +90,14 @@ impl Textbook<'_> {
 
     fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
         let (materials, point) = (&self.caster.world.materials, surface.position);
+        let instructions = self.caster.instructions;
         match &materials[surface.material] {
             Material::Texture(texture)
                 if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
             {
-                material_at(materials, child_by_cutting(texture, point), point)
+                material_at(materials, child_by_cutting(texture, point), point, instructions)
             }
-            _ => material_at(materials, surface.material, point),
+            _ => material_at(materials, surface.material, point, instructions),
         }
     }
 

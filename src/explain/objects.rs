@@ -1,6 +1,7 @@
 //! Which object of the scene's text a primitive of the world comes from.
 
 use crate::escape::escape;
+use crate::math::instructions::Instructions;
 use crate::renderer::Renderer;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Pattern};
@@ -97,7 +98,7 @@ impl<'r> Objects<'r> {
             if weights[id] == 0.0 {
                 continue;
             }
-            let first = first_weight(texture, point);
+            let first = first_weight(texture, point, Instructions::Portable);
             weights[texture.children[0]] += weights[id] * first;
             weights[texture.children[1]] += weights[id] * (1.0 - first);
             let name = pattern_name(texture.pattern);

@@ -79,11 +79,11 @@ impl Structure {
     /// The grid to build, or none for a list of all primitives. `rays` is about the number of rays that are cast
     /// through it.
     ///
-    /// Measured, a grid pays from 64 triangles on, and a sphere takes as long as 16 triangles. A grid of many
+    /// Measured, a grid pays from 36 triangles on, and a sphere takes as long as 9 triangles. A grid of many
     /// primitives takes as long to build as 32 rays through their list.
     pub fn resolution(self, world: &World, rays: usize) -> Option<Resolution> {
-        const MIN_TRIANGLES: usize = 64;
-        const TRIANGLES_PER_OTHER: usize = 16;
+        const MIN_TRIANGLES: usize = 36;
+        const TRIANGLES_PER_OTHER: usize = 9;
         const MIN_RAYS: usize = 32;
         match self {
             Self::Grid(resolution) => Some(resolution),
@@ -228,7 +228,7 @@ mod tests {
             Structure::Any.resolution(&world(triangles, spheres), rays) == Some(Resolution::Auto)
         };
         assert_eq!(
-            [(63, 0), (64, 0), (0, 3), (0, 4), (48, 1)].map(|(t, s)| has_grid(t, s, 32)),
+            [(35, 0), (36, 0), (0, 3), (0, 4), (27, 1)].map(|(t, s)| has_grid(t, s, 32)),
             [false, true, false, true, true]
         );
         assert!(!has_grid(1000, 0, 31) && !has_grid(0, 0, 1000));

@@ -148,6 +148,22 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
+    fn floor(self) -> Self {
+        self.with(avx!(self.proof, _mm256_floor_pd(self.lanes)))
+    }
+
+    #[inline(always)]
+    fn sums([p, q, r, s]: [Self; 4]) -> Self {
+        p.with(avx!(p.proof, {
+            // The halves of each of the four: p and q in one register, r and s in the other.
+            let (pq, rs) = (_mm256_hadd_pd(p.lanes, q.lanes), _mm256_hadd_pd(r.lanes, s.lanes));
+            let first = _mm256_permute2f128_pd::<0x20>(pq, rs);
+            let second = _mm256_permute2f128_pd::<0x31>(pq, rs);
+            _mm256_add_pd(first, second)
+        }))
+    }
+
+    #[inline(always)]
     fn to_f32(self) -> [f32; 4] {
         bytemuck::cast(avx!(self.proof, _mm256_cvtpd_ps(self.lanes)))
     }

@@ -6,6 +6,7 @@ pub mod layer;
 mod request;
 mod row;
 mod sample_packet;
+mod spare;
 mod strip;
 
 pub use layer::{Cost, Layer};
@@ -21,6 +22,7 @@ use crate::scene::Color;
 use crate::trace::Observer;
 use glam::DVec2;
 use row::Setting;
+use spare::Spare;
 use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -85,17 +87,15 @@ pub fn render<M: Mode, P: Observer, E>(
                 .map_err(Stopped::Output)?;
         }
     }
-    let setting = Setting { camera, caster, view, request };
+    let spare = Spare::default();
+    let setting = Setting { camera, caster, view, request, spare: &spare };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
     let mut probe = P::default();
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(&setting, end, rows.start);
-        let cancelled = Stopped::Cancelled { rows: rows.end - end };
-        let finished = strip.render::<P>(&tally).ok_or(cancelled)?;
-        finished.hand_out(request, take_row).map_err(Stopped::Output)?;
-        probe = probe.merge(finished.probe);
+        probe = probe.merge(strip.render(&tally, take_row)?);
         end = strip.rows.start;
     }
     Ok(probe)
@@ -110,7 +110,8 @@ pub fn strata<M: Mode>(
     settings: Adaptive,
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
-    Setting { camera, caster, view, request }.strata(settings, pixel)
+    let spare = Spare::default();
+    Setting { camera, caster, view, request, spare: &spare }.strata(settings, pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without

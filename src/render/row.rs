@@ -3,6 +3,7 @@
 use super::layer::Layer;
 use super::request::{Request, View};
 use super::sample_packet::{Sample, SamplePacket};
+use super::spare::Spare;
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
@@ -50,6 +51,8 @@ pub struct Setting<'a, M> {
     pub caster: &'a Caster<'a, M>,
     pub view: View<'a>,
     pub request: &'a Request,
+    /// The lists of finished rows, for those that follow.
+    pub spare: &'a Spare,
 }
 
 // Implemented by hand, because a derived `Clone` would require that `M` is `Clone`.
@@ -117,7 +120,7 @@ impl<M: Mode> Setting<'_, M> {
         let Setting { request, .. } = *self;
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
-            (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
+            (true, 0) => Colors::Finished(self.spare.list(request.columns().len())),
             (true, _) => {
                 Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
             }
@@ -199,7 +202,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
     fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Setting { camera, caster, view, request } = self.setting;
+        let Setting { camera, caster, view, request, .. } = self.setting;
         let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
         let j = self.row.j;
         packet.push_centers(camera, columns, j);

@@ -9,8 +9,10 @@ use super::layer::Layer;
 use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
-use super::{TakeRow, Watch};
+use super::spare::Spare;
+use super::{Stopped, TakeRow, Watch};
 use crate::mode::Mode;
+use crate::raster::VisibilityBuffer;
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
@@ -27,6 +29,10 @@ const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
 /// Upper bound on the number of rows that a thread traces before it takes more.
 const ROWS_AT_ONCE: usize = 4;
+
+/// The number of rows, per thread, that are handed out together where no sample contributes to another row: so few that
+/// their colours, whose memory is used again, stay in the cache, and so many that threads seldom wait for each other.
+const ROWS_PER_THREAD: usize = 64;
 
 /// Counts the rows that have been traced, and records whether the watch has cancelled the render.
 pub struct Tally<'a> {
@@ -69,9 +75,9 @@ fn in_parallel<T: Send>(
     done.into_iter().collect()
 }
 
-/// A strip's rows, ready to be handed out.
-pub struct Finished<P> {
-    pub probe: P,
+/// Rows that are ready to be handed out.
+struct Finished<P> {
+    probe: P,
     /// The layers of each row of pixels, from the bottom.
     rows: Vec<Vec<Vec<Color>>>,
 }
@@ -89,8 +95,45 @@ impl<'a, M: Mode> Strip<'a, M> {
         Self { setting, rows: end.saturating_sub(rows).max(first)..end }
     }
 
+    /// Traces the strip and hands it out, and returns the probe.
+    pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
+        let request = self.setting.request;
+        if request.support() > 0 || request.adaptive.is_some() {
+            let cancelled = self.cancelled_above(self.rows.end);
+            let finished = self.finish::<P>(tally).ok_or(cancelled)?;
+            return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
+        }
+        let visibility = self.visibility::<P>(self.rows.clone());
+        let (mut probe, mut end) = (P::default(), self.rows.end);
+        while end > self.rows.start {
+            let first = end.saturating_sub(ROWS_PER_THREAD * rayon::current_num_threads());
+            let rows = first.max(self.rows.start)..end;
+            let part = Strip { setting: self.setting, rows: rows.clone() };
+            let mut finished = Finished { probe, rows: vec![vec![]; rows.len()] };
+            let mut film = Film::starting_at(request.filter, request.size, rows.start);
+            let cancelled = self.cancelled_above(end);
+            end = rows.start;
+            for row in part.trace(rows, visibility.as_ref(), tally).ok_or(cancelled)? {
+                finished.take(row, &part, &mut film);
+            }
+            probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
+        }
+        Ok(probe)
+    }
+
+    /// The render is cancelled when the rows from `end` on have been handed out.
+    fn cancelled_above<E>(&self, end: usize) -> Stopped<E> {
+        Stopped::Cancelled { rows: self.setting.request.rows().end - end }
+    }
+
+    /// The first hits of the rays through the centres of these rows, as far as they are known.
+    fn visibility<P: Observer>(&self, rows: Range<usize>) -> Option<VisibilityBuffer> {
+        let Setting { camera, caster, view, request, .. } = *self.setting;
+        request.visibility::<M, P>(camera, caster, view, rows)
+    }
+
     /// Traces the strip; none if the watch cancels the render.
-    pub fn render<P: Observer>(&self, tally: &Tally) -> Option<Finished<P>> {
+    fn finish<P: Observer>(&self, tally: &Tally) -> Option<Finished<P>> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
@@ -99,7 +142,8 @@ impl<'a, M: Mode> Strip<'a, M> {
         let mut finished = Finished { probe: P::default(), rows: vec![vec![]; self.rows.len()] };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in self.trace(rows, tally)? {
+            let visibility = self.visibility::<P>(rows.clone());
+            for row in self.trace(rows, visibility.as_ref(), tally)? {
                 finished.take(row, self, &mut film);
             }
         }
@@ -114,9 +158,13 @@ impl<'a, M: Mode> Strip<'a, M> {
         (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
-    fn trace<P: Observer>(&self, rows: Range<usize>, tally: &Tally) -> Option<Vec<Row<P>>> {
-        let Setting { camera, caster, view, request } = *self.setting;
-        let visibility = request.visibility::<M, P>(camera, caster, view, rows.clone());
+    fn trace<P: Observer>(
+        &self,
+        rows: Range<usize>,
+        visibility: Option<&VisibilityBuffer>,
+        tally: &Tally,
+    ) -> Option<Vec<Row<P>>> {
+        let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
             Some(_) if request.traces_colors::<P>() => self.trace_first::<P>(&rows, tally)?,
             _ => (vec![], vec![]),
@@ -126,7 +174,7 @@ impl<'a, M: Mode> Strip<'a, M> {
             let is_shown = self.rows.contains(&j);
             let refinement = self.refinement(&first, first_row, j);
             let row = (!tally.is_cancelled())
-                .then(|| self.setting.row::<P>(visibility.as_ref(), j, is_shown, refinement))?;
+                .then(|| self.setting.row::<P>(visibility, j, is_shown, refinement))?;
             if is_shown {
                 tally.row_is_done();
             }
@@ -183,22 +231,26 @@ impl<P: Observer> Finished<P> {
             Colors::Spread(spread) => film.add(spread, |j, colors| {
                 if let Some(i) = index(j) {
                     let columns = request.columns();
-                    let colors = colors.skip(columns.start).take(columns.len()).collect();
-                    set_colors(&mut self.rows[i], request, colors);
+                    let mut list = strip.setting.spare.list(columns.len());
+                    list.extend(colors.skip(columns.start).take(columns.len()));
+                    set_colors(&mut self.rows[i], request, list);
                 }
             }),
         }
     }
 
-    /// Hands out the rows from the top.
-    pub fn hand_out<E>(&self, request: &Request, take_row: TakeRow<E>) -> Result<(), E> {
-        for row in self.rows.iter().rev() {
+    /// Hands out the rows from the top, and returns the probe.
+    fn hand_out<E>(self, request: &Request, spare: &Spare, take_row: TakeRow<E>) -> Result<P, E> {
+        for row in self.rows.into_iter().rev() {
             for (k, (layer, colors)) in request.layers.iter().zip(row).enumerate() {
                 let [width, _] = layer.size(request.window_size());
                 colors.chunks_exact(width.max(1)).rev().try_for_each(|colors| take_row(k, colors))?;
+                if matches!(layer, Layer::Color) {
+                    spare.put(colors);
+                }
             }
         }
-        Ok(())
+        Ok(self.probe)
     }
 }
 
@@ -230,7 +282,8 @@ mod tests {
         let world = World::new(&scene, &[]).unwrap();
         let caster = Caster::new(&world, None).unwrap();
         let camera = Camera::new(&scene.camera, request.size);
-        let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request };
+        let spare = Spare::default();
+        let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request, spare: &spare };
         rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
     }
 

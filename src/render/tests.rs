@@ -222,6 +222,35 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
     }
 }
 
+/// The rows of a picture whose samples contribute to their own rows only, and those of windows of one row.
+#[test]
+fn rows_that_need_no_others_are_handed_out_64_at_a_time() {
+    let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
+    let (result, whole) = rows::<Counts>(&scene(SPHERE), &request, usize::MAX);
+    assert_eq!(result.map(|counts| counts.non_shadow_rays), Ok(450));
+    for (y, row) in whole.iter().enumerate() {
+        let window = Some(Window { x: 0, y, width: 3, height: 1 });
+        let alone = rows::<Counts>(&scene(SPHERE), &Request { window, ..request.clone() }, usize::MAX);
+        assert_eq!(alone.1, std::slice::from_ref(row), "{y}");
+    }
+    for (last, handed_out) in [(1, 0), (63, 0), (65, 64), (129, 128)] {
+        let watch = |progress: Progress| {
+            if progress.done >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut taken = 0;
+        let mut take_row = |_: usize, _: &[Color]| -> Result<(), Infallible> {
+            taken += 1;
+            Ok(())
+        };
+        let result = render_scene::<Quiet, _>(&scene(""), &request, &watch, &mut take_row);
+        assert_eq!(
+            (result.err(), taken),
+            (Some(Stopped::Cancelled { rows: handed_out }), handed_out),
+            "{last}"
+        );
+    }
+}
+
 #[test]
 fn a_row_that_is_not_taken_ends_the_render() {
     let layers = vec![Layer::Samples { zoom: 2 }, Layer::Filter { zoom: 2 }, Layer::Color];

@@ -1,6 +1,11 @@
 //! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
 
-use crate::math::f64x4::ROUND_TO_INTEGER;
+#[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
+use crate::math::f64x4::{F64x4, Scalar};
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::{Instructions, Portable};
 use glam::DVec3;
 
 /// Perlin's permutation of 0..=255.
@@ -19,8 +24,30 @@ const PERMUTATION: [u8; 256] = [
     66, 215, 61, 156, 180,
 ];
 
-fn permute(i: usize) -> usize {
-    PERMUTATION[i & 255] as usize
+/// The permutation, and its first element once more, so that the element after any other can be loaded without
+/// wrapping the index.
+const HASHES: [u8; 257] = followed_by_first(&PERMUTATION);
+
+/// The gradient that belongs to each element of [`HASHES`], with an unused lane that is 0.
+static HASHED_GRADIENTS: [[f64; 4]; 257] = {
+    let mut gradients = [[0.0; 4]; 257];
+    let mut i = 0;
+    while i < 257 {
+        let [x, y, z] = GRADIENTS[HASHES[i] as usize & 15];
+        gradients[i] = [x, y, z, 0.0];
+        i += 1;
+    }
+    gradients
+};
+
+const fn followed_by_first(permutation: &[u8; 256]) -> [u8; 257] {
+    let mut followed = [permutation[0]; 257];
+    let mut i = 0;
+    while i < 256 {
+        followed[i] = permutation[i];
+        i += 1;
+    }
+    followed
 }
 
 /// The integer `cell` modulo `period`, which is a power of two. `cell` may be larger than an `i64`.
@@ -51,59 +78,102 @@ const GRADIENTS: [[f64; 3]; 16] = [
     [0.0, -1.0, -1.0],
 ];
 
-/// The largest integer up to `x`, and its remainder modulo 256.
+/// One octave of noise at `p`, whose first three lanes are the coordinates: between about -1 and 1, zero at integer
+/// points, with period 256 along each axis.
 #[inline(always)]
-fn cell_along_axis(x: f64) -> (f64, usize) {
-    if x.abs() >= ROUND_TO_INTEGER / 3.0 {
-        let cell = x.floor();
-        return (cell, wrapped(cell, 256) as usize);
-    }
-    // Without SSE4.1, which the compilation target may lack, the library's function takes three times as long.
-    let shifted = x + ROUND_TO_INTEGER;
-    let nearest = shifted - ROUND_TO_INTEGER;
-    let is_above = nearest > x;
-    (nearest - f64::from(is_above as u8), (shifted.to_bits().wrapping_sub(is_above as u64) & 255) as usize)
+fn noise<F: F64x4>(p: F) -> f64 {
+    let cell = p.floor();
+    let indices = indices(cell);
+    let near = p - cell;
+    let steep = near * near.broadcast(6.0) - near.broadcast(15.0);
+    let fade = near * near * near * (near * steep + near.broadcast(10.0));
+    let [fade_x, fade_y, fade_z, _] = fade.to_array();
+    let (left, right) = (side::<F, 0>(near, indices), side::<F, 1>(near, indices));
+    let [low_near, high_near, low_far, high_far] =
+        (left + near.broadcast(fade_x) * (right - left)).to_array();
+    lerp(fade_z, lerp(fade_y, low_near, high_near), lerp(fade_y, low_far, high_far))
 }
 
-/// One octave of noise: between about -1 and 1, zero at integer points, with period 256 along each axis.
-pub fn noise(p: DVec3) -> f64 {
-    let [(cell_x, x), (cell_y, y), (cell_z, last)] = p.to_array().map(cell_along_axis);
-    let near = p - DVec3::new(cell_x, cell_y, cell_z);
-    let far = near - 1.0;
-    let fade = near * near * near * (near * (near * 6.0 - 15.0) + 10.0);
+/// The dot products of the gradients and the offsets at the four corners of a cell that are `DX` from its index along
+/// x. Bit 0 of a lane's number is the corner's distance from the index along y, and bit 1 that along z.
+#[inline(always)]
+fn side<F: F64x4, const DX: usize>(near: F, [x, y, z]: [usize; 3]) -> F {
     // Each step of the hash is computed once for all corners that share it.
-    let columns = [permute(x) + y, permute(x + 1) + y];
-    let row = |dy: usize, dz: usize, y: f64, z: f64| {
-        let [left, right] = columns.map(|column| permute(permute(column + dy) + last + dz));
-        lerp(fade.x, gradient(left, DVec3::new(near.x, y, z)), gradient(right, DVec3::new(far.x, y, z)))
-    };
-    let slice = |dz, z| lerp(fade.y, row(0, dz, near.y, z), row(1, dz, far.y, z));
-    lerp(fade.z, slice(0, near.z), slice(1, far.z))
+    let column = (HASHES[x + DX] as usize + y) & 255;
+    let low = (HASHES[column] as usize + z) & 255;
+    let high = (HASHES[column + 1] as usize + z) & 255;
+    let dx = DX as f64;
+    F::sums([
+        products(low, near, [dx, 0.0, 0.0]),
+        products(high, near, [dx, 1.0, 0.0]),
+        products(low + 1, near, [dx, 0.0, 1.0]),
+        products(high + 1, near, [dx, 1.0, 1.0]),
+    ])
+}
+
+/// The terms of the dot product of a gradient with the offset from a corner. Two of them are exact and the third is
+/// zero, so that the order in which they are added does not matter.
+#[inline(always)]
+fn products<F: F64x4>(gradient: usize, near: F, [dx, dy, dz]: [f64; 3]) -> F {
+    F::new(near.proof(), HASHED_GRADIENTS[gradient]) * (near - F::new(near.proof(), [dx, dy, dz, 0.0]))
+}
+
+/// The indices of a cell modulo 256 along the three axes.
+#[inline(always)]
+fn indices<F: F64x4>(cell: F) -> [usize; 3] {
+    const BOUND: f64 = (1u64 << 31) as f64;
+    if cell.abs().le_mask(cell.broadcast(BOUND - 1.0)) & 7 == 7 {
+        let [x, y, z, _] = cell.to_i32();
+        return [x as usize & 255, y as usize & 255, z as usize & 255];
+    }
+    let [x, y, z, _] = cell.to_array();
+    [wrapped(x, 256) as usize, wrapped(y, 256) as usize, wrapped(z, 256) as usize]
 }
 
 /// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
-pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
-    let (mut sum, mut frequency) = (0.0, 1.0);
+pub fn turbulence(p: DVec3, octaves: u32, instructions: Instructions) -> f64 {
+    match instructions {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+        Instructions::Avx2(avx2) => unsafe { turbulence_avx2(avx2, p, octaves) },
+        Instructions::Portable => turbulence_with::<Scalar>(Portable, p, octaves),
+    }
+}
+
+/// The same, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn turbulence_avx2(avx2: Avx2, p: DVec3, octaves: u32) -> f64 {
+    turbulence_with::<Avx>(avx2, p, octaves)
+}
+
+#[inline(always)]
+fn turbulence_with<F: F64x4>(proof: F::Proof, p: DVec3, octaves: u32) -> f64 {
+    let mut p = F::new(proof, [p.x, p.y, p.z, 0.0]);
+    let (mut sum, mut amplitude) = (0.0, 1.0);
     for _ in 0..octaves {
-        sum += noise(p * frequency) / frequency;
-        frequency *= 2.0;
+        sum += amplitude * noise(p);
+        p = p + p;
+        amplitude *= 0.5;
     }
     sum
 }
 
+#[inline(always)]
 fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
-}
-
-/// The dot product of `offset` with the gradient of a hash. Two of its terms are exact and the third is zero.
-#[inline(always)]
-fn gradient(hash: usize, offset: DVec3) -> f64 {
-    DVec3::from_array(GRADIENTS[hash & 15]).dot(offset)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Instructions::Portable;
+
+    /// One octave of noise.
+    fn noise(p: DVec3) -> f64 {
+        turbulence(p, 1, Portable)
+    }
 
     #[test]
     fn the_table_is_a_permutation() {
@@ -132,8 +202,8 @@ mod tests {
 
     #[test]
     fn no_octave_is_no_noise() {
-        assert_eq!(turbulence(DVec3::splat(0.3), 0), 0.0);
-        assert_eq!(turbulence(DVec3::splat(0.3), 1), noise(DVec3::splat(0.3)));
+        assert_eq!(turbulence(DVec3::splat(0.3), 0, Portable), 0.0);
+        assert_eq!(turbulence(DVec3::splat(0.3), 1, Portable), noise(DVec3::splat(0.3)));
     }
 
     /// The dot product with a gradient as Perlin's reference implementation selects it by the bits of a hash.
@@ -150,21 +220,35 @@ mod tests {
 
     #[test]
     fn gradients_are_those_of_the_reference() {
-        for hash in 0..256 {
+        for (i, &[x, y, z, unused]) in HASHED_GRADIENTS.iter().enumerate() {
             for offset in [DVec3::new(0.25, 0.5, 0.125), DVec3::new(-0.7, 0.1, -1.0 / 3.0)] {
-                assert_eq!(gradient(hash, offset), selected(hash, offset), "{hash}");
+                let hash = PERMUTATION[i % 256] as usize;
+                assert_eq!(DVec3::new(x, y, z).dot(offset), selected(hash, offset), "{hash}");
+            }
+            assert_eq!(unused, 0.0);
+        }
+    }
+
+    #[test]
+    fn noise_has_the_same_bits_with_any_instructions() {
+        let mut coordinate = (0..).map(|k| 1e3 * (0.754_877_666 * f64::from(k)).fract() - 500.0);
+        let mut near = || DVec3::from_array([(); 3].map(|()| coordinate.next().unwrap_or(f64::NAN)));
+        let points = (0..2000).map(|i| near() * if i % 2 == 0 { 1.0 } else { 1e7 });
+        let far = [1e9, 2f64.powi(31) - 0.5, 2f64.powi(31) + 0.5, 2f64.powi(52), 1e100];
+        let far = far.into_iter().flat_map(|x| [DVec3::new(x, -x, 0.3), DVec3::new(0.1, 0.2, -x)]);
+        for p in points.chain(far) {
+            for instructions in Instructions::available() {
+                let [found, expected] = [instructions, Portable].map(|with| turbulence(p, 5, with));
+                assert_eq!(found.to_bits(), expected.to_bits(), "{p} {instructions:?}");
             }
         }
     }
 
     #[test]
-    fn cells_are_those_of_the_floor() {
-        let large = ROUND_TO_INTEGER / 3.0;
-        for x in [0.0, -0.0, 0.5, 0.75, 1.0, 254.5, 255.5, 256.0, 1e9 + 0.3, large - 1.0, large, 2e18, 1e300]
-        {
-            for x in [x, -x, x.next_up(), -x.next_up(), x.next_down(), -x.next_down()] {
-                let (cell, wrap) = cell_along_axis(x);
-                assert_eq!((cell, wrap as i64), (x.floor(), wrapped(x.floor(), 256)), "{x}");
+    fn far_noise_is_that_of_the_remainder() {
+        for p in [DVec3::new(0.25, 0.5, 0.75), DVec3::new(200.75, 3.5, 100.25)] {
+            for period in [2f64.powi(31), -2f64.powi(31), 2f64.powi(40)] {
+                assert_eq!(noise(p + period), noise(p), "{p} {period}");
             }
         }
     }
@@ -198,7 +282,7 @@ mod tests {
     fn octaves_double_the_frequency_and_halve_the_amplitude() {
         let p = DVec3::new(0.3, 0.45, 0.6);
         let sum = noise(p) + noise(p * 2.0) / 2.0 + noise(p * 4.0) / 4.0;
-        assert!((turbulence(p, 3) - sum).abs() < 1e-15);
+        assert!((turbulence(p, 3, Portable) - sum).abs() < 1e-15);
     }
 
     #[test]

@@ -41,17 +41,17 @@ impl PointMaterial<'_> {
         Self { phong: Cow::Owned(part), further: Vec::new() }
     }
 
-    /// The sum with another part.
-    pub fn plus(mut self, other: Self) -> Self {
-        let (sum, other) = (self.phong.to_mut(), other.phong);
-        sum.diffuse += other.diffuse;
-        sum.reflective += other.reflective;
-        sum.transparent += other.transparent;
-        sum.index_of_refraction += other.index_of_refraction;
-        if other.specular != Color::ZERO {
-            self.further.push(Highlight { color: other.specular, exponent: other.exponent });
+    /// Adds another part of the mixture.
+    pub fn add_part(&mut self, phong: &Phong, weight: f64) {
+        let sum = self.phong.to_mut();
+        sum.diffuse += phong.diffuse * weight;
+        sum.reflective += phong.reflective * weight;
+        sum.transparent += phong.transparent * weight;
+        sum.index_of_refraction += phong.index_of_refraction * weight;
+        let color = phong.specular * weight;
+        if color != Color::ZERO {
+            self.further.push(Highlight { color, exponent: phong.exponent });
         }
-        self
     }
 
     /// The light reflected to the viewer: Lambert's diffuse and Blinn's specular term. `normal` and
@@ -163,7 +163,8 @@ mod tests {
     #[test]
     fn colours_mix_by_weight_and_highlights_stay_separate() {
         let (one, other) = mixed();
-        let mix = PointMaterial::part(&one, 0.25).plus(PointMaterial::part(&other, 0.75));
+        let mut mix = PointMaterial::part(&one, 0.25);
+        mix.add_part(&other, 0.75);
         assert_eq!(mix.phong.diffuse, 0.25 * one.diffuse + 0.75 * other.diffuse);
         assert_eq!(mix.phong.reflective, 0.25 * one.reflective + 0.75 * other.reflective);
         assert_eq!(mix.phong.transparent, 0.25 * one.transparent + 0.75 * other.transparent);
@@ -182,7 +183,11 @@ mod tests {
         let shining = Phong { specular: Color::X, ..black };
         let is_black = |phong| PointMaterial::from(&phong).is_black();
         assert_eq!([is_black(black), is_black(shining), is_black(Phong::default())], [true, false, false]);
-        let parts = |other| PointMaterial::part(&black, 0.5).plus(PointMaterial::part(other, 0.5));
+        let parts = |other| {
+            let mut mix = PointMaterial::part(&black, 0.5);
+            mix.add_part(other, 0.5);
+            mix
+        };
         assert!(parts(&black).is_black() && parts(&black).further.is_empty());
         assert!(!parts(&shining).is_black());
     }

@@ -2,6 +2,7 @@
 
 use super::perlin::{turbulence, wrapped};
 use super::phong::PointMaterial;
+use crate::math::instructions::Instructions;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
@@ -11,17 +12,38 @@ use glam::{DAffine3, DVec3};
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///
 /// A point of a checkerboard has just one material, which is borrowed from the scene.
-pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> PointMaterial<'_> {
+#[inline(always)]
+pub fn material_at(
+    materials: &[Material],
+    id: MaterialId,
+    point: DVec3,
+    instructions: Instructions,
+) -> PointMaterial<'_> {
+    match &materials[id] {
+        Material::Phong(phong) => phong.into(),
+        Material::Texture(texture) => textured(materials, id, texture, point, instructions),
+    }
+}
+
+/// The same for a texture, whose id is `id`.
+#[inline(never)]
+fn textured<'m>(
+    materials: &'m [Material],
+    mut id: MaterialId,
+    mut texture: &'m Texture,
+    point: DVec3,
+    instructions: Instructions,
+) -> PointMaterial<'m> {
     loop {
-        let texture = match &materials[id] {
-            Material::Phong(phong) => return phong.into(),
-            Material::Texture(texture) => texture,
-        };
-        let first = first_weight(texture, point);
+        let first = first_weight(texture, point, instructions);
         id = match first {
             1.0 => texture.children[0],
             0.0 => texture.children[1],
-            _ => return mixed(&materials[..id], texture, first, point),
+            _ => return mixed(&materials[..id], texture, first, point, instructions),
+        };
+        texture = match &materials[id] {
+            Material::Phong(phong) => return phong.into(),
+            Material::Texture(texture) => texture,
         };
     }
 }
@@ -32,7 +54,24 @@ pub fn material_at(materials: &[Material], mut id: MaterialId, point: DVec3) -> 
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
 /// distributes its weight to its two children, which come before it. This takes time linear in the number of
 /// materials, where a recursion could take exponential time.
-fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DVec3) -> PointMaterial<'m> {
+fn mixed<'m>(
+    materials: &'m [Material],
+    texture: &Texture,
+    first: f64,
+    point: DVec3,
+    instructions: Instructions,
+) -> PointMaterial<'m> {
+    let [i, j] = texture.children;
+    if let [Material::Phong(one), Material::Phong(other)] = [&materials[i], &materials[j]]
+        && i != j
+    {
+        // Most textures end here. As in longer mixtures the parts are added from the last material to the first.
+        let parts = [(one, first), (other, 1.0 - first)];
+        let [later, earlier] = if i > j { parts } else { [parts[1], parts[0]] };
+        let mut sum = PointMaterial::part(later.0, later.1);
+        sum.add_part(earlier.0, earlier.1);
+        return sum;
+    }
     // Most scenes have so few materials that no memory has to be allocated for their weights.
     let (mut few, mut many) = ([0.0; 16], vec![]);
     let weights = few.get_mut(..materials.len()).unwrap_or_else(|| {
@@ -48,15 +87,12 @@ fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DV
             continue;
         }
         match material {
-            Material::Phong(phong) => {
-                let part = PointMaterial::part(phong, weight);
-                sum = Some(match sum {
-                    Some(sum) => sum.plus(part),
-                    None => part,
-                });
-            }
+            Material::Phong(phong) => match &mut sum {
+                Some(sum) => sum.add_part(phong, weight),
+                None => sum = Some(PointMaterial::part(phong, weight)),
+            },
             Material::Texture(texture) => {
-                let first = first_weight(texture, point);
+                let first = first_weight(texture, point, instructions);
                 weights[texture.children[0]] += weight * first;
                 weights[texture.children[1]] += weight * (1.0 - first);
             }
@@ -66,19 +102,21 @@ fn mixed<'m>(materials: &'m [Material], texture: &Texture, first: f64, point: DV
 }
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
-pub fn first_weight(texture: &Texture, point: DVec3) -> f64 {
+pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
         Pattern::Checkerboard => checkerboard(map, point),
-        Pattern::Noise { octaves } => (turbulence(to_texture(map, point), octaves) + 0.5).clamp(0.0, 1.0),
+        Pattern::Noise { octaves } => {
+            (turbulence(to_texture(map, point), octaves, instructions) + 0.5).clamp(0.0, 1.0)
+        }
         Pattern::Marble { octaves, frequency, amplitude } => {
             let q = to_texture(map, point);
-            (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves))) / 2.0
+            (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves, instructions))) / 2.0
         }
         Pattern::Wood { octaves, frequency, amplitude } => {
             let q = to_texture(map, point);
             let radius = (q.x * q.x + q.z * q.z).sqrt() + 0.05 * q.y;
-            let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves);
+            let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves, instructions);
             let ring = (0.5 + libm::sin(frequency * radius + amplitude * grain)).clamp(0.0, 1.0);
             ring * ring
         }
@@ -135,6 +173,7 @@ mod tests {
     use super::*;
     use crate::scene::Color;
     use crate::scene::material::Phong;
+    use Instructions::Portable;
 
     fn texture(pattern: Pattern, children: [MaterialId; 2]) -> Texture {
         Texture { pattern, world_to_texture: DAffine3::IDENTITY, children }
@@ -150,7 +189,7 @@ mod tests {
             (DVec3::new(-1.5, -0.5, -0.5), 1.0),
             (DVec3::new(1e9 + 0.5, 0.5, 0.5), 1.0),
         ] {
-            assert_eq!(first_weight(&t, point), first, "{point}");
+            assert_eq!(first_weight(&t, point, Portable), first, "{point}");
         }
     }
 
@@ -158,7 +197,7 @@ mod tests {
     fn a_boundary_belongs_to_the_cell_above_on_whichever_side_rounding_falls() {
         let t = texture(Pattern::Checkerboard, [0, 1]);
         for y in [3.0 - 4e-16, 3.0, 3.0 + 4e-16] {
-            assert_eq!(first_weight(&t, DVec3::new(0.5, y, 0.5)), 0.0);
+            assert_eq!(first_weight(&t, DVec3::new(0.5, y, 0.5), Portable), 0.0);
         }
     }
 
@@ -173,13 +212,14 @@ mod tests {
             [3, 2],
         )));
         let point = DVec3::new(0.3, -1.2, 7.7);
-        let m = material_at(&materials, 4, point);
+        let m = material_at(&materials, 4, point, Portable);
         assert!(
             (m.phong.diffuse.element_sum() - 1.0).abs() < 1e-15
                 && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
         );
-        let marble =
-            |t: &Material| if let Material::Texture(t) = t { first_weight(t, point) } else { f64::NAN };
+        let marble = |t: &Material| {
+            if let Material::Texture(t) = t { first_weight(t, point, Portable) } else { f64::NAN }
+        };
         assert!((m.phong.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
     }
 
@@ -189,7 +229,9 @@ mod tests {
         for i in 0..2000 {
             materials.push(Material::Texture(texture(Pattern::Noise { octaves: 1 }, [i, i])));
         }
-        assert!((material_at(&materials, 2000, DVec3::splat(0.3)).phong.diffuse.x - 1.0).abs() < 1e-12);
+        assert!(
+            (material_at(&materials, 2000, DVec3::splat(0.3), Portable).phong.diffuse.x - 1.0).abs() < 1e-12
+        );
     }
 
     /// The weight of the first material at a point given in texture space, for a map that is not the
@@ -197,13 +239,13 @@ mod tests {
     fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
         let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
         let t = Texture { world_to_texture, ..texture(pattern, [0, 1]) };
-        first_weight(&t, texture_point - DVec3::new(1.0, -2.0, 4.0))
+        first_weight(&t, texture_point - DVec3::new(1.0, -2.0, 4.0), Portable)
     }
 
     #[test]
     fn noise_is_turbulence_about_a_half() {
         for p in [DVec3::new(0.25, 0.5, 0.625), DVec3::new(1.25, -0.5, 3.375), DVec3::new(0.5, 0.25, 0.25)] {
-            let expected = (turbulence(p, 3) + 0.5).clamp(0.0, 1.0);
+            let expected = (turbulence(p, 3, Portable) + 0.5).clamp(0.0, 1.0);
             assert_eq!(weight(Pattern::Noise { octaves: 3 }, p), expected);
         }
     }
@@ -217,7 +259,7 @@ mod tests {
             assert!((marble(0, 7.0, DVec3::new(x, 9.0, -5.0)) - expected).abs() < 1e-15);
         }
         let p = DVec3::new(0.25, 0.5, 0.625);
-        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2)).sin();
+        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2, Portable)).sin();
         assert!((marble(2, 7.0, p) - expected).abs() < 1e-15);
     }
 
@@ -229,7 +271,7 @@ mod tests {
         // The radius of a ring grows by a twentieth of the height.
         assert!((wood(0, 7.0, p) - ring(5.0 * (0.625 + 0.05 * 2.5))).abs() < 1e-15);
         let p = DVec3::new(0.375, 1.25, 0.5);
-        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2);
+        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2, Portable);
         let expected = ring(5.0 * (0.625 + 0.05 * 1.25) + 0.75 * grain);
         assert!(grain != 0.0 && expected > 0.0 && expected < 1.0);
         assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
@@ -238,7 +280,7 @@ mod tests {
     /// The weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
     fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
         let t = Texture { world_to_texture, ..texture(Pattern::Checkerboard, [0, 1]) };
-        first_weight(&t, boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF))
+        first_weight(&t, boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF), Portable)
     }
 
     #[test]
@@ -266,7 +308,7 @@ mod tests {
         let board = Material::Texture(texture(Pattern::Checkerboard, [0, 1]));
         let materials = [phong(Color::X), phong(Color::Y), board];
         for (x, color) in [(0.5, Color::X), (1.5, Color::Y)] {
-            let found = material_at(&materials, 2, DVec3::new(x, 0.5, 0.5)).phong;
+            let found = material_at(&materials, 2, DVec3::new(x, 0.5, 0.5), Portable).phong;
             assert!(matches!(found, std::borrow::Cow::Borrowed(phong) if phong.diffuse == color));
         }
     }

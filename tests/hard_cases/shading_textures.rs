@@ -5,15 +5,15 @@ use crate::support::measure::{Failures, measure};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of;
-use crate::support::textbook_noise::{noise32, truncated_noise};
+use crate::support::textbook_noise::{noise, noise32, truncated_noise};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
+use raytracer::math::instructions::Instructions;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::material::{Pattern, Texture};
 use raytracer::scene::{self, Object};
-use raytracer::shading::perlin::noise;
 use raytracer::shading::texture::first_weight;
 use raytracer::stats::Quiet;
 
@@ -75,7 +75,7 @@ fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
         let expected = even(q.x.floor() + board.layer + q.z.floor());
         let plain = board.texture.world_to_texture.transform_point3(ray.at(hit.t)).floor();
         counts[0] += 1;
-        counts[1] += (first_weight(&board.texture, point) != expected) as u64;
+        counts[1] += (first_weight(&board.texture, point, Instructions::Portable) != expected) as u64;
         counts[2] += (even(plain.element_sum()) != expected) as u64;
     }
     counts
@@ -127,12 +127,12 @@ fn case_57_checkerboard_far_away() {
         // This is exact: the floor of a float below 2^63 is a 64-bit integer.
         let sum: i64 = p.floor().to_array().map(|x| x as i64).into_iter().sum();
         let expected = if sum.rem_euclid(2) == 0 { 1.0 } else { 0.0 };
-        let wrong = first_weight(&texture, p) != expected;
+        let wrong = first_weight(&texture, p, Instructions::Portable) != expected;
         failures.note(wrong, || failed_ray(57, 57, index, p, DVec3::ZERO));
         ([1, wrong as u64, (truncating_checkerboard(p) != expected) as u64], [])
     });
     let extremes = [1e16, 1e300, f64::MAX, -f64::MAX, f64::MIN_POSITIVE, -5e-324];
-    let weights = extremes.map(|x| first_weight(&texture, DVec3::splat(x)));
+    let weights = extremes.map(|x| first_weight(&texture, DVec3::splat(x), Instructions::Portable));
     let [tried, ours, textbook] = counts;
     Record {
         case: 57,

@@ -3,6 +3,13 @@
 
 use super::rng::Rng;
 use glam::{DVec3, Vec3};
+use raytracer::math::instructions::Instructions;
+use raytracer::shading::perlin::turbulence;
+
+/// This program's noise: one octave of it.
+pub fn noise(p: DVec3) -> f64 {
+    turbulence(p, 1, Instructions::Portable)
+}
 
 /// The noise in f64, with the cell computed by conversion to a 32-bit integer, which truncates.
 pub fn truncated_noise(p: DVec3) -> f64 {
@@ -15,7 +22,7 @@ pub fn noise32(p: Vec3) -> f64 {
     let cell = p.floor();
     let position = (p - cell).as_dvec3();
     let reduced = DVec3::from_array(cell.to_array().map(|c| c.rem_euclid(256.0) as f64));
-    raytracer::shading::perlin::noise(reduced + position)
+    noise(reduced + position)
 }
 
 fn blend(cell: [u64; 3], f: [f64; 3]) -> f64 {
