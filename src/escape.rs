@@ -1,4 +1,4 @@
-//! Escapes text from files and arguments, so that it is safe to print on a terminal.
+//! Escapes text from files and arguments, so that it is safe on a terminal, in a page and in a table.
 
 use std::ffi::OsStr;
 
@@ -33,6 +33,31 @@ pub fn prints(character: char) -> bool {
     matches!(character, '\'' | '"' | '\\') || character.escape_debug().count() == 1
 }
 
+/// A text that is nothing but text in HTML, also between quotes. Control characters, and those that change the
+/// direction of writing, are written as escape sequences.
+pub fn html(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for character in escape(text).chars() {
+        match character {
+            '&' => shown += "&amp;",
+            '<' => shown += "&lt;",
+            '>' => shown += "&gt;",
+            '"' => shown += "&quot;",
+            '\'' => shown += "&#39;",
+            other => shown.push(other),
+        }
+    }
+    shown
+}
+
+/// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a formula
+/// starts with an apostrophe.
+pub fn csv_field(text: &str) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    let apostrophe = if is_formula { "'" } else { "" };
+    format!("\"{apostrophe}{}\"", text.replace('"', "\"\""))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,5 +71,24 @@ mod tests {
     fn a_quoted_word_is_short_and_one_line() {
         assert_eq!(quoted("a\u{202e}b.tga"), "`a\\u{202e}b.tga`");
         assert_eq!(quoted("x".repeat(1000)), format!("`{}...`", "x".repeat(MAX_QUOTED)));
+    }
+
+    #[test]
+    fn text_is_nothing_but_text_in_a_page() {
+        assert_eq!(html("<a b=\"'&\u{202e}"), "&lt;a b=&quot;&#39;&amp;\\u{202e}");
+    }
+
+    #[test]
+    fn fields_neither_end_nor_compute() {
+        for (text, expected) in [
+            ("anna", "\"anna\""),
+            ("a,\"b\"\n", "\"a,\"\"b\"\"\n\""),
+            ("=1+1", "\"'=1+1\""),
+            ("-a", "\"'-a\""),
+            ("@a", "\"'@a\""),
+            ("a=1", "\"a=1\""),
+        ] {
+            assert_eq!(csv_field(text), expected);
+        }
     }
 }

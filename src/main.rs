@@ -6,6 +6,7 @@ mod job;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
+mod progress;
 mod rendering;
 
 use job::Outcome;
