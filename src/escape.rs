@@ -50,6 +50,15 @@ pub fn html(text: &str) -> String {
     shown
 }
 
+/// A word as a shell reads it: between single quotes if it has other characters than those of plain names.
+pub fn shell_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=@%,".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
 /// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a formula
 /// starts with an apostrophe.
 pub fn csv_field(text: &str) -> String {
@@ -89,6 +98,19 @@ mod tests {
             ("a=1", "\"a=1\""),
         ] {
             assert_eq!(csv_field(text), expected);
+        }
+    }
+
+    #[test]
+    fn a_shell_reads_one_word() {
+        for (word, expected) in [
+            ("a/b-1.txt", "a/b-1.txt"),
+            ("a b", "'a b'"),
+            ("it's", "'it'\\''s'"),
+            ("$(x)", "'$(x)'"),
+            ("", "''"),
+        ] {
+            assert_eq!(shell_word(word), expected);
         }
     }
 }

@@ -21,6 +21,7 @@ pub use finding::Finding;
 pub use finished::Finished;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
+pub(crate) use requests::has_secondary_rays;
 pub use rules::Rule;
 pub use scenes::SceneChange;
 
