@@ -8,6 +8,7 @@
 
 mod csv;
 mod curve;
+mod numerical;
 mod page;
 mod plan;
 mod plot;
@@ -17,6 +18,7 @@ mod sweep;
 mod text;
 
 pub use csv::csv;
+pub use numerical::{Departure, Numerical};
 pub use page::page;
 pub use setting::{Axis, Kind, Samples, Setting, filter_flag};
 pub use sweep::{Bench, Progress, Sweep, SweepError};
@@ -37,6 +39,8 @@ pub struct ErrorReport {
     pub size: [usize; 2],
     /// One for each filter, the one that was asked for first.
     pub groups: Vec<Group>,
+    /// What roundings do, apart from sampling; none if it was not measured.
+    pub numerical: Option<Numerical>,
     /// The number of settings that were to be measured.
     pub planned: usize,
     /// The stages and the time that each took.
@@ -99,6 +103,12 @@ impl Measurement {
         20.0 * libm::log10(255.0 / self.error)
     }
 
+    /// Whether flags can ask for it, and it is there for its own sake. Structures are compared with each other: their
+    /// error is the same, and their time is not all that they cost.
+    fn is_candidate(&self) -> bool {
+        self.setting.flags().is_some() && self.setting.axis != Axis::Structure
+    }
+
     /// The time and the error.
     fn point(&self) -> Point {
         [self.least(), self.error]
@@ -106,12 +116,11 @@ impl Measurement {
 }
 
 impl Group {
-    /// Which measurements are on the front of those that flags can ask for: none is as fast and better, or as good and
-    /// faster.
+    /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not compared, nor
+    /// what no flags can ask for.
     pub fn front(&self) -> Vec<bool> {
-        let candidates: Vec<usize> = (0..self.measurements.len())
-            .filter(|&index| self.measurements[index].setting.flags().is_some())
-            .collect();
+        let candidates: Vec<usize> =
+            (0..self.measurements.len()).filter(|&index| self.measurements[index].is_candidate()).collect();
         let points: Vec<Point> = candidates.iter().map(|&index| self.measurements[index].point()).collect();
         let mut front = vec![false; self.measurements.len()];
         candidates.iter().zip(curve::front(&points)).for_each(|(&index, is_on)| front[index] = is_on);
@@ -144,12 +153,19 @@ impl Group {
 
     /// The cheapest measurement that flags can ask for and whose error is at most this.
     pub fn cheapest(&self, error: f64) -> Option<&Measurement> {
-        let reaches = |one: &&Measurement| one.error <= error && one.setting.flags().is_some();
+        let reaches = |one: &&Measurement| one.error <= error && one.is_candidate();
         self.measurements.iter().filter(reaches).min_by(|a, b| a.least().total_cmp(&b.least()))
     }
 }
 
 impl ErrorReport {
+    /// Whether roundings are more than a tenth of a setting's error: those of this program, and those of a tracer in
+    /// single precision.
+    pub fn is_numerical(&self, one: &Measurement) -> [bool; 2] {
+        let is_more = |departure: Departure| departure.error > one.error / 10.0;
+        self.numerical.map_or([false; 2], |found| [found.program, found.single].map(is_more))
+    }
+
     /// The number of settings that were measured.
     pub fn measured(&self) -> usize {
         self.groups.iter().map(|group| group.measurements.len()).sum()

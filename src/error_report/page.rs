@@ -1,7 +1,7 @@
 //! The page of a report: one file, without anything from elsewhere and without scripts.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Axis, ErrorReport, Group, Kind, Measurement, filter_flag};
+use super::{Departure, ErrorReport, Group, Kind, Measurement, Numerical, filter_flag};
 use crate::compare::{colors, largest_channel_difference};
 use crate::escape::html;
 use crate::explain::color_scale::cubehelix;
@@ -24,10 +24,11 @@ pub fn page(report: &ErrorReport, command: &str, advice: Option<&str>) -> String
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>Speed against error</title>\n\
          <style>\n{STYLE}</style>\n</head>\n"
     );
-    let groups: String = report.groups.iter().map(group).collect();
+    let groups: String = report.groups.iter().map(|one| group(report, one)).collect();
+    let numerical = report.numerical.as_ref().map(numerical).unwrap_or_default();
     let pictures = report.groups.first().map(pictures).unwrap_or_default();
     let (summary, stages) = (summary(report, command, advice), stages(report));
-    format!("{head}<body>\n{summary}{groups}{pictures}{stages}</body>\n</html>\n")
+    format!("{head}<body>\n{summary}{groups}{pictures}{numerical}{stages}</body>\n</html>\n")
 }
 
 fn summary(report: &ErrorReport, command: &str, advice: Option<&str>) -> String {
@@ -50,13 +51,33 @@ fn summary(report: &ErrorReport, command: &str, advice: Option<&str>) -> String 
     )
 }
 
-fn group(group: &Group) -> String {
+/// What roundings do, apart from sampling.
+fn numerical(numerical: &Numerical) -> String {
+    let Numerical { size: [width, height], samples, program, single } = numerical;
+    let row = |name: &str, found: &Departure| {
+        let Departure { bytes, largest, error, hits } = found;
+        format!(
+            "<tr><td class=\"name\">{name}</td><td>{hits}</td><td>{bytes}</td><td>{largest}</td><td>{error:.6}</td></tr>\n"
+        )
+    };
+    let rows = row("this program", program) + &row("a textbook's tracer in single precision", single);
+    format!(
+        "<h2>Numerical error, apart from that of sampling</h2>\n<p>The same {samples} jittered samples in each of {width} x \
+         {height} pixels, traced by brute force in double precision with exact decisions. Rows above are marked \
+         \u{201c}numerical\u{201d} where this program's roundings are more than a tenth of their error, and \
+         \u{201c}f32\u{201d} where those of single precision would be.</p>\n<table><thead><tr><th class=\"name\">Against \
+         brute force</th><th>camera rays with another hit</th><th>bytes that differ</th><th>by at most, levels</th>\
+         <th>RMSE, levels</th></tr></thead><tbody>\n{rows}</tbody></table>\n"
+    )
+}
+
+fn group(report: &ErrorReport, group: &Group) -> String {
     let key: String = Kind::ALL.into_iter().map(|kind| key(group, kind)).collect();
     let rows: String = group
         .measurements
         .iter()
         .zip(group.front())
-        .map(|(one, is_on_front)| row(one, is_on_front))
+        .map(|(one, is_on_front)| row(report, one, is_on_front))
         .collect();
     let head = [
         "",
@@ -70,6 +91,7 @@ fn group(group: &Group) -> String {
         "FLIP",
         "off by more than 1",
         "changed by the grid",
+        "roundings",
     ]
     .map(|name| format!("<th{}>{name}</th>", if name == "Setting" { " class=\"name\"" } else { "" }))
     .concat();
@@ -97,8 +119,17 @@ fn key(group: &Group, kind: Kind) -> String {
     )
 }
 
-fn row(one: &Measurement, is_on_front: bool) -> String {
+fn row(report: &ErrorReport, one: &Measurement, is_on_front: bool) -> String {
+    let [is_numerical, is_in_single] = report.is_numerical(one);
+    let note = if is_numerical {
+        "numerical"
+    } else if is_in_single {
+        "f32"
+    } else {
+        ""
+    };
     let class = match one.changed {
+        _ if is_numerical => " class=\"wrong\"",
         Some(1..) => " class=\"wrong\"",
         _ if is_on_front => " class=\"on\"",
         _ => "",
@@ -115,6 +146,7 @@ fn row(one: &Measurement, is_on_front: bool) -> String {
         format!("{:.4}", one.flip),
         format!("{:.2}%", 100.0 * one.off),
         changed,
+        note.into(),
     ];
     let numbers = numbers.map(|number| format!("<td>{number}</td>")).concat();
     let name = html(&one.setting.label());
@@ -127,7 +159,7 @@ fn pictures(group: &Group) -> String {
         .measurements
         .iter()
         .zip(group.front())
-        .filter(|(one, is_on_front)| *is_on_front && one.setting.axis != Axis::Structure)
+        .filter(|(_, is_on_front)| *is_on_front)
         .map(|(one, _)| one)
         .collect();
     shown.sort_by(|a, b| a.least().total_cmp(&b.least()));

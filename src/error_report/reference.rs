@@ -56,14 +56,14 @@ impl Reference {
 }
 
 /// A colour as a picture file shows it, apart from rounding: clamped, and black if it is not a number.
-fn shown(color: Color) -> Color {
+pub fn shown(color: Color) -> Color {
     Color::from_array(
         color.to_array().map(|channel| if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) }),
     )
 }
 
 /// The root of the mean over all channels of a picture, in levels.
-fn levels(sum: f64, picture: &FloatPicture) -> f64 {
+pub fn levels(sum: f64, picture: &FloatPicture) -> f64 {
     LEVELS * (sum / (3 * picture.colors.len()) as f64).sqrt()
 }
 

@@ -1,5 +1,6 @@
 //! Renders and measures one setting after the other.
 
+use super::numerical::{self, Numerical};
 use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Samples, Setting};
@@ -9,7 +10,7 @@ use crate::grid::GridTooLarge;
 use crate::grid::options::Structure;
 use crate::mode::Fast;
 use crate::picture::{BadSize, FloatPicture};
-use crate::render::{Request, Stopped};
+use crate::render::{Layer, Request, Stopped};
 use crate::renderer::{Prepared, Renderer};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
@@ -29,7 +30,7 @@ pub struct Bench<'a> {
     /// The one thread whose time is measured.
     pub one: &'a ThreadPool,
     /// The processor's time so far.
-    pub clock: &'a dyn Fn() -> Duration,
+    pub clock: &'a (dyn Fn() -> Duration + Sync),
     /// Is told the progress, and may end the sweep.
     pub watch: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
@@ -92,13 +93,15 @@ pub struct Sweep<'a> {
     request: &'a Request,
     structure: Structure,
     bench: Bench<'a>,
+    /// Whether other filters are measured, too.
+    all_filters: bool,
     /// What is done and what there is to do, in samples of each pixel.
     done: f64,
     all: f64,
     /// How many rays a setting casts, which does not depend on filter and structure.
     rays: Vec<(Setting, u64)>,
-    /// The time of the references and of the settings.
-    times: [Duration; 2],
+    /// The time of the references, of the settings and of the numerical error.
+    times: [Duration; 3],
 }
 
 impl<'a> Sweep<'a> {
@@ -110,6 +113,7 @@ impl<'a> Sweep<'a> {
             request,
             structure,
             bench,
+            all_filters: true,
             done: 0.0,
             all: 0.0,
             rays: vec![],
@@ -117,13 +121,19 @@ impl<'a> Sweep<'a> {
         }
     }
 
+    /// Measures the filter that is asked for, and no others.
+    pub fn of_one_filter(self) -> Self {
+        Self { all_filters: false, ..self }
+    }
+
     /// Measures. If the watch ends it, what is finished is reported.
     pub fn run(mut self) -> Result<ErrorReport, SweepError> {
-        let plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.structure);
+        let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.structure);
+        plan.truncate(if self.all_filters { plan.len() } else { 1 });
         let planned = plan.iter().map(|group| group.settings.len()).sum();
         let settings = plan.iter().flat_map(|group| &group.settings);
         self.all = plan.len() as f64 * self.reference_work() + settings.map(work).sum::<f64>();
-        let mut groups = Vec::new();
+        let (mut groups, mut numerical) = (Vec::new(), None);
         for group in plan {
             let Some(reference) = self.timed(0, |sweep| sweep.reference(group.filter))? else { break };
             let measure = |sweep: &mut Self| sweep.measurements(&group.settings, &reference);
@@ -134,10 +144,13 @@ impl<'a> Sweep<'a> {
             if !is_complete {
                 break;
             }
+            if numerical.is_none() {
+                numerical = self.timed(2, |sweep| sweep.numerical())?;
+            }
         }
-        let [references, settings] = self.times;
-        let stages = vec![("rendering references", references), ("measuring settings", settings)];
-        Ok(ErrorReport { size: self.request.size, groups, planned, stages })
+        let stages = ["rendering references", "measuring settings", "brute force and single precision"];
+        let stages = stages.into_iter().zip(self.times).collect();
+        Ok(ErrorReport { size: self.request.size, groups, numerical, planned, stages })
     }
 
     fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
@@ -154,12 +167,7 @@ impl<'a> Sweep<'a> {
 
     /// None if it was ended.
     fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, SweepError> {
-        let own = Request {
-            adaptive: None,
-            filter,
-            layers: vec![crate::render::Layer::Color],
-            ..self.request.clone()
-        };
+        let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
         let mut halves = Vec::new();
         for sampler in reference::samplers(self.request.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
@@ -172,6 +180,15 @@ impl<'a> Sweep<'a> {
             self.done += work;
         }
         Ok(halves.try_into().ok().map(Reference::new))
+    }
+
+    /// What roundings do to the request's samples.
+    fn numerical(&self) -> Result<Option<Numerical>, SweepError> {
+        let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
+        self.bench.many.install(|| {
+            let prepared = self.renderer.prepare_for(self.structure, &request)?;
+            Ok(numerical::measure(self.renderer, &prepared, &request)?)
+        })
     }
 
     /// Those that were finished.
