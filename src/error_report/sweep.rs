@@ -148,7 +148,7 @@ impl<'a> Sweep<'a> {
                 numerical = self.timed(2, |sweep| sweep.numerical())?;
             }
         }
-        let stages = ["rendering references", "measuring settings", "brute force and single precision"];
+        let stages = ["rendering references", "measuring settings", "numerical error"];
         let stages = stages.into_iter().zip(self.times).collect();
         Ok(ErrorReport { size: self.request.size, groups, numerical, planned, stages })
     }
