@@ -1,4 +1,4 @@
-//! Escapes text from files and arguments, so that it is safe to print on a terminal.
+//! Escapes text from files and arguments, so that it is safe on a terminal, in a page and in a table.
 
 use std::ffi::OsStr;
 
@@ -33,6 +33,40 @@ pub fn prints(character: char) -> bool {
     matches!(character, '\'' | '"' | '\\') || character.escape_debug().count() == 1
 }
 
+/// A text that is nothing but text in HTML, also between quotes. Control characters, and those that change the
+/// direction of writing, are written as escape sequences.
+pub fn html(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for character in escape(text).chars() {
+        match character {
+            '&' => shown += "&amp;",
+            '<' => shown += "&lt;",
+            '>' => shown += "&gt;",
+            '"' => shown += "&quot;",
+            '\'' => shown += "&#39;",
+            other => shown.push(other),
+        }
+    }
+    shown
+}
+
+/// A word as a shell reads it: between single quotes if it has other characters than those of plain names.
+pub fn shell_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=@%,".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+/// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a formula
+/// starts with an apostrophe.
+pub fn csv_field(text: &str) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    let apostrophe = if is_formula { "'" } else { "" };
+    format!("\"{apostrophe}{}\"", text.replace('"', "\"\""))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,5 +80,37 @@ mod tests {
     fn a_quoted_word_is_short_and_one_line() {
         assert_eq!(quoted("a\u{202e}b.tga"), "`a\\u{202e}b.tga`");
         assert_eq!(quoted("x".repeat(1000)), format!("`{}...`", "x".repeat(MAX_QUOTED)));
+    }
+
+    #[test]
+    fn text_is_nothing_but_text_in_a_page() {
+        assert_eq!(html("<a b=\"'&\u{202e}"), "&lt;a b=&quot;&#39;&amp;\\u{202e}");
+    }
+
+    #[test]
+    fn fields_neither_end_nor_compute() {
+        for (text, expected) in [
+            ("anna", "\"anna\""),
+            ("a,\"b\"\n", "\"a,\"\"b\"\"\n\""),
+            ("=1+1", "\"'=1+1\""),
+            ("-a", "\"'-a\""),
+            ("@a", "\"'@a\""),
+            ("a=1", "\"a=1\""),
+        ] {
+            assert_eq!(csv_field(text), expected);
+        }
+    }
+
+    #[test]
+    fn a_shell_reads_one_word() {
+        for (word, expected) in [
+            ("a/b-1.txt", "a/b-1.txt"),
+            ("a b", "'a b'"),
+            ("it's", "'it'\\''s'"),
+            ("$(x)", "'$(x)'"),
+            ("", "''"),
+        ] {
+            assert_eq!(shell_word(word), expected);
+        }
     }
 }

@@ -1,11 +1,13 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
 mod document;
+mod error_reporting;
 mod grading;
 mod job;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
+mod progress;
 mod rendering;
 
 use job::Outcome;
@@ -22,6 +24,7 @@ fn main() -> ExitCode {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
         Ok(Command::Render(options)) => report(job::run(&options, &tell)),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
+        Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)

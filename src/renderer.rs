@@ -110,7 +110,7 @@ impl Renderer {
     }
 
     /// The camera that a request's pictures are seen with.
-    fn camera(&self, request: &Request) -> Camera {
+    pub(crate) fn camera(&self, request: &Request) -> Camera {
         Camera::new(request.camera.as_ref().unwrap_or(&self.scene.camera), request.size)
     }
 

@@ -258,7 +258,7 @@ impl World {
         (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
-    fn material_of(&self, primitive: u32) -> MaterialId {
+    pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
         self.material_runs[run - 1].1 as MaterialId
     }

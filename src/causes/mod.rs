@@ -4,6 +4,7 @@
 //! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
 //! or by a textbook's tracer that breaks a rule. The one that makes the picture in question is the cause.
 
+mod finder;
 mod finding;
 mod finished;
 mod object_space;
@@ -17,11 +18,14 @@ mod textbook;
 mod transform_order;
 mod window;
 
+pub(crate) use finder::{Finder, Found};
 pub use finding::Finding;
 pub use finished::Finished;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
+pub(crate) use requests::has_secondary_rays;
 pub use rules::Rule;
+pub(crate) use rules::{MAX_BOUNCES, colors as textbook_colors};
 pub use scenes::SceneChange;
 
 use crate::grid::options::Structure;

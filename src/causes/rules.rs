@@ -1,12 +1,14 @@
 //! Mistakes in how rays are generated, traced and shaded.
 
 use super::Original;
+use super::finder::Finder;
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
 use super::textbook::Textbook;
-use crate::picture::{CHANNELS, FloatPicture, Picture};
+use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
 use crate::render::Request;
+use crate::renderer::Renderer;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::{Color, Light, Object, Scene};
 use crate::trace::Shadows;
@@ -55,7 +57,7 @@ pub enum Rule {
 }
 
 /// Deeper recursion is not tried, for the sake of the stack.
-const MAX_BOUNCES: u32 = 100;
+pub(crate) const MAX_BOUNCES: u32 = 100;
 
 /// Distances that are overlooked, from the smallest.
 const EPSILONS: [f64; 7] = [0.0001, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
@@ -122,19 +124,25 @@ fn is_checkerboard(material: &Material) -> bool {
     matches!(material, Material::Texture(texture) if texture.pattern == Pattern::Checkerboard)
 }
 
+/// The colours by a textbook's tracer that breaks the rule, or none, and finds by these means what rays hit. The renderer
+/// must have kept the meshes.
+pub fn colors(
+    renderer: &Renderer,
+    request: &Request,
+    finder: &impl Finder,
+    rule: Option<Rule>,
+) -> Result<FloatPicture, BadSize> {
+    let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let textbook = Textbook { finder, effects: request.effects, rule, spaces: &spaces };
+    let shift = rule.map_or(DVec2::ZERO, Rule::shift);
+    paint(&renderer.camera(request), request, shift, &|ray| textbook.color(ray))
+}
+
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
-    let paint = || {
-        let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-        let textbook =
-            Textbook { caster: prepared.caster(), effects: request.effects, rule, spaces: &spaces };
-        let camera = prepared.camera(request);
-        let shift = rule.map_or(DVec2::ZERO, Rule::shift);
-        paint(&camera, request, shift, &|ray| textbook.color(ray)).ok()
-    };
-    let colors = renderer.on_own_threads(paint)?;
+    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), rule).ok())?;
     Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 

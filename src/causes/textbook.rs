@@ -1,9 +1,9 @@
-//! A recursive ray tracer as in a textbook, which can break a rule. It finds what rays hit by the same means as the
-//! real one, and is not fast.
+//! A recursive ray tracer as in a textbook, which can break a rule. It is not fast.
 
+use super::finder::{Finder, Found};
 use super::object_space::ObjectSpaces;
 use super::rules::Rule;
-use crate::grid::Caster;
+use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::math::robust::{offset_origin, unit};
 use crate::scene::material::{Material, Pattern, Texture};
@@ -11,14 +11,13 @@ use crate::scene::{Color, MaterialId};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
-use crate::stats::Quiet;
 use crate::trace::{Effects, Shadows, reflected, refracted, transmittance};
 use crate::world::SurfacePoint;
 use glam::DVec3;
 
 /// Traces rays, and breaks at most one rule.
-pub struct Textbook<'a> {
-    pub caster: &'a Caster<'a>,
+pub struct Textbook<'a, F> {
+    pub finder: &'a F,
     pub effects: Effects,
     pub rule: Option<Rule>,
     pub spaces: &'a ObjectSpaces<'a>,
@@ -35,7 +34,7 @@ struct Path {
     index: f64,
 }
 
-impl Textbook<'_> {
+impl<F: Finder> Textbook<'_, F> {
     /// The colour along a camera ray.
     pub fn color(&self, ray: &Ray) -> Color {
         let path = Path { ray: *ray, exclude: None, weight: 1.0, bounces: 0, index: 1.0 };
@@ -73,15 +72,14 @@ impl Textbook<'_> {
 
     fn background(&self, path: &Path) -> Color {
         let is_missing = path.bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly);
-        if is_missing { Color::ZERO } else { self.number(self.caster.world.background) }
+        if is_missing { Color::ZERO } else { self.number(self.finder.world().background) }
     }
 
     fn nearest(&self, path: &Path) -> Option<SurfacePoint> {
-        let visible = self.caster.nearest(&path.ray, path.exclude, &mut Quiet)?;
-        let surface = self.caster.world.visible_surface(&path.ray, visible);
-        let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
+        let Found { primitive, surface, .. } = self.finder.nearest(&path.ray, path.exclude)?;
+        let object_normal = || self.spaces.normal(primitive, surface.normal);
         let normal = match self.rule {
-            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
+            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(primitive) * object_normal()),
             Some(Rule::NormalsOfObjectSpace) => unit(object_normal()),
             _ => return Some(surface),
         };
@@ -89,8 +87,9 @@ impl Textbook<'_> {
     }
 
     fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
-        let (materials, point) = (&self.caster.world.materials, surface.position);
-        let instructions = self.caster.instructions;
+        let (materials, point) = (&self.finder.world().materials, surface.position);
+        // The bytes are the same with all of them.
+        let instructions = Instructions::Portable;
         match &materials[surface.material] {
             Material::Texture(texture)
                 if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
@@ -107,7 +106,7 @@ impl Textbook<'_> {
             return Color::ZERO;
         }
         let normal = if from_within { -surface.normal } else { surface.normal };
-        let world = self.caster.world;
+        let world = self.finder.world();
         let mut color = self.number(self.number(world.ambient) * self.number(material.phong.diffuse));
         for light in &world.lights {
             let light = incident(light, surface.position);
@@ -130,7 +129,7 @@ impl Textbook<'_> {
             Shadows::None => Color::ONE,
             Shadows::Transparent => self.filtered(ray),
             Shadows::Opaque => {
-                let is_blocked = self.caster.any_from(&ray, surface.triangle, &mut Quiet);
+                let is_blocked = self.finder.is_blocked(&ray, surface.triangle);
                 if is_blocked { Color::ZERO } else { Color::ONE }
             }
         }
@@ -139,16 +138,15 @@ impl Textbook<'_> {
     /// What transparent things leave of the light along a shadow ray.
     fn filtered(&self, mut ray: Ray) -> Color {
         let mut passed = Color::ONE;
-        while let Some(hit) = self.caster.closest(&ray, &mut Quiet) {
-            let surface = self.caster.world.surface(&ray, &hit);
+        while let Some(Found { t, surface, .. }) = self.finder.nearest(&ray, None) {
             let tint = self.material(&surface).phong.transparent;
             if tint == Color::ZERO {
                 return Color::ZERO;
             }
             if surface.normal.dot(ray.direction) >= 0.0 {
-                passed *= transmittance(tint, hit.t);
+                passed *= transmittance(tint, t);
             }
-            ray = Ray { t_max: ray.t_max - hit.t, ..self.leaving(&surface, ray.direction) };
+            ray = Ray { t_max: ray.t_max - t, ..self.leaving(&surface, ray.direction) };
         }
         passed
     }
@@ -158,7 +156,7 @@ impl Textbook<'_> {
         if let Some(Rule::Epsilon { distance: t_min }) = self.rule {
             return Ray { t_min, ..Ray::new(surface.position, direction) };
         }
-        let largest = self.caster.world.max_abs_coord;
+        let largest = self.finder.world().max_abs_coord;
         Ray::new(offset_origin(surface.position, surface.normal, direction, largest), direction)
     }
 

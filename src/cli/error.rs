@@ -95,6 +95,11 @@ pub enum CliError {
         /// The flag.
         flag: &'static str,
     },
+    /// A flag about the report on errors, without a folder for it.
+    ErrorReportNeeded {
+        /// The flag.
+        flag: &'static str,
+    },
     /// `-grade` without anything to grade by.
     ReferencesNeeded,
     /// Two flags that name the same output file.
@@ -193,6 +198,7 @@ impl CliError {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
             Self::GradeNeeded { flag } => format!("`-{flag}` needs `-grade folder`"),
+            Self::ErrorReportNeeded { flag } => format!("`-{flag}` needs `-error_report folder`"),
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))

@@ -89,6 +89,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &GRADE,
     &COMMANDS,
     &REPORT,
+    &ERROR_REPORT,
+    &TARGET,
     &STATS,
     &COST_MAP,
     &PIXEL,
@@ -287,6 +289,19 @@ pub(super) const REPORT: Flag = Flag::new(
     "report",
     &["file"],
     "Writes what -grade finds as a page, .html, and as a table beside it, .csv.",
+);
+
+pub(super) const ERROR_REPORT: Flag = Flag::new(
+    Section::ErrorReport,
+    "error_report",
+    &["folder"],
+    "Measures what samples, filters, bounces and grids cost and buy for the scene and the other flags; writes report.html and report.csv.",
+);
+pub(super) const TARGET: Flag = Flag::new(
+    Section::ErrorReport,
+    "target",
+    &["rmse"],
+    "Prints the cheapest setting with at most this root mean square error, in levels.",
 );
 
 pub(super) const STATS: Flag =

@@ -2,7 +2,7 @@
 
 use super::comparison::tolerance;
 use super::error::{CliError, Problem};
-use super::flags::{self, FLAGS, Flag};
+use super::flags::{self, Flag};
 use super::options::THREAD_RANGE;
 use super::raw::Raw;
 use super::values::{bad, ends_in, wholes};
@@ -42,12 +42,7 @@ impl Grading {
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let path = |flag| Ok(raw.values(flag)?.map(|[word]| PathBuf::from(word)));
         let Some(folder) = path(&flags::GRADE)? else { return refuse_without_folder(raw) };
-        let is_foreign = |flag: &&&Flag| {
-            raw.given(flag) && !UNDERSTOOD.iter().any(|understood| understood.name == flag.name)
-        };
-        if let Some(flag) = FLAGS.iter().find(is_foreign) {
-            return Err(CliError::Conflict { flag: flags::GRADE.name.into(), other: flag.name.into() });
-        }
+        raw.refuse_others(&flags::GRADE, &UNDERSTOOD)?;
         let references = match (path(&flags::REFERENCE)?, path(&flags::COMMANDS)?) {
             (Some(folder), _) => References::Folder(folder),
             (None, Some(file)) => References::Commands(file),

@@ -9,6 +9,7 @@
 mod commands;
 mod comparison;
 mod error;
+mod error_report;
 mod flags;
 mod grading;
 mod help;
@@ -20,6 +21,7 @@ mod values;
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
 pub use comparison::Comparison;
 pub use error::{CliError, Problem};
+pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
 pub use options::{JsonTarget, Options, Output};
 use raw::{Raw, Stop};
@@ -32,6 +34,8 @@ pub enum Command {
     Render(Box<Options>),
     /// Grade a folder with these options.
     Grade(Grading),
+    /// Measure speed against error with these options.
+    ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
     Help(String),
     /// Print this text, which ends with a newline, on standard output.
@@ -44,12 +48,19 @@ pub enum Command {
 /// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
-        Ok(raw) => match Grading::from_raw(&raw)? {
-            Some(grading) => Ok(Command::Grade(grading)),
-            None => Options::from_raw(&raw).map(|options| Command::Render(Box::new(options))),
-        },
+        Ok(raw) => command(&raw),
         Err(Stop::Help) => Ok(Command::Help(help::text())),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),
+    }
+}
+
+fn command(raw: &Raw) -> Result<Command, CliError> {
+    if let Some(grading) = Grading::from_raw(raw)? {
+        return Ok(Command::Grade(grading));
+    }
+    match ErrorReporting::from_raw(raw)? {
+        Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),
+        None => Options::from_raw(raw).map(|options| Command::Render(Box::new(options))),
     }
 }

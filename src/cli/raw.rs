@@ -46,6 +46,16 @@ impl Raw {
         self.matches.value_source(flag.name) == Some(ValueSource::CommandLine)
     }
 
+    /// An error if a flag is given that is not among those that `flag` understands.
+    pub fn refuse_others(&self, flag: &Flag, understood: &[&Flag]) -> Result<(), CliError> {
+        let is_foreign =
+            |other: &&&Flag| self.given(other) && !understood.iter().any(|known| known.name == other.name);
+        match FLAGS.iter().find(is_foreign) {
+            Some(other) => Err(CliError::Conflict { flag: flag.name.into(), other: other.name.into() }),
+            None => Ok(()),
+        }
+    }
+
     /// The value of a flag that is given exactly one.
     pub fn single(&self, flag: &Flag) -> Option<&OsStr> {
         self.values::<1>(flag).ok().flatten().map(|[word]| word)

@@ -9,6 +9,7 @@ pub(super) enum Section {
     Grid,
     Comparison,
     Grading,
+    ErrorReport,
     Statistics,
     Preview,
     Other,
@@ -16,13 +17,14 @@ pub(super) enum Section {
 
 impl Section {
     /// All sections, in the order of the help.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Pictures,
         Self::Shading,
         Self::Sampling,
         Self::Grid,
         Self::Comparison,
         Self::Grading,
+        Self::ErrorReport,
         Self::Statistics,
         Self::Preview,
         Self::Other,
@@ -36,6 +38,7 @@ impl Section {
             Self::Grid => "Grid",
             Self::Comparison => "Comparison",
             Self::Grading => "Grading",
+            Self::ErrorReport => "Speed against error",
             Self::Statistics => "Statistics",
             Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
             Self::Other => "Other",

@@ -1,6 +1,7 @@
 //! A table of results as comma-separated values (RFC 4180), a line for each picture of each name.
 
 use super::{Cell, Table};
+use crate::escape::csv_field;
 
 const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
                     root mean square error,reason\r\n";
@@ -26,32 +27,6 @@ fn line(name: &str, picture: &str, cell: &Cell) -> String {
         Cell::Missing | Cell::Unusable(_) | Cell::Ungraded => Default::default(),
     };
     let reason = cell.reason().unwrap_or_default();
-    let (name, picture) = (field(name), field(picture));
-    format!("{name},{picture},{},{},{}\r\n", cell.verdict().word(), numbers.join(","), field(&reason))
-}
-
-/// A text between quotes. One that a spreadsheet would take for a formula starts with an apostrophe.
-fn field(text: &str) -> String {
-    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
-    let apostrophe = if is_formula { "'" } else { "" };
-    format!("\"{apostrophe}{}\"", text.replace('"', "\"\""))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fields_neither_end_nor_compute() {
-        for (text, expected) in [
-            ("anna", "\"anna\""),
-            ("a,\"b\"\n", "\"a,\"\"b\"\"\n\""),
-            ("=1+1", "\"'=1+1\""),
-            ("-a", "\"'-a\""),
-            ("@a", "\"'@a\""),
-            ("a=1", "\"a=1\""),
-        ] {
-            assert_eq!(field(text), expected);
-        }
-    }
+    let (name, picture) = (csv_field(name), csv_field(picture));
+    format!("{name},{picture},{},{},{}\r\n", cell.verdict().word(), numbers.join(","), csv_field(&reason))
 }

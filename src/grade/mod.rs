@@ -5,7 +5,6 @@
 
 mod column;
 mod csv;
-mod embedded;
 mod page;
 mod summary;
 

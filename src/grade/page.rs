@@ -1,8 +1,9 @@
 //! The page of a grading: one file, without anything from elsewhere.
 
-use super::embedded::{Embedded, file, thumbnail_file};
 use super::{Cell, Column, Score, Table, Verdict};
 use crate::compare::{Comparison, Tolerance};
+use crate::escape::html;
+use crate::image_io::embedded::{Embedded, file, thumbnail_file};
 use crate::picture::Picture;
 use rayon::prelude::*;
 
@@ -80,10 +81,10 @@ impl Page {
         let columns = table.columns.iter().zip(&self.columns);
         let cells: String = columns
             .map(|(column, shown)| {
-                let name = escaped(&column.picture);
+                let name = html(&column.picture);
                 let result = match &column.problem {
                     None => score(Score::of(&column.cells)),
-                    Some(problem) => format!("<em>no reference: {}</em>", escaped(problem)),
+                    Some(problem) => format!("<em>no reference: {}</em>", html(problem)),
                 };
                 format!(
                     "<th scope=\"col\">{}{name}<small>{result}</small></th>\n",
@@ -99,7 +100,7 @@ impl Page {
             let columns = table.columns.iter().zip(&self.columns);
             let cells: String =
                 columns.map(|(column, shown)| cell(column, &column.cells[row], shown)).collect();
-            let (name, score) = (escaped(name), score(table.score_of_row(row)));
+            let (name, score) = (html(name), score(table.score_of_row(row)));
             format!("<tr><th scope=\"row\">{name}<small>{score}</small></th>\n{cells}</tr>\n")
         };
         table.names.iter().enumerate().map(row).collect()
@@ -134,7 +135,7 @@ fn notes(table: &Table) -> String {
     if table.notes.is_empty() {
         return String::new();
     }
-    let items: String = table.notes.iter().map(|note| format!("<li>{}</li>\n", escaped(note))).collect();
+    let items: String = table.notes.iter().map(|note| format!("<li>{}</li>\n", html(note))).collect();
     let count = table.notes.len();
     format!("<details><summary>Not graded: {count}</summary><ul>\n{items}</ul></details>\n")
 }
@@ -155,7 +156,7 @@ fn cell(column: &Column, cell: &Cell, shown: &Shown) -> String {
         Verdict::Unusable => ("unusable", "! unusable"),
         Verdict::Ungraded => ("ungraded", "?"),
     };
-    let reason = cell.reason().map_or(String::new(), |reason| format!("<small>{}</small>", escaped(&reason)));
+    let reason = cell.reason().map_or(String::new(), |reason| format!("<small>{}</small>", html(&reason)));
     match cell {
         Cell::Equal => format!("<td class=\"{class}\">{}<b>{mark}</b></td>\n", thumbnail(shown.thumbnail)),
         Cell::Different { comparison, picture, .. } => {
@@ -182,35 +183,13 @@ fn details(picture: &str, comparison: &Comparison) -> String {
         comparison.pixels_differing_by_more_than(1),
         comparison.root_mean_square_error
     );
-    escaped(&text)
-}
-
-/// A text that is nothing but text in HTML, also between quotes. Control characters, and those that change the
-/// direction of writing, are written as escape sequences.
-fn escaped(text: &str) -> String {
-    let mut html = String::with_capacity(text.len());
-    for character in crate::escape::escape(text).chars() {
-        match character {
-            '&' => html += "&amp;",
-            '<' => html += "&lt;",
-            '>' => html += "&gt;",
-            '"' => html += "&quot;",
-            '\'' => html += "&#39;",
-            other => html.push(other),
-        }
-    }
-    html
+    html(&text)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::grade::Submission;
-
-    #[test]
-    fn text_is_escaped() {
-        assert_eq!(escaped("<a b=\"'&\u{202e}"), "&lt;a b=&quot;&#39;&amp;\\u{202e}");
-    }
 
     #[test]
     fn a_picture_is_embedded_once_and_an_equal_one_not_at_all() {

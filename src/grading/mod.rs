@@ -1,13 +1,12 @@
 //! A run that grades a folder: it is read, and the page and the table of the results are written.
 
 mod folder;
-mod progress;
 mod references;
 
 use crate::failed;
 use crate::job::Outcome;
+use crate::progress::Progress;
 use folder::Folder;
-use progress::Progress;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
 use raytracer::compare::Tolerance;
@@ -30,10 +29,11 @@ pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
 
     let page = files.is_some().then(Page::default);
     let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
-    let mut progress = Progress::new(references.len());
+    let progress = Progress::new();
     let mut columns = Vec::with_capacity(references.len());
     for (index, name) in references.names().enumerate() {
-        progress.next(&escape(&name.to_string_lossy()));
+        let (number, all, name_shown) = (index + 1, references.len(), escape(&name.to_string_lossy()));
+        progress.show(&format!("grading {number} of {all}: {name_shown}"));
         columns.push(references.with(index, |reference| grader.column(name, reference)));
     }
     progress.end();

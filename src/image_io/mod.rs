@@ -1,5 +1,6 @@
-//! Reading and writing of TGA and PNG files, and writing of text files.
+//! Reading and writing of TGA and PNG files, pictures embedded in pages, and writing of text files.
 
+pub(crate) mod embedded;
 mod error;
 mod input;
 mod output;

@@ -54,6 +54,11 @@ impl Ellipsoid {
         self.center
     }
 
+    /// The linear part of the map to the unit sphere.
+    pub fn inverse(&self) -> DMat3 {
+        self.inverse
+    }
+
     /// The two t at which the ray's line crosses it, in order.
     pub fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
         self.crossings(ray).map(|crossings| crossings.t)

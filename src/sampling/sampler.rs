@@ -51,6 +51,16 @@ impl Sampler {
         Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
     }
 
+    /// How the samples are distributed.
+    pub fn pattern(&self) -> Pattern {
+        self.pattern
+    }
+
+    /// The random numbers at the start of the picture.
+    pub fn rng(&self) -> Drand48 {
+        self.rng
+    }
+
     /// The number of samples per pixel.
     pub fn count(&self) -> u32 {
         self.count

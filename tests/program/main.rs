@@ -9,6 +9,7 @@ mod comparison;
 mod cost_map;
 mod command_line_errors;
 mod course;
+mod error_report;
 mod grade;
 mod image_files;
 mod json;

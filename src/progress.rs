@@ -1,26 +1,23 @@
-//! The progress of a grading: one line on standard error, if that is a terminal.
+//! Progress: one line on standard error, if that is a terminal.
 
 use std::io::{IsTerminal, Write, stderr};
 
 /// Erases the line and returns to its start.
 const ERASE: &str = "\r\x1b[2K";
 
-/// Counts the pictures that are graded.
+/// The line that tells how far a run has come.
 pub struct Progress {
-    done: usize,
-    all: usize,
     is_shown: bool,
 }
 
 impl Progress {
-    pub fn new(all: usize) -> Self {
-        Self { done: 0, all, is_shown: stderr().is_terminal() }
+    pub fn new() -> Self {
+        Self { is_shown: stderr().is_terminal() }
     }
 
-    /// The next picture, with its name as it is printed.
-    pub fn next(&mut self, name: &str) {
-        self.done += 1;
-        self.print(&format!("{ERASE}grading {} of {}: {name}", self.done, self.all));
+    /// Replaces the line. The text must be escaped.
+    pub fn show(&self, text: &str) {
+        self.print(&format!("{ERASE}{text}"));
     }
 
     /// Erases the line.

@@ -1,0 +1,130 @@
+//! Prints `docs/speed-against-error.md`: what settings cost and buy for six scenes.
+//!
+//! `cargo run --release --example speed_against_error > docs/speed-against-error.md`
+
+use cpu_time::ProcessTime;
+use rayon::ThreadPoolBuilder;
+use raytracer::cli::{Command, Options, parse};
+use raytracer::error_report::{Axis, Bench, Departure, ErrorReport, Group, Kind, Numerical, Sweep};
+use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene_io::load;
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// What is in the picture, the scene, and the flags with it.
+const SCENES: [[&str; 3]; 6] = [
+    ["Checkerboard", "scene6_13_checkerboard.txt", "-shadows"],
+    ["Glass", "scene6_14_glass_sphere.txt", "-shadows -shade_back -bounces 5 -weight 0.01"],
+    ["Rabbit", "scene6_07_bunny_mesh_40k.txt", "-shadows"],
+    ["Mirrors", "scene6_11_mirrored_floor.txt", "-shadows -bounces 4 -weight 0.01"],
+    ["Marble", "scene6_15_marble_cubes.txt", ""],
+    ["Nested boxes", "scene6_10_nested_transformations.txt", "-shadows"],
+];
+
+const SIZE: &str = "-size 60 60";
+
+const HEAD: &str = "\
+# Speed against error
+
+What samples cost and buy in six scenes, as `-error_report` measures it with the default filter. Times are seconds of the
+processor for rendering pictures of 60 x 60 pixels on one thread, the shortest of 2 to 15 repeats. Errors are root mean
+squares over all channels of all pixels, in levels, the steps from one byte to the next, against 2 x 1024 jittered samples
+in each pixel whose own noise cancels. The slope is the exponent with which the error changes with the number of samples
+from 4 to 256; the last column is the time to an error of one level, interpolated.
+
+This file is the output of `cargo run --release --example speed_against_error > docs/speed-against-error.md`, which takes
+some minutes. Errors, slopes and counts are the same on every machine.
+
+## What to choose when
+";
+
+const ADVICE: &str = include_str!("speed_against_error_advice.md");
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("{HEAD}\n{ADVICE}");
+    for [name, scene, flags] in SCENES {
+        eprintln!("{scene}");
+        println!("## {name}\n\n`{}`\n", format!("-input {scene} {SIZE} {flags}").trim_end());
+        print(&measure(scene, flags)?);
+    }
+    Ok(())
+}
+
+fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
+    let words = format!("raytracer -input {scene} {SIZE} {flags}");
+    let Command::Render(options) = parse(words.split_whitespace().map(Into::into))? else {
+        return Err("no rendering".into());
+    };
+    let options: Options = *options;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+    let renderer = Renderer::new(load(&path)?, Meshes::Kept)?;
+    let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
+    let clock = || ProcessTime::now().as_duration();
+    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_| ControlFlow::Continue(()) };
+    let request = options.request();
+    Ok(Sweep::new(&renderer, &request, options.structure, bench).of_one_filter().run()?)
+}
+
+fn print(report: &ErrorReport) {
+    for group in &report.groups {
+        print_curves(group);
+        print_front(group);
+        print_others(group);
+    }
+    if let Some(numerical) = &report.numerical {
+        print_numerical(numerical);
+    }
+}
+
+/// The error and the time of each number of samples.
+fn print_curves(group: &Group) {
+    println!("| samples | 1 | 4 | 16 | 64 | 256 | slope | s to 1 level |\n|---|{}", "---:|".repeat(7));
+    let cells = |kind| -> String {
+        group.curve(kind).map(|one| format!(" {:.2} in {:.4} s |", one.error, one.least())).collect()
+    };
+    let optional =
+        |number: Option<f64>, digits| number.map_or("".into(), |number| format!("{number:.digits$}"));
+    for kind in [Kind::Random, Kind::Uniform, Kind::Jittered] {
+        let (slope, seconds) = (optional(group.slope(kind), 2), optional(group.seconds_to_a_level(kind), 4));
+        println!("| {} |{} {slope} | {seconds} |", kind.name(), cells(kind));
+    }
+    println!(
+        "\n| adaptive, up to 256, error | 8 | 4 | 2 | 1 | 0.5 | s to 1 level |\n|---|{}",
+        "---:|".repeat(6)
+    );
+    let seconds = optional(group.seconds_to_a_level(Kind::Adaptive), 4);
+    println!("| |{} {seconds} |\n", cells(Kind::Adaptive));
+}
+
+/// What nothing else beats, from the cheapest.
+fn print_front(group: &Group) {
+    let mut front: Vec<_> =
+        group.measurements.iter().zip(group.front()).filter(|(_, is_on)| *is_on).collect();
+    front.sort_by(|(a, _), (b, _)| a.least().total_cmp(&b.least()));
+    let names: Vec<String> = front.iter().map(|(one, _)| format!("`{}`", one.setting.label())).collect();
+    println!("Front: {}.\n", names.join(", "));
+}
+
+/// Fewer bounces, larger weights, fewer octaves and other grids, if there are any.
+fn print_others(group: &Group) {
+    println!("| setting | CPU s | RMSE | pixels changed by the grid |\n|---|---:|---:|---:|");
+    for one in group.measurements.iter().filter(|one| one.setting.axis != Axis::Samples) {
+        let changed = one.changed.map_or("".into(), |pixels| pixels.to_string());
+        println!("| `{}` | {:.4} | {:.3} | {changed} |", one.setting.label(), one.least(), one.error);
+    }
+    println!();
+}
+
+fn print_numerical(numerical: &Numerical) {
+    let Numerical { size: [width, height], samples, program, single } = numerical;
+    let said = |Departure { bytes, largest, error, hits }: &Departure| {
+        format!("{hits} camera rays and {bytes} bytes, by at most {largest} levels, RMSE {error:.4}")
+    };
+    println!(
+        "Numerical error of {samples} samples in {width} x {height} pixels, against brute force in double precision: \
+         {}; in single precision, {}.\n",
+        said(program),
+        said(single)
+    );
+}

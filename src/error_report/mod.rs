@@ -1,0 +1,178 @@
+//! Speed against error: what each setting of the renderer costs for a scene, and what it buys.
+//!
+//! A [`Sweep`] renders a reference and then one setting after the other. Its [`ErrorReport`] is shown as [`text`] for a
+//! terminal, as a table ([`csv`]) and as a [`page`].
+//!
+//! What the request asks for, with endlessly many samples, is right. Each filter makes pictures of its own, so that a
+//! setting is measured by the reference of its filter, and compared with the settings of the same filter alone.
+
+mod csv;
+mod curve;
+mod numerical;
+mod page;
+mod plan;
+mod plot;
+mod reference;
+mod setting;
+mod sweep;
+mod text;
+
+pub use csv::csv;
+pub use numerical::{Departure, Numerical};
+pub use page::page;
+pub use setting::{Axis, Kind, Samples, Setting, filter_flag};
+pub use sweep::{Bench, Progress, Sweep, SweepError};
+pub use text::text;
+
+use crate::picture::Picture;
+use crate::sampling::filter::Filter;
+use curve::Point;
+use std::time::Duration;
+
+/// An error that nobody sees: one level, the step from one byte to the next.
+pub const LEVEL: f64 = 1.0;
+
+/// What was measured of a scene.
+#[derive(Clone, Debug)]
+pub struct ErrorReport {
+    /// Width and height of the pictures in pixels.
+    pub size: [usize; 2],
+    /// One for each filter, the one that was asked for first.
+    pub groups: Vec<Group>,
+    /// What roundings do, apart from sampling; none if it was not measured.
+    pub numerical: Option<Numerical>,
+    /// The number of settings that were to be measured.
+    pub planned: usize,
+    /// The stages and the time that each took.
+    pub stages: Vec<(&'static str, Duration)>,
+}
+
+/// The measurements of one filter.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The filter.
+    pub filter: Filter,
+    /// What the pictures are measured by.
+    pub reference: Picture,
+    /// The root mean square error of each half of the reference, in levels.
+    pub noise: f64,
+    /// In the order in which they were made.
+    pub measurements: Vec<Measurement>,
+}
+
+/// What a setting costs and buys.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// The setting.
+    pub setting: Setting,
+    /// The processor's time for rendering on one thread, of each repeat, from the shortest.
+    pub times: Vec<Duration>,
+    /// The rays that are cast, as `-stats` counts them.
+    pub rays: u64,
+    /// The root mean square error of the colours in levels, without that of the reference.
+    pub error: f64,
+    /// The mean error of LDR-FLIP of the picture's bytes against those of the reference.
+    pub flip: f64,
+    /// The share of pixels of which a byte is off by more than a level.
+    pub off: f64,
+    /// For another structure, the number of pixels whose bytes differ from those with the structure asked for. It must
+    /// be zero.
+    pub changed: Option<u64>,
+    /// The picture itself.
+    pub picture: Picture,
+}
+
+impl Measurement {
+    /// The shortest time in seconds.
+    pub fn least(&self) -> f64 {
+        self.times.first().map_or(0.0, Duration::as_secs_f64)
+    }
+
+    /// The median time in seconds.
+    pub fn median(&self) -> f64 {
+        self.times.get(self.times.len() / 2).map_or(0.0, Duration::as_secs_f64)
+    }
+
+    /// Millions of rays in a second of the shortest time.
+    pub fn megarays(&self) -> f64 {
+        self.rays as f64 / self.least() / 1e6
+    }
+
+    /// The peak signal-to-noise ratio in dB, infinite without an error.
+    pub fn psnr(&self) -> f64 {
+        20.0 * libm::log10(255.0 / self.error)
+    }
+
+    /// Whether flags can ask for it, and it is there for its own sake. Structures are compared with each other: their
+    /// error is the same, and their time is not all that they cost.
+    fn is_candidate(&self) -> bool {
+        self.setting.flags().is_some() && self.setting.axis != Axis::Structure
+    }
+
+    /// The time and the error.
+    fn point(&self) -> Point {
+        [self.least(), self.error]
+    }
+}
+
+impl Group {
+    /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not compared, nor
+    /// what no flags can ask for.
+    pub fn front(&self) -> Vec<bool> {
+        let candidates: Vec<usize> =
+            (0..self.measurements.len()).filter(|&index| self.measurements[index].is_candidate()).collect();
+        let points: Vec<Point> = candidates.iter().map(|&index| self.measurements[index].point()).collect();
+        let mut front = vec![false; self.measurements.len()];
+        candidates.iter().zip(curve::front(&points)).for_each(|(&index, is_on)| front[index] = is_on);
+        front
+    }
+
+    /// The measurements of one kind of sampling with all that was asked for.
+    pub fn curve(&self, kind: Kind) -> impl Iterator<Item = &Measurement> {
+        let is_wanted =
+            move |one: &&Measurement| one.setting.axis == Axis::Samples && one.setting.kind() == kind;
+        self.measurements.iter().filter(is_wanted)
+    }
+
+    /// The exponent with which the error changes with the number of samples, from 4 samples on.
+    pub fn slope(&self, kind: Kind) -> Option<f64> {
+        const FIRST: u32 = 4;
+        let points = self.curve(kind).filter_map(|one| {
+            let count = one.setting.count().filter(|&count| count >= FIRST)?;
+            Some([f64::from(count), one.error])
+        });
+        curve::slope(&points.collect::<Vec<_>>())
+    }
+
+    /// The processor's time in seconds with which a kind of sampling reaches an error of one level.
+    pub fn seconds_to_a_level(&self, kind: Kind) -> Option<f64> {
+        let mut points: Vec<Point> = self.curve(kind).map(Measurement::point).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        curve::cost_of(LEVEL, &points)
+    }
+
+    /// The cheapest measurement that flags can ask for and whose error is at most this.
+    pub fn cheapest(&self, error: f64) -> Option<&Measurement> {
+        let reaches = |one: &&Measurement| one.error <= error && one.is_candidate();
+        self.measurements.iter().filter(reaches).min_by(|a, b| a.least().total_cmp(&b.least()))
+    }
+}
+
+impl ErrorReport {
+    /// Whether roundings are more than a tenth of a setting's error: those of this program, and those of a tracer in
+    /// single precision.
+    pub fn is_numerical(&self, one: &Measurement) -> [bool; 2] {
+        let is_more = |departure: Departure| departure.error > one.error / 10.0;
+        self.numerical.map_or([false; 2], |found| [found.program, found.single].map(is_more))
+    }
+
+    /// The number of settings that were measured.
+    pub fn measured(&self) -> usize {
+        self.groups.iter().map(|group| group.measurements.len()).sum()
+    }
+
+    /// The cheapest setting that flags can ask for and whose error is at most this, with the filter that was asked for.
+    pub fn cheapest(&self, error: f64) -> Option<&Measurement> {
+        self.groups.first()?.cheapest(error)
+    }
+}

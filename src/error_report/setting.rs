@@ -1,0 +1,214 @@
+//! A setting of the renderer, as the flags of a command line.
+
+use crate::grid::options::{Resolution, Structure};
+use crate::render::{Layer, Request};
+use crate::sampling::adaptive::Adaptive;
+use crate::sampling::drand48::Drand48;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::{Pattern, Sampler};
+use crate::trace::{Effects, Shadows};
+
+/// How samples are placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Samples {
+    /// So many in every pixel.
+    Fixed(Pattern, u32),
+    /// More where they are needed.
+    Adaptive(Adaptive),
+}
+
+/// The kinds of sampling, each of which has a curve of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// `-random_samples`.
+    Random,
+    /// `-uniform_samples`.
+    Uniform,
+    /// `-jittered_samples`.
+    Jittered,
+    /// `-adaptive_samples`.
+    Adaptive,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Uniform => "uniform",
+            Self::Jittered => "jittered",
+            Self::Adaptive => "adaptive",
+        }
+    }
+}
+
+/// What a setting is there to show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The samples.
+    Samples,
+    /// Fewer bounces, or a larger weight.
+    Secondary,
+    /// Fewer octaves of noise.
+    Octaves,
+    /// Another structure that rays are traced through, which must not change the picture.
+    Structure,
+}
+
+impl Axis {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Secondary => "secondary rays",
+            Self::Octaves => "octaves",
+            Self::Structure => "grid",
+        }
+    }
+}
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// What it is there to show.
+    pub axis: Axis,
+    /// Where the samples are.
+    pub samples: Samples,
+    /// How they are combined.
+    pub filter: Filter,
+    /// What is modelled.
+    pub effects: Effects,
+    /// The largest number of octaves of a noise, if it is not that of the scene.
+    pub octaves: Option<u32>,
+    /// What rays are traced through.
+    pub structure: Structure,
+}
+
+impl Setting {
+    /// What a request asks for.
+    pub fn of(request: &Request, structure: Structure) -> Self {
+        let fixed = Samples::Fixed(request.sampler.pattern(), request.sampler.count());
+        let (filter, effects) = (request.filter, request.effects);
+        let samples = request.adaptive.map_or(fixed, Samples::Adaptive);
+        Self { axis: Axis::Samples, samples, filter, effects, octaves: None, structure }
+    }
+
+    /// The request for the colours, with these random numbers.
+    pub fn request(&self, base: &Request, rng: Drand48) -> Request {
+        let (sampler, adaptive) = match self.samples {
+            Samples::Fixed(pattern, count) => (Sampler::new(pattern, count, rng), None),
+            Samples::Adaptive(adaptive) => (Sampler::first_of_adaptive(rng), Some(adaptive)),
+        };
+        let (filter, effects) = (self.filter, self.effects);
+        Request { sampler, adaptive, filter, effects, layers: vec![Layer::Color], ..base.clone() }
+    }
+
+    /// How its samples are placed.
+    pub fn kind(&self) -> Kind {
+        match self.samples {
+            Samples::Fixed(Pattern::Random, _) => Kind::Random,
+            Samples::Fixed(Pattern::Uniform, _) => Kind::Uniform,
+            Samples::Fixed(Pattern::Jittered, _) => Kind::Jittered,
+            Samples::Adaptive(_) => Kind::Adaptive,
+        }
+    }
+
+    /// The number of samples in every pixel; none if they are adaptive.
+    pub fn count(&self) -> Option<u32> {
+        match self.samples {
+            Samples::Fixed(_, count) => Some(count),
+            Samples::Adaptive(_) => None,
+        }
+    }
+
+    /// What tells it from the others of its axis.
+    pub fn label(&self) -> String {
+        let samples = self.samples_flag();
+        match self.axis {
+            Axis::Samples => samples,
+            Axis::Secondary => format!("{samples}{}", secondary_flags(&self.effects)),
+            Axis::Octaves => format!("{samples}, octaves {}", self.octaves.unwrap_or_default()),
+            Axis::Structure => format!("{samples}{}", structure_flag(self.structure)),
+        }
+    }
+
+    /// All its flags, separated by spaces; none where there is no flag for what it does.
+    pub fn flags(&self) -> Option<String> {
+        let Effects { shadows, shade_back, .. } = self.effects;
+        let shadows = match shadows {
+            Shadows::None => "",
+            Shadows::Opaque => " -shadows",
+            Shadows::Transparent => " -transparent_shadows",
+        };
+        let back = if shade_back { " -shade_back" } else { "" };
+        let (samples, secondary) = (self.samples_flag(), secondary_flags(&self.effects));
+        let (filter, structure) = (filter_flag(self.filter), structure_flag(self.structure));
+        self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
+    }
+
+    fn samples_flag(&self) -> String {
+        match self.samples {
+            Samples::Fixed(_, count) => format!("-{}_samples {count}", self.kind().name()),
+            Samples::Adaptive(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
+        }
+    }
+}
+
+/// The flag of a filter.
+pub fn filter_flag(filter: Filter) -> String {
+    match filter {
+        Filter::Box { radius } => format!("-box_filter {radius}"),
+        Filter::Tent { radius } => format!("-tent_filter {radius}"),
+        Filter::Gaussian { sigma } => format!("-gaussian_filter {sigma}"),
+        Filter::Mitchell { radius } => format!("-mitchell_filter {radius}"),
+    }
+}
+
+fn secondary_flags(effects: &Effects) -> String {
+    let Effects { bounces, min_weight, .. } = *effects;
+    let weight = if min_weight > 0.0 { format!(" -weight {min_weight}") } else { String::new() };
+    if bounces > 0 { format!(" -bounces {bounces}{weight}") } else { weight }
+}
+
+fn structure_flag(structure: Structure) -> String {
+    match structure {
+        Structure::Any => String::new(),
+        Structure::List => " -grid none".into(),
+        Structure::Grid(Resolution::Auto) => " -grid auto".into(),
+        Structure::Grid(Resolution::Cells([x, y, z])) => format!(" -grid {x} {y} {z}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_is_the_flags_that_make_it() {
+        let setting = Setting {
+            axis: Axis::Secondary,
+            samples: Samples::Fixed(Pattern::Jittered, 9),
+            filter: Filter::Tent { radius: 1.5 },
+            effects: Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.25 },
+            octaves: None,
+            structure: Structure::Grid(Resolution::Cells([3, 4, 5])),
+        };
+        let flags =
+            "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
+        assert_eq!(setting.flags().as_deref(), Some(flags));
+        assert_eq!(setting.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
+        let samples = Samples::Adaptive(Adaptive { most: 64, error: 0.5 });
+        let plain = Setting {
+            samples,
+            filter: Filter::PIXEL,
+            effects: Effects::default(),
+            structure: Structure::Any,
+            ..setting
+        };
+        assert_eq!(plain.flags().as_deref(), Some("-adaptive_samples 64 0.5 -box_filter 0.5"));
+        assert_eq!(Setting { octaves: Some(2), ..plain }.flags(), None);
+    }
+}

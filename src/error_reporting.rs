@@ -1,0 +1,159 @@
+//! A run that reports speed against error: settings are measured, and the page and the table are written.
+
+use crate::failed;
+use crate::job::Outcome;
+use crate::progress::Progress as Line;
+use cpu_time::ProcessTime;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use raytracer::cli::{ErrorReporting, Options};
+use raytracer::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
+use raytracer::escape::{escape, quoted, shell_word};
+use raytracer::image_io::TextFile;
+use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene_io;
+use signal_hook::consts::SIGINT;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// The time between two lines of progress.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// Measures and writes. Warnings go to `tell`; an error is the message that ends the program.
+pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+    let ErrorReporting { options, folder, target } = reporting;
+    let threads = |count| -> Result<ThreadPool, String> {
+        ThreadPoolBuilder::new().num_threads(count).build().map_err(failed)
+    };
+    let (many, one) = (threads(options.threads.unwrap_or(0))?, threads(1)?);
+    let ends = end_of_interrupt()?;
+    // A file that cannot be written is no reason to wait for the measurements.
+    let [page_file, csv_file] = prepare(folder)?;
+
+    let start = Instant::now();
+    let renderer = open(options, &many, tell)?;
+    let reading = start.elapsed();
+    let request = options.request();
+    let clock = || ProcessTime::now().as_duration();
+    let watcher = Watcher { line: Line::new(), start: Instant::now(), shown: Mutex::default(), ends: &ends };
+    let watch = |progress: Progress| watcher.watch(progress);
+    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
+    let report = Sweep::new(&renderer, &request, options.structure, bench).run();
+    watcher.line.end();
+    let mut report = report.map_err(failed)?;
+    report.stages.insert(0, ("reading the scene", reading));
+
+    let advice = target.map(|error| advice(&report, options, error));
+    page_file.write(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
+    csv_file.write(&csv(&report)).map_err(failed)?;
+    if report.measured() < report.planned {
+        tell("note: the run was ended; the report has what was measured until then");
+    }
+    let advice = advice.map_or(String::new(), |advice| escape(&advice) + "\n");
+    Ok(Outcome { text: text(&report) + &advice, passes: true })
+}
+
+/// The page and the table in a folder, which is made if there is none.
+fn prepare(folder: &Path) -> Result<[TextFile; 2], String> {
+    let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let [page, table] = ["report.html", "report.csv"].map(|name| TextFile::prepare(&folder.join(name)));
+    Ok([page.map_err(failed)?, table.map_err(failed)?])
+}
+
+/// Is set by Ctrl-C. A second one ends the program at once.
+fn end_of_interrupt() -> Result<Arc<AtomicBool>, String> {
+    let ends = Arc::new(AtomicBool::new(false));
+    // The handlers run in this order.
+    signal_hook::flag::register_conditional_default(SIGINT, ends.clone()).map_err(failed)?;
+    signal_hook::flag::register(SIGINT, ends.clone()).map_err(failed)?;
+    Ok(ends)
+}
+
+fn open(options: &Options, threads: &ThreadPool, tell: &dyn Fn(&str)) -> Result<Renderer, String> {
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
+    let loaded = threads.install(|| scene_io::load(input)).map_err(|error| error.to_string())?;
+    if loaded.scene.lights.is_empty() {
+        tell("WARNING:  No lights specified");
+    }
+    // Other octaves are other scenes with the same meshes.
+    threads.install(|| Renderer::new(loaded, Meshes::Kept)).map_err(|error| error.to_string())
+}
+
+/// Shows the progress, and ends the sweep after an interrupt.
+struct Watcher<'a> {
+    line: Line,
+    start: Instant,
+    /// When the line was last shown.
+    shown: Mutex<Option<Instant>>,
+    ends: &'a AtomicBool,
+}
+
+impl Watcher<'_> {
+    fn watch(&self, progress: Progress) -> ControlFlow<()> {
+        if self.ends.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        if let Ok(mut shown) = self.shown.try_lock()
+            && shown.is_none_or(|last| last.elapsed() >= INTERVAL)
+        {
+            *shown = Some(Instant::now());
+            self.line.show(&told(progress, self.start.elapsed()));
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// How far a sweep has come after this time, and how long the rest takes at this speed.
+fn told(progress: Progress, elapsed: Duration) -> String {
+    let Progress { share, doing } = progress;
+    let left = elapsed.as_secs_f64() * (1.0 - share) / share;
+    let left = if share > 0.0 { format!(", {left:.0} s left") } else { String::new() };
+    format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
+}
+
+/// The cheapest setting that reaches an error, as a command line.
+fn advice(report: &ErrorReport, options: &Options, error: f64) -> String {
+    let cheapest = report.cheapest(error).and_then(|one| Some((one, one.setting.flags()?)));
+    match cheapest {
+        Some((one, flags)) => format!(
+            "RMSE {:.3} in {:.4} s: {} {flags}{} -output picture.png",
+            one.error,
+            one.least(),
+            start_of_command(options),
+            seed(options),
+        ),
+        None => format!("no setting that was measured reaches an RMSE of {error}"),
+    }
+}
+
+/// The command line that is measured.
+fn asked_for(options: &Options) -> String {
+    let own = Setting::of(&options.request(), options.structure);
+    format!("{} {}{}", start_of_command(options), own.flags().unwrap_or_default(), seed(options))
+}
+
+fn start_of_command(options: &Options) -> String {
+    let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+    let [width, height] = options.size;
+    format!("raytracer -input {} -size {width} {height}", shell_word(&input))
+}
+
+fn seed(options: &Options) -> String {
+    options.sampler.rng().seed().map_or(String::new(), |seed| format!(" -seed {seed}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_the_rest() {
+        let after = |share, seconds| told(Progress { share, doing: "x" }, Duration::from_secs(seconds));
+        assert_eq!([after(0.25, 10), after(0.999, 10)], ["25%, 30 s left: x", "99%, 0 s left: x"]);
+        assert_eq!(after(0.0, 10), "0%: x");
+    }
+}

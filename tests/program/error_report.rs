@@ -1,0 +1,228 @@
+//! `-error_report`: the numbers are those of the pictures, and the page shows them.
+
+use crate::support::{Folder, only_line, scene};
+use raytracer::grid::options::Structure;
+use raytracer::mode::Fast;
+use raytracer::render::Request;
+use raytracer::renderer::Renderer;
+use raytracer::sampling::drand48::Drand48;
+use raytracer::sampling::filter::Filter;
+use raytracer::sampling::sampler::{Pattern, Sampler};
+use std::fs;
+use std::process::{Command, Stdio};
+use std::sync::LazyLock;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// A report on a scene with a mirror, noise and many edges, whose name means something to HTML and to a shell.
+static REPORT: LazyLock<(Folder, String)> = LazyLock::new(|| {
+    let folder = Folder::new();
+    folder.write("<b>.txt", mirror());
+    let run = folder.run("-input <b>.txt -size 16 12 -bounces 2 -error_report r -target 12").ok();
+    assert_eq!(run.stderr, "", "progress is for terminals");
+    (folder, run.stdout)
+});
+
+fn mirror() -> String {
+    let objects = "Sphere { center -.5 0 0 radius .4 } MaterialIndex 1 Sphere { center .3 .2 0 radius .6 }
+                   MaterialIndex 2 Sphere { center .4 -.6 .5 radius .3 }";
+    scene(3, objects).replace(
+        "numMaterials 1 Material { }",
+        "numMaterials 3 Material { } Material { diffuseColor 1 0 0 reflectiveColor 1 1 1 }
+         Noise { materialIndex 0 materialIndex 1 octaves 3 }",
+    )
+}
+
+/// The lines of the table, each as its fields without quotes, the head first. No field of it has a comma in it but one.
+fn table(folder: &Folder, name: &str) -> Vec<Vec<String>> {
+    let text = String::from_utf8(folder.read(name)).unwrap();
+    let text = text.replace("64, octaves", "64 octaves");
+    text.lines()
+        .map(|line| line.split(',').map(|field| field.trim_matches('"').to_owned()).collect())
+        .collect()
+}
+
+/// The field in this column of the line with this filter and setting.
+fn field(filter: &str, setting: &str, column: &str) -> String {
+    let table = table(&REPORT.0, "r/report.csv");
+    let column = table[0].iter().position(|name| name == column).unwrap();
+    let line = table.iter().find(|line| line[0] == filter && line[2] == setting && line[1] != "grid");
+    line.unwrap_or_else(|| panic!("{filter} {setting}"))[column].clone()
+}
+
+fn number(filter: &str, setting: &str, column: &str) -> f64 {
+    field(filter, setting, column).parse().unwrap()
+}
+
+#[test]
+fn the_error_is_that_of_the_pictures() {
+    let renderer = Renderer::open(&REPORT.0.path().join("<b>.txt")).unwrap();
+    let base = Request::new([16, 12]);
+    let base = Request { effects: raytracer::trace::Effects { bounces: 2, ..base.effects }, ..base };
+    let colors = |filter, pattern, count, rng| {
+        let request = Request { sampler: Sampler::new(pattern, count, rng), filter, ..base.clone() };
+        let prepared = renderer.prepare_for::<Fast>(Structure::List, &request).unwrap();
+        let picture = prepared.render(&request).unwrap().remove(0);
+        picture
+            .colors
+            .iter()
+            .flat_map(|color| color.to_array())
+            .map(|c| c.clamp(0.0, 1.0))
+            .collect::<Vec<_>>()
+    };
+    for (filter, flag) in
+        [(Filter::PIXEL, "box_filter 0.5"), (Filter::Mitchell { radius: 2.0 }, "mitchell_filter 2")]
+    {
+        let [a, b] = [1, 2].map(|seed| colors(filter, Pattern::Jittered, 1024, Drand48::seeded(seed)));
+        for (pattern, count, setting) in [
+            (Pattern::Random, 4, "random_samples 4"),
+            (Pattern::Uniform, 1, "uniform_samples 1"),
+            (Pattern::Jittered, 64, "jittered_samples 64"),
+        ] {
+            let picture = colors(filter, pattern, count, Drand48::UNSEEDED);
+            let products = (0..picture.len()).map(|k| (picture[k] - a[k]) * (picture[k] - b[k]));
+            let expected = 255.0 * (products.sum::<f64>() / picture.len() as f64).sqrt();
+            let found = number(flag, setting, "RMSE in levels");
+            assert!((found - expected).abs() < 1e-5, "{flag} {setting}: {found} {expected}");
+            let psnr = number(flag, setting, "PSNR in dB");
+            assert!((psnr - 20.0 * (255.0 / expected).log10()).abs() < 1e-3, "{flag} {setting}: {psnr}");
+        }
+    }
+}
+
+#[test]
+fn errors_fall_as_theory_says() {
+    let slope = |setting: &str| number("box_filter 0.5", setting, "slope of the sampling");
+    // Independent samples: the root of their number. With strata only those count that an edge runs through.
+    let (random, jittered) = (slope("random_samples 4"), slope("jittered_samples 4"));
+    assert!((-0.6..-0.4).contains(&random), "{random}");
+    assert!((-0.85..-0.55).contains(&jittered) && jittered < random, "{jittered} {random}");
+}
+
+#[test]
+fn only_what_costs_more_may_be_better_on_the_front() {
+    let table = table(&REPORT.0, "r/report.csv");
+    let of =
+        |line: &[String], name: &str| line[table[0].iter().position(|other| other == name).unwrap()].clone();
+    let mut stars = 0;
+    for filter in ["box_filter 0.5", "tent_filter 1", "gaussian_filter 0.5", "mitchell_filter 2"] {
+        let lines: Vec<_> = table
+            .iter()
+            .filter(|line| line[0] == filter && line[1] != "grid" && !line[3].is_empty())
+            .collect();
+        let numbers = |line: &[String]| {
+            ["CPU seconds least", "RMSE in levels"].map(|name| of(line, name).parse::<f64>().unwrap())
+        };
+        let best = lines.iter().map(|line| numbers(line)[1]).fold(f64::MAX, f64::min);
+        for line in &lines {
+            let [time, error] = numbers(line);
+            let is_beaten = lines.iter().any(|other| numbers(other)[0] < time && numbers(other)[1] < error);
+            let is_on_front = of(line, "on the front") == "yes";
+            assert!(!(is_beaten && is_on_front), "{line:?}");
+            stars += usize::from(is_on_front && error == best);
+        }
+    }
+    assert!(stars >= 4, "the best of each filter is on its front");
+}
+
+#[test]
+fn what_the_scene_shows_is_measured_and_no_grid_changes_it() {
+    let table = table(&REPORT.0, "r/report.csv");
+    let kinds = |kind: &str| table.iter().filter(|line| line[1] == kind).count();
+    assert_eq!(["samples", "secondary rays", "octaves", "grid"].map(kinds), [80, 6, 2, 5]);
+    let changed: Vec<&str> =
+        table.iter().filter(|line| line[1] == "grid").map(|line| line[line.len() - 3].as_str()).collect();
+    assert_eq!(changed, ["", "0", "0", "0", "0"]);
+    let [own, single] =
+        [2, 1].map(|back| table[1..].iter().map(|line| line[line.len() - back].as_str()).collect::<Vec<_>>());
+    assert!(own.iter().all(|flagged| *flagged == "no") && single.contains(&"no"));
+    assert!(REPORT.1.contains(
+        "  this program               0 hits and 0 bytes differ, by at most 0 levels, RMSE 0.0000"
+    ));
+    assert!(number("box_filter 0.5", "jittered_samples 64", "RMSE in levels") > 0.0);
+}
+
+#[test]
+fn the_target_is_a_command_line_to_copy() {
+    let (folder, said) = &*REPORT;
+    let line = only_line(said.split_inclusive('\n').next_back().unwrap());
+    let (start, command) = line.split_once(": raytracer ").unwrap();
+    let error: f64 = start.strip_prefix("RMSE ").unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(error <= 12.0, "{line}");
+    assert!(command.starts_with("-input '<b>.txt' -size 16 12 "), "{line}");
+    folder.run(&command.replace('\'', "")).ok();
+    assert!(folder.names().contains(&"picture.png".to_owned()));
+}
+
+#[test]
+fn the_page_is_one_file_that_needs_no_scripts() {
+    let page = String::from_utf8(REPORT.0.read("r/report.html")).unwrap();
+    assert!(page.contains(
+        "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'\""
+    ));
+    for outside in ["http:", "https:", "<link", "<script", "@import", "url(", "<b>"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    assert_eq!(page.matches("role=\"img\"").count(), 8, "two plots of each filter");
+    for text in [
+        "-input &#39;&lt;b&gt;.txt&#39;",
+        "All 93 settings were measured.",
+        "rendering references",
+        "slope -0.",
+        "this program</td><td>0</td><td>0</td><td>0</td>",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(page.matches("data:image/png;base64,").count() >= 5, "the reference and at least two pairs");
+}
+
+#[test]
+fn an_interrupt_keeps_what_is_done() {
+    let folder = Folder::with_scene(&mirror());
+    let line = "-input s.txt -size 4000 4000 -error_report r";
+    let child = folder.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // From here on the program knows what to do.
+    while !folder.path().join("r").exists() {
+        sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said, "note: the run was ended; the report has what was measured until then\n");
+    let page = String::from_utf8(folder.read("r/report.html")).unwrap();
+    assert!(page.contains("<strong>The run was ended: 0 of 87 settings were measured.</strong>"));
+    assert_eq!(table(&folder, "r/report.csv").len(), 1);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = Folder::with_scene(&mirror());
+    for (line, message) in [
+        ("-error_report r", "no scene: `-input file` is required (`-help` lists every flag)"),
+        ("-input s.txt -target 1", "`-target` needs `-error_report folder`"),
+        ("-input s.txt -error_report r -target -1", "`-target`: `-1` is negative"),
+        ("-input s.txt -error_report r -output o.png", "`-error_report` cannot be combined with `-output`"),
+        ("-input s.txt -error_report r -stats", "`-error_report` cannot be combined with `-stats`"),
+    ] {
+        assert_eq!(only_line(&folder.run(line).message(2)), format!("error: {message}"), "{line}");
+    }
+    assert_eq!(folder.names(), ["s.txt"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_ends_the_run_before_it_starts() {
+    let folder = Folder::with_scene(&mirror());
+    for (name, start) in [
+        ("s.txt", "error: cannot make the folder `s.txt`: "),
+        ("s.txt/r", "error: cannot make the folder `s.txt/r`: "),
+    ] {
+        let message = folder.run(&format!("-input s.txt -size 4000 4000 -error_report {name}")).message(1);
+        assert!(only_line(&message).starts_with(start), "{message}");
+    }
+    fs::create_dir_all(folder.path().join("r/report.csv")).unwrap();
+    folder.run("-input s.txt -size 4000 4000 -error_report r").message(1);
+    assert!(!folder.path().join("r/report.html").exists());
+    let message = folder.run("-input none.txt -error_report q").message(1);
+    assert!(message.contains("none.txt"), "{message}");
+}
