@@ -21,6 +21,12 @@ impl Spare {
         self.lists().push(list);
     }
 
+    /// The number of lists that are kept.
+    #[cfg(test)]
+    pub fn count(&self) -> usize {
+        self.lists().len()
+    }
+
     fn lists(&self) -> MutexGuard<'_, Vec<Vec<Color>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -241,11 +241,13 @@ impl<P: Observer> Finished<P> {
 
     /// Hands out the rows from the top, and returns the probe.
     fn hand_out<E>(self, request: &Request, spare: &Spare, take_row: TakeRow<E>) -> Result<P, E> {
+        // Each row has taken one list: copies for further layers of colours would pile up.
+        let first = request.layers.iter().position(|layer| matches!(layer, Layer::Color));
         for row in self.rows.into_iter().rev() {
             for (k, (layer, colors)) in request.layers.iter().zip(row).enumerate() {
                 let [width, _] = layer.size(request.window_size());
                 colors.chunks_exact(width.max(1)).rev().try_for_each(|colors| take_row(k, colors))?;
-                if matches!(layer, Layer::Color) {
+                if Some(k) == first {
                     spare.put(colors);
                 }
             }
@@ -272,7 +274,10 @@ mod tests {
     use crate::render::View;
     use crate::sampling::filter::Filter;
     use crate::scene::parser::parse;
+    use crate::stats::Quiet;
     use crate::world::World;
+    use std::convert::Infallible;
+    use std::ops::ControlFlow;
 
     /// Calls `check` with the setting of a request on one thread.
     fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -> T + Send) -> T {
@@ -305,6 +310,26 @@ mod tests {
         // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
         assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
         assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4064..4096);
+    }
+
+    #[test]
+    fn memory_that_is_used_again_does_not_grow_with_the_rows() {
+        for filter in [Filter::PIXEL, Filter::Box { radius: 1.5 }] {
+            let layers = vec![Layer::Color, Layer::Normals, Layer::Color];
+            let request = Request { layers, filter, ..Request::new([3, 1000]) };
+            let lists = with_setting(&request, |setting| {
+                let goes_on = |_| ControlFlow::Continue(());
+                let tally = Tally::new(1000, &goes_on);
+                let mut end = 1000;
+                while end > 0 {
+                    let strip = Strip { setting, rows: end - 100..end };
+                    strip.render::<Quiet, Infallible>(&tally, &mut |_, _| Ok(())).unwrap();
+                    end -= 100;
+                }
+                setting.spare.count()
+            });
+            assert!((1..=100).contains(&lists), "{filter:?} {lists}");
+        }
     }
 
     #[test]
