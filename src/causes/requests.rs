@@ -93,7 +93,7 @@ impl RequestChange {
 
 /// Whether any material reflects or lets through.
 pub fn has_secondary_rays(scene: &Scene) -> bool {
-    has(scene, |phong| phong.reflective) || has(scene, |phong| phong.transparent)
+    scene.materials.iter().any(Material::has_secondary_rays)
 }
 
 /// Whether any material has a colour of this kind that is not black.

@@ -9,8 +9,8 @@ use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
+use crate::scene;
 use crate::scene::material::Material;
-use crate::scene::{self, Color};
 use crate::stats::{Probe, Quiet};
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
@@ -139,7 +139,7 @@ impl Request {
     pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
-            || bounces > 0 && world.materials.iter().any(has_secondary_rays);
+            || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let casts_centers = !VisibilityBuffer::suits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
         let casts = self.measures() && casts_centers || self.traces_colors::<Quiet>() && casts_for_colors;
@@ -158,14 +158,6 @@ impl Request {
     ) -> Option<VisibilityBuffer> {
         let is_needed = self.measures() || self.casts_centers::<P>(view);
         (is_needed && !M::AS_COURSE).then(|| VisibilityBuffer::new(camera, caster, self.size, rows))?
-    }
-}
-
-/// Whether rays are reflected or refracted at a material; a texture's are those of the materials that it mixes.
-fn has_secondary_rays(material: &Material) -> bool {
-    match material {
-        Material::Phong(phong) => phong.reflective != Color::ZERO || phong.transparent != Color::ZERO,
-        Material::Texture(_) => false,
     }
 }
 

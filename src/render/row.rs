@@ -19,9 +19,11 @@ use crate::trace::{Observer, Pending, Tracer};
 use crate::world::{SurfacePoint, World};
 use adaptive::Refinement;
 use glam::{DVec2, DVec3};
+use plot::plots;
 use std::ops::Range;
 
 pub mod adaptive;
+mod plot;
 
 /// The result of tracing a row of pixels.
 pub struct Row<P> {
@@ -131,16 +133,6 @@ impl<M: Mode> Setting<'_, M> {
         });
         Row { j, probe: P::default(), colors, layers: layers.collect() }
     }
-}
-
-/// The indices of the layers of samples, each with its zoom.
-fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
-    let layers = request.layers.iter().enumerate().filter(|_| is_shown);
-    let plot = |(k, layer): (usize, &Layer)| match *layer {
-        Layer::Samples { zoom } => Some((k, zoom)),
-        _ => None,
-    };
-    layers.filter_map(plot).collect()
 }
 
 /// Traces the pixels of one row.
@@ -321,34 +313,6 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
                 let face = occupancy.first_face(ray);
                 face.map_or(caster.world.background, |face| cell_color(&face, ray, caster.world))
             }
-        }
-    }
-
-    /// Draws the chequered background of these columns, on which their samples are plotted.
-    fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
-        let (width, j) = (self.shown.len() * zoom, self.row.j);
-        let colors = &mut self.row.layers[k];
-        colors.resize(width * zoom, Color::ZERO);
-        for i in columns.filter(|i| self.shown.contains(i)) {
-            let grey = if (i + j).is_multiple_of(2) { 0.2 } else { 0.0 };
-            let x = (i - self.shown.start) * zoom;
-            colors.chunks_mut(width).for_each(|row| row[x..x + zoom].fill(Color::splat(grey)));
-        }
-    }
-
-    /// Plots a sample at its position in its enlarged pixel.
-    fn plot(&mut self, i: usize, offset: DVec2, color: Color) {
-        if !self.shown.contains(&i) {
-            return;
-        }
-        for &(k, zoom) in &self.plots {
-            let enlarged = |base: usize, offset: f64| {
-                let coordinate = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
-                coordinate.clamp(base * zoom, base * zoom + zoom - 1)
-            };
-            let x = enlarged(i, offset.x) - self.shown.start * zoom;
-            let y = enlarged(self.row.j, offset.y) - self.row.j * zoom;
-            self.row.layers[k][y * self.shown.len() * zoom + x] = color;
         }
     }
 }

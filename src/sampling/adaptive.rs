@@ -114,8 +114,6 @@ impl Quarters {
 #[derive(Debug, Default)]
 pub struct Strata {
     strata: Vec<Stratum>,
-    /// The number of strata that have been sampled.
-    sampled: usize,
     /// For each place of the finest strata, row by row, the index of the stratum that it belongs to.
     indices: Vec<u32>,
     /// The squared error that each stratum is estimated to cause.
@@ -135,7 +133,6 @@ impl Strata {
         });
         self.strata.clear();
         self.strata.extend(strata);
-        self.sampled = self.strata.len();
     }
 
     /// All strata.
@@ -146,7 +143,7 @@ impl Strata {
     /// Divides strata where that is needed, and returns those that need a sample; none if the pixel is finished. The
     /// strata of the last call must have got their colours.
     pub fn divide(&mut self, settings: Adaptive, around: &Neighborhood, rng: &mut Drand48) -> &mut [Stratum] {
-        self.sampled = self.strata.len();
+        let sampled = self.strata.len();
         self.choose(settings, around);
         for chosen in std::mem::take(&mut self.chosen) {
             let stratum = self.strata[chosen];
@@ -159,7 +156,7 @@ impl Strata {
                 }
             }
         }
-        &mut self.strata[self.sampled..]
+        &mut self.strata[sampled..]
     }
 
     /// Chooses the strata to divide: those that cause more than their part of the error that is allowed.

@@ -13,6 +13,16 @@ pub enum Material {
     Texture(Texture),
 }
 
+impl Material {
+    /// Whether rays are reflected or refracted at it. At a texture they are by the materials that it mixes.
+    pub fn has_secondary_rays(&self) -> bool {
+        match self {
+            Self::Phong(phong) => phong.reflective != Color::ZERO || phong.transparent != Color::ZERO,
+            Self::Texture(_) => false,
+        }
+    }
+}
+
 /// A Blinn-Phong material, with the factors for reflected and refracted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Phong {

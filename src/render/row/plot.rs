@@ -1,0 +1,50 @@
+//! Layers of samples: where the samples of a row lie, in its enlarged pixels.
+
+use super::Painter;
+use crate::mode::Mode;
+use crate::render::layer::Layer;
+use crate::render::request::Request;
+use crate::scene::Color;
+use crate::trace::Observer;
+use glam::DVec2;
+use std::ops::Range;
+
+/// The indices of the layers of samples, each with its zoom.
+pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
+    let layers = request.layers.iter().enumerate().filter(|_| is_shown);
+    let plot = |(k, layer): (usize, &Layer)| match *layer {
+        Layer::Samples { zoom } => Some((k, zoom)),
+        _ => None,
+    };
+    layers.filter_map(plot).collect()
+}
+
+impl<M: Mode, P: Observer> Painter<'_, M, P> {
+    /// Draws the chequered background of these columns, on which their samples are plotted.
+    pub(super) fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
+        let (width, j) = (self.shown.len() * zoom, self.row.j);
+        let colors = &mut self.row.layers[k];
+        colors.resize(width * zoom, Color::ZERO);
+        for i in columns.filter(|i| self.shown.contains(i)) {
+            let grey = if (i + j).is_multiple_of(2) { 0.2 } else { 0.0 };
+            let x = (i - self.shown.start) * zoom;
+            colors.chunks_mut(width).for_each(|row| row[x..x + zoom].fill(Color::splat(grey)));
+        }
+    }
+
+    /// Plots a sample at its position in its enlarged pixel.
+    pub(super) fn plot(&mut self, i: usize, offset: DVec2, color: Color) {
+        if !self.shown.contains(&i) {
+            return;
+        }
+        for &(k, zoom) in &self.plots {
+            let enlarged = |base: usize, offset: f64| {
+                let coordinate = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
+                coordinate.clamp(base * zoom, base * zoom + zoom - 1)
+            };
+            let x = enlarged(i, offset.x) - self.shown.start * zoom;
+            let y = enlarged(self.row.j, offset.y) - self.row.j * zoom;
+            self.row.layers[k][y * self.shown.len() * zoom + x] = color;
+        }
+    }
+}
