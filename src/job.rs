@@ -2,6 +2,7 @@
 
 use crate::document::{Document, Verdict};
 use crate::failed;
+use crate::preview;
 use crate::rendering::{Rendered, render};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
@@ -37,8 +38,8 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
         told.borrow_mut().push(line.to_owned());
         tell(line);
     };
-    if options.preview {
-        tell("note: this build has no preview; the picture is rendered directly");
+    if let Some(note) = preview::note(options) {
+        tell(note);
     }
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options)).transpose()?;

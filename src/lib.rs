@@ -68,3 +68,5 @@ pub mod grade;
 pub mod error_report;
 #[doc(hidden)]
 pub mod cli;
+#[cfg(feature = "gui")]
+pub mod live;

@@ -6,12 +6,13 @@ mod grading;
 mod job;
 #[cfg(target_os = "linux")]
 mod pages;
+mod preview;
 mod products;
 mod progress;
 mod rendering;
 
 use job::Outcome;
-use raytracer::cli::{self, Command};
+use raytracer::cli::{self, Command, Options};
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
@@ -22,12 +23,26 @@ const DIFFERENT: u8 = 3;
 fn main() -> ExitCode {
     match cli::parse(std::env::args_os()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => report(job::run(&options, &tell)),
+        Ok(Command::Render(options)) => render(&options),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)
+        }
+    }
+}
+
+/// Does what the options ask for, and then shows the scene's page if they ask for that.
+fn render(options: &Options) -> ExitCode {
+    let outcome = job::run(options, &tell);
+    let is_done = outcome.is_ok();
+    let status = report(outcome);
+    match if is_done { preview::show(options, &tell) } else { Ok(()) } {
+        Ok(()) => status,
+        Err(message) => {
+            tell(&message);
+            ExitCode::FAILURE
         }
     }
 }

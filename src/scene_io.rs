@@ -91,18 +91,25 @@ impl fmt::Display for LoadError {
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
     let bytes = fs::read(path).map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
     let text = decode(path, bytes)?;
-    let source = Source { path: path.to_owned(), text };
-    match parse_with_meshes(&source) {
+    let directory = path.parent().unwrap_or(Path::new(""));
+    load_text(Source { path: path.to_owned(), text }, &|name| read_mesh(name, directory))
+}
+
+/// Reads a scene from its text. `read_mesh` reads a mesh by its name, or says why it cannot.
+pub fn load_text(source: Source, read_mesh: ReadMesh) -> Result<LoadedScene, LoadError> {
+    match parse_with_meshes(&source.text, read_mesh) {
         Ok((scene, meshes)) => Ok(LoadedScene { scene, meshes, source }),
         Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
     }
 }
 
-fn parse_with_meshes(source: &Source) -> Result<(Scene, Vec<Mesh>), SceneError> {
-    let scene = parse(&source.text)?;
-    let directory = source.path.parent().unwrap_or(Path::new(""));
+/// Reads the mesh of this name.
+pub type ReadMesh<'a> = &'a dyn Fn(&str) -> Result<Mesh, Problem>;
+
+fn parse_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Scene, Vec<Mesh>), SceneError> {
+    let scene = parse(text)?;
     let read = |file: &crate::scene::MeshFile| {
-        read_mesh(&file.name, directory).map_err(|problem| SceneError::new(file.at, problem))
+        read_mesh(&file.name).map_err(|problem| SceneError::new(file.at, problem))
     };
     let meshes = scene.meshes.iter().map(read).collect::<Result<_, _>>()?;
     Ok((scene, meshes))

@@ -3,53 +3,8 @@
 //! A new flag needs one constant here, one entry in [`FLAGS`], and the code in `options.rs` that interprets
 //! it. The parser and the help text are generated from the table.
 
+pub(super) use super::flag::Flag;
 use super::section::Section;
-
-/// A flag. Names are without the dash.
-#[derive(Debug)]
-pub(super) struct Flag {
-    pub name: &'static str,
-    /// Other spellings, which the help does not list.
-    pub aliases: &'static [&'static str],
-    /// The names of the values, which the help shows.
-    pub values: &'static [&'static str],
-    /// The names of flags that cannot be combined with this one.
-    pub conflicts: &'static [&'static str],
-    pub section: Section,
-    pub doc: &'static str,
-}
-
-impl Flag {
-    const fn new(
-        section: Section,
-        name: &'static str,
-        values: &'static [&'static str],
-        doc: &'static str,
-    ) -> Self {
-        Self { name, aliases: &[], values, conflicts: &[], section, doc }
-    }
-
-    const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
-        self.aliases = aliases;
-        self
-    }
-
-    const fn conflicts(mut self, conflicts: &'static [&'static str]) -> Self {
-        self.conflicts = conflicts;
-        self
-    }
-
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
-    pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
-        let min = if self.name == GRID.name { 1 } else { self.values.len() };
-        min..=self.values.len()
-    }
-
-    /// The flag with the names of its values, as in `-size w h`.
-    pub fn usage(&self) -> String {
-        self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
-    }
-}
 
 /// The flag called `name`, by any of its spellings.
 pub(super) fn find(name: &str) -> Option<&'static Flag> {
@@ -97,6 +52,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &JSON,
     &THREADS,
     &GUI,
+    &PORT,
+    &NO_BROWSER,
     &TESSELLATION,
     &GOURAUD,
     &HELP,
@@ -307,11 +264,24 @@ pub(super) const TARGET: Flag = Flag::new(
 pub(super) const STATS: Flag =
     Flag::new(Section::Statistics, "stats", &[], "Prints counters and times after rendering.");
 
-pub(super) const GUI: Flag = Flag::new(Section::Preview, "gui", &[], "The course's preview window.");
+pub(super) const GUI: Flag = Flag::new(
+    Section::Preview,
+    "gui",
+    &[],
+    "Renders what the line asks for, then shows the scene as a live page in the browser. Needs a terminal, or -port.",
+);
+pub(super) const PORT: Flag = Flag::new(
+    Section::Preview,
+    "port",
+    &["n"],
+    "Serves the page of -gui at this port of 127.0.0.1, also without a terminal; 0 is any free port.",
+);
+pub(super) const NO_BROWSER: Flag =
+    Flag::new(Section::Preview, "no_browser", &[], "Prints the page's address and opens no browser.");
 pub(super) const TESSELLATION: Flag =
-    Flag::new(Section::Preview, "tessellation", &["a", "b"], "The number of faces of its spheres.");
+    Flag::new(Section::Preview, "tessellation", &["a", "b"], "Accepted from the course; changes nothing.");
 pub(super) const GOURAUD: Flag =
-    Flag::new(Section::Preview, "gouraud", &[], "Smooth shading of its spheres.");
+    Flag::new(Section::Preview, "gouraud", &[], "Accepted from the course; changes nothing.");
 
 pub(super) const COST_MAP: Flag = Flag::new(
     Section::Statistics,

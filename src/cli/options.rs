@@ -3,6 +3,7 @@
 use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
+use super::live_page::LivePage;
 use super::raw::Raw;
 use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
@@ -48,8 +49,10 @@ pub struct Options {
     pub json: Option<JsonTarget>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
-    /// Whether the command line requests the course's preview, which this program does not have.
+    /// Whether one of the flags of the course's preview is given.
     pub preview: bool,
+    /// The live page, if `-gui` asks for it.
+    pub page: Option<LivePage>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
 }
@@ -129,6 +132,7 @@ impl Options {
             json: json(raw)?,
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
+            page: LivePage::from_raw(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
         };
         options.check_together()?;

@@ -28,6 +28,17 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
     blocks.into_scene(&reader)
 }
 
+/// Parses the block of a camera alone. Errors: anything else, or anything after it.
+pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
+    let mut reader = Reader::new(text);
+    let camera = match reader.peek().text {
+        "OrthographicCamera" => parse_orthographic_camera(&mut reader)?,
+        "PerspectiveCamera" => parse_perspective_camera(&mut reader)?,
+        _ => return Err(reader.unexpected("a camera", &BLOCKS[..2])),
+    };
+    if reader.peek().is_end() { Ok(camera) } else { Err(reader.unexpected("the end of the camera", &[])) }
+}
+
 /// The blocks read so far.
 #[derive(Default)]
 struct Blocks {

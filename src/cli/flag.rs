@@ -1,0 +1,49 @@
+//! A flag: what the parser and the help know of it.
+
+use super::section::Section;
+
+/// A flag. Names are without the dash.
+#[derive(Debug)]
+pub(super) struct Flag {
+    pub name: &'static str,
+    /// Other spellings, which the help does not list.
+    pub aliases: &'static [&'static str],
+    /// The names of the values, which the help shows.
+    pub values: &'static [&'static str],
+    /// The names of flags that cannot be combined with this one.
+    pub conflicts: &'static [&'static str],
+    pub section: Section,
+    pub doc: &'static str,
+}
+
+impl Flag {
+    pub const fn new(
+        section: Section,
+        name: &'static str,
+        values: &'static [&'static str],
+        doc: &'static str,
+    ) -> Self {
+        Self { name, aliases: &[], values, conflicts: &[], section, doc }
+    }
+
+    pub const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
+        self.aliases = aliases;
+        self
+    }
+
+    pub const fn conflicts(mut self, conflicts: &'static [&'static str]) -> Self {
+        self.conflicts = conflicts;
+        self
+    }
+
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
+    pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
+        let min = if self.name == "grid" { 1 } else { self.values.len() };
+        min..=self.values.len()
+    }
+
+    /// The flag with the names of its values, as in `-size w h`.
+    pub fn usage(&self) -> String {
+        self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
+    }
+}

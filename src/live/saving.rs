@@ -1,0 +1,78 @@
+//! Writes the pictures that the command line names, and no others.
+
+use super::painter::{Painter, Subject, Unpainted};
+use crate::cli::Output;
+use crate::escape::quoted;
+use crate::grid::options::Structure;
+use crate::image_io::OutputFile;
+use crate::mode::Fast;
+use crate::render::{Layer, Request};
+use crate::renderer::{Prepared, Renderer};
+use std::fs;
+
+/// Writes each of these pictures of a view, and returns a line that says so; an error is a line too.
+pub fn save(subject: &Subject, outputs: &[Output], painter: &Painter) -> Result<String, String> {
+    if outputs.is_empty() {
+        return Err("the command line names no picture to write; copy the one below".into());
+    }
+    outputs.iter().try_for_each(|output| write(subject, output, painter))?;
+    let names: Vec<String> = outputs.iter().map(|output| quoted(&output.file)).collect();
+    Ok(format!("saved {}", names.join(", ")))
+}
+
+fn write(subject: &Subject, output: &Output, painter: &Painter) -> Result<(), String> {
+    // A pipe would wait for a reader.
+    if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
+        return Err(format!("{} is no file", quoted(&output.file)));
+    }
+    let file = OutputFile::prepare(&output.file).map_err(|error| error.to_string())?;
+    let failed = |error: crate::image_io::ImageError| error.to_string();
+    match output.layer {
+        Layer::Color | Layer::Cost(_) => {
+            let cost = if let Layer::Cost(cost) = output.layer { Some(cost) } else { None };
+            let subject = Subject { cost, sketch: None, ..subject.clone() };
+            // A page of its own, so that nothing overtakes it.
+            let painted = painter.paint(subject, u64::MAX, 0).map_err(|error| error.to_string())?;
+            file.write(&painted.picture).map_err(failed)
+        }
+        layer => {
+            let request =
+                Request { camera: subject.camera, layers: vec![layer], ..subject.options.request() };
+            let prepared = prepare(&subject.scene.renderer, subject, &request)?;
+            let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
+            let picture = pictures.first().ok_or("nothing was rendered")?;
+            let mut writer = file.begin(picture.size).map_err(failed)?;
+            picture
+                .colors
+                .chunks_exact(picture.size[0])
+                .try_for_each(|row| writer.row(row))
+                .map_err(failed)?;
+            writer.finish().map(drop).map_err(failed)
+        }
+    }
+}
+
+fn prepare<'r>(
+    renderer: &'r Renderer,
+    subject: &Subject,
+    request: &Request,
+) -> Result<Prepared<'r, Fast>, String> {
+    let prepared = match subject.options.structure {
+        Structure::Grid(grid) if subject.options.visualize_grid => {
+            renderer.prepare_cells(grid, request.camera_rays())
+        }
+        structure => renderer.prepare_for(structure, request),
+    };
+    prepared.map_err(|error| error.to_string())
+}
+
+impl std::fmt::Display for Unpainted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Overtaken => "overtaken by a later request",
+            Self::TooSlow => "this picture takes longer than a page may: choose a smaller one",
+            Self::Busy => "too many pictures are waiting",
+            Self::Failed(reason) => reason,
+        })
+    }
+}
