@@ -44,6 +44,9 @@ struct Reference {
     picture: Picture,
 }
 
+/// The status of a request that a later one has overtaken.
+const OVERTAKEN: u16 = 409;
+
 type Found = Result<Answer, Refusal>;
 
 impl App {
@@ -74,6 +77,15 @@ impl App {
 
     /// Answers a question.
     pub fn answer(&self, path: &str, query: &str, body: Vec<u8>) -> Found {
+        let found = self.found(path, query, body);
+        match found {
+            // This is no failure, and a browser lists failures.
+            Err(refusal) if refusal.status == OVERTAKEN => Ok(framed(json!({ "overtaken": true }), &[])),
+            found => found,
+        }
+    }
+
+    fn found(&self, path: &str, query: &str, body: Vec<u8>) -> Found {
         match path {
             "/start" => Ok(framed(self.start(), &[])),
             "/scene" => self.edit(understood(&body)?),
@@ -232,7 +244,7 @@ fn impossible(reason: String) -> Refusal {
 impl From<Unpainted> for Refusal {
     fn from(reason: Unpainted) -> Self {
         let status = match reason {
-            Unpainted::Overtaken => 409,
+            Unpainted::Overtaken => OVERTAKEN,
             Unpainted::Busy => 503,
             Unpainted::TooSlow | Unpainted::Failed(_) => 422,
         };

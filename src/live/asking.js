@@ -28,6 +28,7 @@ async function ask(path, question) {
   const buffer = await answer.arrayBuffer();
   const length = new DataView(buffer).getUint32(0, true);
   const meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  if (meta.overtaken) throw new Refused(OVERTAKEN, '');
   return { meta, bytes: new Uint8ClampedArray(buffer, 4 + length) };
 }
 

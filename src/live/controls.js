@@ -71,6 +71,9 @@ function enableControls() {
   for (const id of ['nx', 'ny', 'nz']) find(id).disabled = value('grid') !== 'cells';
 }
 
+// Whether a picture gets more samples while the hand rests.
+const refines = () => find('refine').checked && !find('refine').disabled && value('show') === 'color';
+
 // What a picture shows, as the program names it.
 const shown = () => (value('show') === 'grid' ? 'color' : value('show'));
 

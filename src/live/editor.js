@@ -168,7 +168,6 @@ function keepCamera() {
   const block = /\b(Orthographic|Perspective)Camera\s*\{[^}]*\}\n?/;
   editor.area.value = editor.area.value.replace(block, () => view.camera.block());
   view.camera = null;
-  find('moved').hidden = true;
   selectTab('editor');
   editorSends();
 }

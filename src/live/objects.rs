@@ -34,7 +34,10 @@ impl ObjectMap {
     /// For a picture of this size; an error is a line.
     pub fn new(renderer: &Renderer, camera: Option<scene::Camera>, size: [usize; 2]) -> Result<Self, String> {
         let request = Request { camera, ..Request::new(size) };
-        let prepared = renderer.prepare_for::<Fast>(Structure::Any, &request);
+        let rays = request.camera_rays();
+        // Every ray is cast, also where a picture would be rasterized.
+        let grid = Structure::Any.resolution(renderer.world(), rays);
+        let prepared = renderer.prepare::<Fast>(grid, rays).or_else(|_| renderer.prepare(None, rays));
         let prepared = prepared.map_err(|error| error.to_string())?;
         let objects = Objects::new(renderer).map_err(|error| error.to_string())?;
         let view: Camera = prepared.camera(&request);
@@ -66,5 +69,32 @@ impl ObjectMap {
             self.objects.len() - 1
         });
         u16::try_from(place + 1).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::renderer::Meshes;
+    use crate::scene::parser::parse;
+    use crate::scene_io::{LoadedScene, Source};
+
+    #[test]
+    fn each_pixel_names_the_object_that_it_shows() {
+        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }
+            Group { numObjects 2 Material { }
+            Sphere { center -1 1 0 radius .9 }
+            Box { min 0 -2 -1 max 2 0 1 } }";
+        let loaded = LoadedScene {
+            scene: parse(text).unwrap(),
+            meshes: vec![],
+            source: Source { path: "s.txt".into(), text: text.into() },
+        };
+        let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+        let map = ObjectMap::new(&renderer, None, [2, 2]).unwrap();
+        let named: Vec<(&str, u32)> =
+            map.objects.iter().map(|object| (object.name.as_str(), object.line)).collect();
+        assert_eq!(named, [("Sphere", 3), ("Box", 4)]);
+        assert_eq!(map.places, [1, 0, 0, 0, 0, 0, 2, 0]);
     }
 }

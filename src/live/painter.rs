@@ -289,3 +289,26 @@ impl Colors {
         self.nans += truncate_to_bytes::<RED_FIRST>(row, &mut self.bytes[before..]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_overtakes_those_before_it_on_its_own_page() {
+        let painter = Painter::start().unwrap();
+        let (first, other) = (painter.turn(1, 1), painter.turn(2, 1));
+        assert!(!first.is_overtaken());
+        let second = painter.turn(1, 2);
+        assert_eq!([&first, &second, &other].map(Turn::is_overtaken), [true, false, false]);
+        assert!(painter.turn(1, 1).is_overtaken(), "what comes late is overtaken at once");
+    }
+
+    #[test]
+    fn pages_are_forgotten_in_their_order() {
+        let painter = Painter::start().unwrap();
+        (0..3 * PAGES as u64).for_each(|page| drop(painter.turn(page, 7)));
+        assert_eq!(painter.turns.lock().unwrap().len(), PAGES);
+        assert!(!painter.turn(0, 1).is_overtaken() && painter.turn(3 * PAGES as u64 - 1, 1).is_overtaken());
+    }
+}

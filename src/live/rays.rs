@@ -175,3 +175,89 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
     let corner = |index| lattice.bounds.min + lattice.cell_of(index) * lattice.cell_size;
     indices.into_iter().map(corner).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::explain::Explainer;
+    use crate::grid::options::{Resolution, Structure};
+    use crate::mode::Course;
+    use crate::render::Request;
+    use crate::renderer::{Meshes, Renderer};
+    use crate::scene::parser::parse;
+    use crate::scene_io::{LoadedScene, Source};
+    use crate::trace::{Effects, Shadows};
+
+    const GLASS: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }
+        Lights { numLights 2 PointLight { position 0 3 3 color 1 1 1 } DirectionalLight { direction 0 0 1 color 1 1 1 } }
+        Group { numObjects 2 Material { diffuseColor 1 1 1 reflectiveColor .3 .3 .3 transparentColor .7 .7 .7
+        indexOfRefraction 1.5 } Sphere { center 0 0 0 radius 1 } Triangle { vertex0 -3 -1 -3 vertex1 3 -1 -3
+        vertex2 0 -1 3 } }";
+
+    fn rays(structure: Structure) -> (PixelTree, Rays) {
+        let loaded = LoadedScene {
+            scene: parse(GLASS).unwrap(),
+            meshes: vec![],
+            source: Source { path: "s.txt".into(), text: GLASS.into() },
+        };
+        let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+        let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
+        let request = Request { effects, ..Request::new([9, 9]) };
+        let prepared = renderer.prepare_for::<Course>(structure, &request).unwrap();
+        let tree = Explainer::new(&prepared).unwrap().pixel(&request, [5, 4]).unwrap();
+        let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
+        (tree, rays)
+    }
+
+    #[test]
+    fn every_ray_of_the_tree_is_drawn_and_told_of() {
+        let (tree, rays) = rays(Structure::List);
+        let nodes = || tree.samples.iter().flat_map(|sample| &sample.rays);
+        let lights = nodes().flat_map(|node| &node.surface).flat_map(|surface| &surface.lights);
+        let drawn = |kinds: &[Kind]| rays.segments.iter().filter(|line| kinds.contains(&line.kind)).count();
+        assert!(nodes().count() > 4);
+        assert_eq!(drawn(&[Kind::Camera, Kind::Reflected, Kind::Refracted]), nodes().count());
+        assert_eq!(
+            drawn(&[Kind::Light, Kind::Shadow]),
+            lights.filter(|light| light.shadow.is_some()).count()
+        );
+        for (index, line) in rays.segments.iter().enumerate().filter(|(_, line)| line.kind != Kind::Normal) {
+            let first = rays.tells.iter().position(|&told| told == Some(index)).expect("a line of the text");
+            let word = match line.kind {
+                Kind::Camera => "camera ray",
+                Kind::Reflected => "reflected ray",
+                Kind::Refracted => "refracted ray",
+                _ => "light ",
+            };
+            assert!(rays.text[first].trim_start().starts_with(word), "{}", rays.text[first]);
+            if line.kind == Kind::Shadow {
+                assert!(rays.text[first + 1].contains("shadow ray blocked"), "{}", rays.text[first + 1]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_ends_where_the_next_one_starts() {
+        let (_, rays) = rays(Structure::List);
+        let (camera, second) =
+            (&rays.segments[0], rays.segments.iter().find(|line| line.kind == Kind::Refracted));
+        assert_eq!(camera.from, DVec3::new(0.0, 0.0, 5.0));
+        assert!((second.unwrap().from - camera.to).length() < 1e-12);
+    }
+
+    #[test]
+    fn the_cells_passed_contain_the_rays() {
+        let (tree, rays) = rays(Structure::Grid(Resolution::Cells([6, 4, 5])));
+        assert!(rays.cells.len() > 6 && rays.cells.len() < 6 * 4 * 5);
+        for node in tree.samples.iter().flat_map(|sample| &sample.rays) {
+            let Some(surface) = &node.surface else { continue };
+            let is_in = |&low: &DVec3| {
+                let slack = DVec3::splat(1e-9);
+                let (point, high) = (surface.point.position, low + rays.cell_size);
+                point.cmpge(low - slack).all() && point.cmple(high + slack).all()
+            };
+            assert!(rays.cells.iter().any(is_in), "{}", surface.point.position);
+        }
+        assert!(Rays::of(&tree, None, None).cells.is_empty());
+    }
+}

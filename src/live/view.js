@@ -2,10 +2,10 @@
 // The picture: it follows the hand in sketches, as large as there is time for, and is rendered whole when the hand rests.
 
 // Milliseconds that a sketch may take from the question to the pixels.
-const SKETCH_TIME = 22;
+const SKETCH_TIME = 18;
 // Milliseconds without a movement after which the hand rests.
 const REST = 120;
-const MAX_DELAYS = 600;
+const MAX_SKETCHES = 600;
 
 const view = {
   scene: null,
@@ -18,12 +18,14 @@ const view = {
   sketching: false,
   stale: false,
   restTimer: 0,
-  // When the movement happened that the next sketch shows.
-  movedAt: 0,
+  // When the movements happened that the next sketch shows.
+  moves: [],
   // Of the last sketches: when the hand moved, when the pixels were painted, and how many there were.
-  delays: [],
-  // What is painted: 'sketch', 'whole', or the number of the refinement.
+  sketches: [],
+  // What is painted: 'sketch', 'whole', or the number of the refinement's samples.
   stage: '',
+  // Whether nothing better is on its way.
+  finished: false,
   size: [1, 1],
 
   // Takes a scene that is open. The camera stays if it was moved.
@@ -43,7 +45,8 @@ const view = {
   change(move, time = performance.now()) {
     this.camera = this.seenWith();
     move(this.camera);
-    if (!this.stale) this.movedAt = time;
+    this.finished = false;
+    this.moves.push(time);
     this.stale = true;
     drawOverlay();
     this.sketch();
@@ -62,13 +65,13 @@ const view = {
     try {
       while (this.stale) {
         this.stale = false;
-        const movedAt = this.movedAt;
+        const moves = this.moves.splice(0);
         const sides = size().map((side) => Math.max(1, Math.round(side * this.scale)));
         const start = performance.now();
         const { meta, bytes } = await ask('/picture', { page, turn: ++turn, view: this.question(), sketch: sides });
         this.paint(meta, bytes, 'sketch');
         this.adapt(performance.now() - start);
-        requestAnimationFrame((now) => this.note(movedAt, Math.max(now, performance.now()), sides));
+        requestAnimationFrame(() => this.note({ moves, paintedAt: performance.now(), sides }));
       }
     } catch (error) {
       complain(error);
@@ -78,23 +81,24 @@ const view = {
     this.restTimer = setTimeout(() => this.whole(), REST);
   },
 
-  // Chooses the size of the next sketch by the time that the last one took.
+  // Chooses the size of the next sketch by the time that the last ones took.
   adapt(took) {
     const factor = Math.sqrt(SKETCH_TIME / took);
-    this.scale = Math.max(0.08, Math.min(1, this.scale * Math.max(0.6, Math.min(1.15, factor))));
+    this.scale = Math.max(0.08, Math.min(1, this.scale * Math.max(0.75, Math.min(1.08, factor))));
   },
 
-  note(movedAt, paintedAt, sides) {
-    this.delays.push({ movedAt, paintedAt, sides });
-    if (this.delays.length > MAX_DELAYS) this.delays.shift();
-    const last = this.delays.slice(-20);
+  note(sketch) {
+    this.sketches.push(sketch);
+    if (this.sketches.length > MAX_SKETCHES) this.sketches.shift();
+    const last = this.sketches.slice(-20);
     const span = last[last.length - 1].paintedAt - last[0].paintedAt;
     const rate = last.length > 1 ? ((last.length - 1) * 1000) / span : 0;
-    status(`${rate.toFixed(0)} pictures/s, ${sides.join(' × ')}`);
+    status(`${rate.toFixed(0)} pictures/s, ${sketch.sides.join(' × ')}`);
   },
 
   // The hand rests: the whole picture, and then finer ones. What is on its way is overtaken.
   rest() {
+    this.finished = false;
     if (!this.scene || this.sketching) return;
     clearTimeout(this.restTimer);
     this.restTimer = setTimeout(() => this.whole(), 0);
@@ -102,24 +106,27 @@ const view = {
 
   async whole(exactly = false) {
     const mine = ++turn;
+    this.finished = false;
     try {
       status('rendering …');
       await this.render(wordsOf(), 'whole', mine);
       lookAround();
-      const refines = !exactly && find('refine').checked && !find('refine').disabled;
-      if (comparing()) return await compareLive(mine);
-      if (!refines || value('show') !== 'color') return;
-      for (const [most, error] of FINER) {
-        if (mine !== turn) return;
-        await this.render(wordsOf(['-adaptive_samples', `${most}`, `${error}`]), `${most} samples`, mine);
-      }
-      status(`converged, ${size().join(' × ')}`);
-      this.stage = 'converged';
+      if (comparing()) await compareLive(mine);
+      else if (!exactly && refines()) await this.refine(mine);
+      this.finished = mine === turn;
     } catch (error) {
       if (error.status === CLOSED) return editorSends();
       if (error.status !== OVERTAKEN) status('');
       complain(error);
     }
+  },
+
+  // Takes more samples, until the picture is converged.
+  async refine(mine) {
+    for (const [most, error] of FINER) {
+      await this.render(wordsOf(['-adaptive_samples', `${most}`, `${error}`]), `${most} samples`, mine);
+    }
+    status(`converged, ${size().join(' × ')}`);
   },
 
   // Paints a picture that its command line writes, byte for byte.
@@ -128,8 +135,8 @@ const view = {
     if (mine !== turn || this.sketching) throw new Refused(OVERTAKEN, '');
     this.paint(meta, bytes, stage);
     find('command').value = meta.command;
-    find('moved').hidden = !this.camera;
-    if (this.camera) find('block').value = this.camera.block();
+    find('block').value = this.seenWith().block();
+    for (const id of ['home', 'keep']) find(id).disabled = !this.camera;
     find('costs').hidden = !meta.costs;
     find('costs').textContent = meta.costs || '';
     status(`${stage}, ${meta.shows.join(' × ')}, ${meta.milliseconds.toFixed(1)} ms`);
@@ -152,12 +159,13 @@ const view = {
     this.context.putImageData(image, 0, 0);
   },
 
-  // Gives the picture the room that there is: whole pixels of the screen for each pixel if they fit.
+  // Gives the picture the room that there is: a whole number of the screen's pixels for each pixel, if they fit.
   layout() {
     const [width, height] = size();
     const room = find('frame').getBoundingClientRect();
     const fit = Math.min(room.width / width, room.height / height);
-    const zoom = fit >= 1 ? Math.floor(fit) : fit;
+    const screen = window.devicePixelRatio || 1;
+    const zoom = fit * screen >= 1 ? Math.floor(fit * screen) / screen : fit;
     this.size = [width * zoom, height * zoom];
     [this.canvas.style.width, this.canvas.style.height] = this.size.map((side) => `${side}px`);
     drawOverlay();

@@ -15,6 +15,10 @@ mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
+#[cfg(feature = "gui")]
+mod live;
+#[cfg(feature = "gui")]
+mod live_scenes;
 mod malformed_scenes;
 mod partial_causes;
 mod pixel;
