@@ -14,6 +14,10 @@ pub struct Products {
     layers: Vec<Product>,
     /// The time that taking the rows has taken.
     pub encoding: Duration,
+    /// For each layer the colour where nothing is hit, unless the layer shows something else.
+    blank: Vec<Option<Color>>,
+    /// Whether all rows so far have only that colour.
+    is_blank: bool,
 }
 
 enum Product {
@@ -30,19 +34,20 @@ enum Product {
 pub struct Finished {
     pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
-    /// How many of the colours in the files are not numbers.
-    pub nans: u64,
 }
 
 impl Products {
-    /// The files of the first layers of a request.
-    pub fn begin(files: Vec<OutputFile>, request: &Request) -> Result<Self, String> {
+    /// The files of the first layers of a request. `background` is the colour of rays that hit nothing.
+    pub fn begin(files: Vec<OutputFile>, request: &Request, background: Color) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
             Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
             _ => Ok(Product::File(Box::new(file.begin(layer.size(request.window_size())).map_err(failed)?))),
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
-        Ok(Self { layers, encoding: Duration::ZERO })
+        let blank: Vec<_> = request.layers.iter().map(|layer| blank(layer, background)).collect();
+        // A part of a picture may well show nothing.
+        let is_blank = request.window.is_none() && blank.iter().any(Option::is_some);
+        Ok(Self { layers, encoding: Duration::ZERO, blank, is_blank })
     }
 
     /// Keeps the colours of one more layer.
@@ -52,6 +57,11 @@ impl Products {
 
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {
         let start = Instant::now();
+        if self.is_blank
+            && let Some(blank) = self.blank[layer]
+        {
+            self.is_blank = row.iter().all(|&color| color == blank);
+        }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
             Product::Kept(bytes) => {
@@ -65,12 +75,26 @@ impl Products {
         Ok(())
     }
 
+    /// Whether a picture of the scene was taken in which every pixel is as if nothing had been hit.
+    pub fn shows_nothing(&self) -> bool {
+        self.is_blank
+    }
+
+    /// How many of the colours in the files are not numbers.
+    pub fn nans(&self) -> u64 {
+        let nans = |product: &Product| match product {
+            Product::File(writer) => writer.nans(),
+            Product::Kept(_) | Product::Costs(..) => 0,
+        };
+        self.layers.iter().map(nans).sum()
+    }
+
     /// Completes the files. `size` is the width and height of the picture in pixels.
     pub fn finish(self, size: [usize; 2]) -> Result<Finished, String> {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => finished.nans += writer.finish().map_err(failed)?,
+                Product::File(writer) => writer.finish().map(drop).map_err(failed)?,
                 Product::Kept(bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
@@ -83,5 +107,14 @@ impl Products {
             }
         }
         Ok(finished)
+    }
+}
+
+/// The colour that a layer shows where nothing is hit.
+fn blank(layer: &Layer, background: Color) -> Option<Color> {
+    match layer {
+        Layer::Color => Some(background),
+        Layer::Depth { .. } | Layer::Normals => Some(Color::ZERO),
+        Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::failed;
 use crate::products::Products;
+use crate::warn;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
@@ -15,6 +16,7 @@ use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Report, Timings};
 use raytracer::trace::Observer;
+use raytracer::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -44,13 +46,18 @@ pub fn render<M: Mode, P: Observer>(
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
 
     let mut clock = Clock(Instant::now());
-    let loaded = scene_io::load(input).map_err(|error| error.to_string())?;
-    if loaded.scene.lights.is_empty() {
-        tell("WARNING:  No lights specified");
-    }
+    let mut loaded = scene_io::load(input).map_err(|error| error.to_string())?;
     let reading = clock.lap();
+    let mut warnings = warn::about_scene(&mut loaded, options);
+    let places = std::mem::take(&mut loaded.places);
     let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
+    let (scene, effects) = (&renderer.scene, &options.effects);
+    if !options.visualize_grid {
+        warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
+    }
+    let say = |warnings: &[Warning]| warn::say(warnings, options, &renderer.source, tell);
+    say(&warnings)?;
     let mut request = options.request();
     let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
     if keeps {
@@ -59,7 +66,7 @@ pub fn render<M: Mode, P: Observer>(
     let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
 
-    let mut products = Products::begin(files, &request)?;
+    let mut products = Products::begin(files, &request, renderer.scene.background.color)?;
     if keeps {
         products.keep();
     }
@@ -69,10 +76,13 @@ pub fn render<M: Mode, P: Observer>(
     let encoding = products.encoding;
     let rendering = clock.lap() - encoding;
 
-    let finished = products.finish(options.size)?;
-    if finished.nans > 0 {
-        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
+    let shows_nothing = products.shows_nothing() && !options.visualize_grid;
+    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places) } else { None };
+    say(nothing.as_slice())?;
+    if let pixels @ 1.. = products.nans() {
+        say(&[Warning::NotNumbers { pixels }])?;
     }
+    let finished = products.finish(options.size)?;
     let report = Report {
         size: options.size,
         bounds: renderer.bounds(),

@@ -96,6 +96,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &PIXEL,
     &JSON,
     &THREADS,
+    &STRICT,
     &GUI,
     &TESSELLATION,
     &GOURAUD,
@@ -340,6 +341,12 @@ pub(super) const THREADS: Flag = Flag::new(
     "threads",
     &["n"],
     "Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.",
+);
+pub(super) const STRICT: Flag = Flag::new(
+    Section::Other,
+    "strict",
+    &[],
+    "Takes warnings as errors: the run ends with status 1 and writes no picture.",
 );
 pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
 pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

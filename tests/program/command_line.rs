@@ -45,6 +45,7 @@ fn plain() -> Options {
         visualize_grid: false,
         comparison: None,
         stats: false,
+        strict: false,
         pixel: None,
         json: None,
         preview: false,
@@ -108,6 +109,7 @@ fn each_flag_sets_its_option() {
         Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });
