@@ -64,6 +64,7 @@ pub mod compare;
 pub mod scene_io;
 pub mod renderer;
 pub mod warnings;
+pub mod fingerprint;
 pub mod explain;
 pub mod causes;
 pub mod grade;

@@ -2,7 +2,7 @@
 
 use crate::failed;
 use raytracer::explain::CostMap;
-use raytracer::image_io::{ImageError, OutputFile, PictureWriter};
+use raytracer::image_io::{ImageError, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
@@ -37,17 +37,28 @@ pub struct Finished {
 }
 
 impl Products {
-    /// The files of the first layers of a request. `background` is the colour of rays that hit nothing.
-    pub fn begin(files: Vec<OutputFile>, request: &Request, background: Color) -> Result<Self, String> {
+    /// The files of the first layers of a request. `part` tells of each layer's picture which part of the whole it is.
+    pub fn begin(
+        files: Vec<OutputFile>,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
             Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
-            _ => Ok(Product::File(Box::new(file.begin(layer.size(request.window_size())).map_err(failed)?))),
+            layer => {
+                let writer = file.begin(layer.size(request.window_size()), part(layer).as_ref());
+                Ok(Product::File(Box::new(writer.map_err(failed)?)))
+            }
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
-        let blank: Vec<_> = request.layers.iter().map(|layer| blank(layer, background)).collect();
+        Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
+    }
+
+    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing.
+    pub fn watch_for_blank(&mut self, request: &Request, background: Color) {
+        self.blank = request.layers.iter().map(|layer| blank(layer, background)).collect();
         // A part of a picture may well show nothing.
-        let is_blank = request.window.is_none() && blank.iter().any(Option::is_some);
-        Ok(Self { layers, encoding: Duration::ZERO, blank, is_blank })
+        self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
     }
 
     /// Keeps the colours of one more layer.

@@ -6,6 +6,7 @@ use crate::warn;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
+use raytracer::fingerprint;
 use raytracer::grid::options::Structure;
 use raytracer::image_io::OutputFile;
 use raytracer::mode::{Course, Mode};
@@ -66,10 +67,13 @@ pub fn render<M: Mode, P: Observer>(
     let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
 
-    let mut products = Products::begin(files, &request, renderer.scene.background.color)?;
+    let part =
+        |layer| request.window.and_then(|window| fingerprint::part(&prepared, &request, window, layer));
+    let mut products = Products::begin(files, &request, &part)?;
     if keeps {
         products.keep();
     }
+    products.watch_for_blank(&request, renderer.scene.background.color);
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     let goes_on = |_| ControlFlow::Continue(());
     let probe: P = prepared.render_rows(&request, &goes_on, &mut take_row).map_err(failed)?;
@@ -84,7 +88,7 @@ pub fn render<M: Mode, P: Observer>(
     }
     let finished = products.finish(options.size)?;
     let report = Report {
-        size: options.size,
+        size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
         counts: probe.counts(),

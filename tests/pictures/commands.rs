@@ -84,9 +84,11 @@ pub fn program() -> process::Command {
     program
 }
 
-/// Runs a command, which must succeed and print nothing on standard error.
+/// Runs a command, which must succeed and print nothing on standard error, except that a scene without lights is
+/// said to have none, as the scenes of assignment 1.
 pub fn succeed(mut program: process::Command) {
     let output = program.output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.is_empty(), "{program:?}: {}\n{said}", output.status);
+    let quiet = said.lines().all(|line| line.contains("No lights"));
+    assert!(output.status.success() && quiet, "{program:?}: {}\n{said}", output.status);
 }
