@@ -12,6 +12,7 @@ mod progress;
 mod rendering;
 mod signals;
 mod stopping;
+mod warn;
 
 use job::Outcome;
 use raytracer::cli::{self, Command};

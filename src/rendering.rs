@@ -4,6 +4,7 @@ use crate::products::Products;
 use crate::progress::{Progress, rows_text};
 use crate::signals::Signals;
 use crate::stopping::{self, upper};
+use crate::warn;
 use crate::{End, failed};
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
@@ -19,6 +20,7 @@ use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Report, Timings};
 use raytracer::trace::Observer;
+use raytracer::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::ops::ControlFlow;
@@ -52,13 +54,18 @@ pub fn render<M: Mode, P: Observer>(
     signals.end_at_once()?;
 
     let mut clock = Clock(Instant::now());
-    let loaded = scene_io::load(input).map_err(|error| error.to_string())?;
-    if loaded.scene.lights.is_empty() {
-        tell("WARNING:  No lights specified");
-    }
+    let mut loaded = scene_io::load(input).map_err(|error| error.to_string())?;
     let reading = clock.lap();
+    let mut warnings = warn::about_scene(&mut loaded, options);
+    let places = std::mem::take(&mut loaded.places);
     let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
+    let (scene, effects) = (&renderer.scene, &options.effects);
+    if !options.visualize_grid {
+        warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
+    }
+    let say = |warnings: &[Warning]| warn::say(warnings, options, &renderer.source, tell);
+    say(&warnings)?;
     let mut request = options.request();
     let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
     if keeps {
@@ -73,6 +80,7 @@ pub fn render<M: Mode, P: Observer>(
     if keeps {
         products.keep();
     }
+    products.watch_for_blank(&request, renderer.scene.background.color);
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     signals.end_at_second()?;
     let progress = Progress::new(options.progress);
@@ -96,10 +104,13 @@ pub fn render<M: Mode, P: Observer>(
     let encoding = products.encoding;
     let rendering = clock.lap() - encoding;
 
-    let finished = products.finish(options.size)?;
-    if finished.nans > 0 {
-        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
+    let shows_nothing = products.shows_nothing() && !options.visualize_grid;
+    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places) } else { None };
+    say(nothing.as_slice())?;
+    if let pixels @ 1.. = products.nans() {
+        say(&[Warning::NotNumbers { pixels }])?;
     }
+    let finished = products.finish(options.size)?;
     let report = Report {
         size: request.window_size(),
         bounds: renderer.bounds(),

@@ -104,6 +104,7 @@ pub(super) const FLAGS: &[&Flag] = &[
     &THREADS,
     &PROGRESS,
     &QUIET,
+    &STRICT,
     &GUI,
     &TESSELLATION,
     &GOURAUD,
@@ -371,5 +372,11 @@ pub(super) const PROGRESS: Flag = Flag::new(
 .conflicts(&["quiet"]);
 pub(super) const QUIET: Flag =
     Flag::new(Section::Other, "quiet", &[], "Does not tell how far the run has come.");
+pub(super) const STRICT: Flag = Flag::new(
+    Section::Other,
+    "strict",
+    &[],
+    "Takes warnings as errors: the run ends with status 1 and writes no picture.",
+);
 pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
 pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

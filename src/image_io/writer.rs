@@ -93,6 +93,11 @@ impl PictureWriter {
         Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), nans: 0 })
     }
 
+    /// How many of the colours so far are not numbers.
+    pub fn nans(&self) -> u64 {
+        self.nans
+    }
+
     /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
         self.bytes.resize(colors.len() * CHANNELS, 0);

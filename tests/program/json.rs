@@ -139,6 +139,7 @@ fn the_options_are_the_checked_values() {
         "visualize_grid": false,
         "comparison": null,
         "stats": false,
+        "strict": false,
         "json": "-",
         "pixel": null,
         "preview": false,
