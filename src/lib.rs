@@ -62,6 +62,7 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+pub mod fingerprint;
 pub mod explain;
 pub mod causes;
 pub mod grade;

@@ -4,6 +4,7 @@ mod document;
 mod error_reporting;
 mod grading;
 mod job;
+mod merging;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
         Ok(Command::Render(options)) => report(job::run(&options, &tell)),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
+        Ok(Command::Merge(options)) => report(merging::run(&options)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));

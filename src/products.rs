@@ -2,7 +2,7 @@
 
 use crate::failed;
 use raytracer::explain::CostMap;
-use raytracer::image_io::{ImageError, OutputFile, PictureWriter};
+use raytracer::image_io::{ImageError, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
@@ -35,11 +35,18 @@ pub struct Finished {
 }
 
 impl Products {
-    /// The files of the first layers of a request.
-    pub fn begin(files: Vec<OutputFile>, request: &Request) -> Result<Self, String> {
+    /// The files of the first layers of a request. `part` tells of each layer's picture which part of the whole it is.
+    pub fn begin(
+        files: Vec<OutputFile>,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
             Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
-            _ => Ok(Product::File(Box::new(file.begin(layer.size(request.window_size())).map_err(failed)?))),
+            layer => {
+                let writer = file.begin(layer.size(request.window_size()), part(layer).as_ref());
+                Ok(Product::File(Box::new(writer.map_err(failed)?)))
+            }
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
         Ok(Self { layers, encoding: Duration::ZERO })

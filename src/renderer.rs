@@ -204,6 +204,11 @@ impl<'r, M: Mode> Prepared<'r, M> {
             .on_own_threads(|| render::render(&camera, &self.caster, self.view(), request, watch, take_row))
     }
 
+    /// The cells of the grid along each axis, if they are drawn in place of the scene.
+    pub(crate) fn drawn_cells(&self) -> Option<[usize; 3]> {
+        self.occupancy.as_ref().and(self.cells)
+    }
+
     pub(crate) fn renderer(&self) -> &Renderer {
         self.renderer
     }

@@ -5,6 +5,7 @@ use crate::products::Products;
 use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
+use raytracer::fingerprint;
 use raytracer::grid::options::Structure;
 use raytracer::image_io::OutputFile;
 use raytracer::mode::{Course, Mode};
@@ -59,7 +60,9 @@ pub fn render<M: Mode, P: Observer>(
     let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
 
-    let mut products = Products::begin(files, &request)?;
+    let part =
+        |layer| request.window.and_then(|window| fingerprint::part(&prepared, &request, window, layer));
+    let mut products = Products::begin(files, &request, &part)?;
     if keeps {
         products.keep();
     }
@@ -74,7 +77,7 @@ pub fn render<M: Mode, P: Observer>(
         tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
     }
     let report = Report {
-        size: options.size,
+        size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
         counts: probe.counts(),

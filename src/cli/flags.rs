@@ -39,10 +39,14 @@ impl Flag {
         self
     }
 
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, and `-merge`
+    /// has any number of files.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
-        let min = if self.name == GRID.name { 1 } else { self.values.len() };
-        min..=self.values.len()
+        match self.name {
+            name if name == GRID.name => 1..=self.values.len(),
+            name if name == MERGE.name => 1..=usize::MAX,
+            _ => self.values.len()..=self.values.len(),
+        }
     }
 
     /// The flag with the names of its values, as in `-size w h`.
@@ -61,6 +65,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &INPUT,
     &OUTPUT,
     &SIZE,
+    &REGION,
+    &MERGE,
     &DEPTH,
     &NORMALS,
     &SHADE_BACK,
@@ -116,6 +122,19 @@ pub(super) const SIZE: Flag = Flag::new(
     "size",
     &["w", "h"],
     "Width and height of every picture in pixels, 1 to 65535. Default: 100 100.",
+);
+pub(super) const REGION: Flag = Flag::new(
+    Section::Pictures,
+    "region",
+    &["x", "y", "w", "h"],
+    "Renders only this part of every picture, whose bytes are those of the whole. The top left pixel is 0 0.",
+)
+.conflicts(&["render_filter", "cost_map", "compare", "reference"]);
+pub(super) const MERGE: Flag = Flag::new(
+    Section::Pictures,
+    "merge",
+    &["files..."],
+    "Puts these parts of a picture together in -output. They come from -region, in any order.",
 );
 pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,

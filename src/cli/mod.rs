@@ -14,6 +14,7 @@ mod flags;
 mod grading;
 mod help;
 mod options;
+mod parts;
 mod raw;
 mod section;
 mod values;
@@ -24,6 +25,7 @@ pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
 pub use options::{JsonTarget, Options, Output};
+pub use parts::Merging;
 use raw::{Raw, Stop};
 use std::ffi::OsString;
 
@@ -34,6 +36,8 @@ pub enum Command {
     Render(Box<Options>),
     /// Grade a folder with these options.
     Grade(Grading),
+    /// Put parts of a picture together with these options.
+    Merge(Merging),
     /// Measure speed against error with these options.
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -58,6 +62,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
 fn command(raw: &Raw) -> Result<Command, CliError> {
     if let Some(grading) = Grading::from_raw(raw)? {
         return Ok(Command::Grade(grading));
+    }
+    if let Some(merging) = Merging::from_raw(raw)? {
+        return Ok(Command::Merge(merging));
     }
     match ErrorReporting::from_raw(raw)? {
         Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),

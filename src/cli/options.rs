@@ -3,10 +3,11 @@
 use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
+use super::parts::region;
 use super::raw::Raw;
 use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
-use crate::render::{Cost, Layer, Request};
+use crate::render::{Cost, Layer, Request, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -28,6 +29,8 @@ pub struct Options {
     pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
+    /// The part of every picture that is rendered; none for the whole. It lies in the picture.
+    pub region: Option<Window>,
     /// What is modelled.
     pub effects: Effects,
     /// The positions of the samples in a pixel.
@@ -91,7 +94,7 @@ impl Output {
     }
 }
 
-const SIZE_RANGE: (u32, u32) = (1, 65535);
+pub(super) const SIZE_RANGE: (u32, u32) = (1, 65535);
 const SAMPLE_RANGE: (u32, u32) = (1, 65536);
 /// The range of the largest number of adaptive samples. A pixel is not divided into more strata.
 const ADAPTIVE_RANGE: (u32, u32) = (Adaptive::BASE, Adaptive::LIMIT);
@@ -113,6 +116,7 @@ impl Options {
             input: scene(raw)?,
             outputs: outputs(raw)?,
             size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
+            region: region(raw)?,
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
@@ -142,6 +146,11 @@ impl Options {
             return Err(CliError::InputNeeded);
         }
         let [width, height] = self.size;
+        let is_outside =
+            |region: Window| region.x + region.width > width || region.y + region.height > height;
+        if self.region.is_some_and(is_outside) {
+            return Err(CliError::RegionOutside { size: self.size });
+        }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
             return Err(CliError::PixelOutside { last: [width - 1, height - 1] });
         }
@@ -173,7 +182,7 @@ impl Options {
     pub fn request(&self) -> Request {
         Request {
             size: self.size,
-            window: None,
+            window: self.region,
             camera: None,
             effects: self.effects,
             sampler: self.sampler,

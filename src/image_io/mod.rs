@@ -1,16 +1,23 @@
-//! Reading and writing of TGA and PNG files, pictures embedded in pages, and writing of text files.
+//! Reading and writing of TGA and PNG files, parts of pictures, pictures embedded in pages, and writing of text files.
 
 pub(crate) mod embedded;
 mod error;
 mod input;
+mod merge;
+mod mosaic;
 mod output;
+mod part;
+mod part_file;
 mod spool;
 mod text;
 mod writer;
 
 pub use error::ImageError;
 pub use input::{read_picture, read_picture_of_size};
+pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
+pub use part::{NotPart, Part};
+pub use part_file::{PartFile, Rows};
 pub use text::TextFile;
 pub use writer::PictureWriter;
 

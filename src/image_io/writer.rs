@@ -5,6 +5,7 @@
 use super::Format;
 use super::error::ImageError;
 use super::output::Target;
+use super::part::{MAX_TEXT, Part};
 use super::spool::Spool;
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
@@ -12,6 +13,10 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// The length of the header of a TGA file, in bytes.
+pub(super) const TGA_HEADER: usize = 18;
+/// The keyword of the text in a PNG file that says which part of a larger picture it is.
+pub(super) const PNG_COMMENT: &str = "Comment";
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const CHUNK: usize = 1 << 16;
 
@@ -61,19 +66,22 @@ impl PictureWriter {
         format: Format,
         target: Target,
         size: [usize; 2],
+        part: Option<&Part>,
     ) -> Result<Self, ImageError> {
         let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS);
-        let spool =
-            Shared(Arc::new(Mutex::new(Spool::new(target.folder(), uncompressed.saturating_add(18)))));
+        let spool = Shared(Arc::new(Mutex::new(Spool::new(
+            target.folder(),
+            uncompressed.saturating_add(TGA_HEADER + MAX_TEXT),
+        ))));
         let encoder = match format {
             Format::Tga => {
                 let [width, height] = size;
                 let header =
-                    tga_header(size).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                    tga_header(size, part).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
                 let written = spool.clone().write_all(&header);
                 written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
             }
-            Format::Png => png_encoder(spool.clone(), size)
+            Format::Png => png_encoder(spool.clone(), size, part)
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
         };
@@ -121,18 +129,29 @@ impl PictureWriter {
     }
 }
 
-/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top.
-/// None if a side is longer than 65535 pixels.
-fn tga_header([width, height]: [usize; 2]) -> Option<[u8; 18]> {
+/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a
+/// part has an origin, which is its lower left corner from that of the whole, and an image ID. None if a side is longer
+/// than 65535 pixels.
+fn tga_header([width, height]: [usize; 2], part: Option<&Part>) -> Option<Vec<u8>> {
     let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
-    let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
-    Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
+    let height = u16::try_from(height).ok()?;
+    let [h0, h1] = height.to_le_bytes();
+    let origin = |part: &Part| {
+        let below = part.whole[1].checked_sub(part.at[1])?.checked_sub(height.into())?;
+        Some([u16::try_from(part.at[0]).ok()?.to_le_bytes(), u16::try_from(below).ok()?.to_le_bytes()])
+    };
+    let [[x0, x1], [y0, y1]] = part.map_or(Some([[0; 2]; 2]), origin)?;
+    let id = part.map_or(String::new(), Part::to_string);
+    let length = u8::try_from(id.len()).ok()?;
+    let header = [length, 0, 2, 0, 0, 0, 0, 0, x0, x1, y0, y1, w0, w1, h0, h1, 24, 32];
+    Some([&header, id.as_bytes()].concat())
 }
 
 /// An encoder for three channels of eight bits, with the fastest compression that the crate has.
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],
+    part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
     let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     let mut encoder = png::Encoder::new(spool, width, height);
@@ -140,5 +159,14 @@ fn png_encoder(
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
-    encoder.write_header()?.into_stream_writer_with_size(CHUNK)
+    if let Some(part) = part {
+        encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
+    }
+    let mut writer = encoder.write_header()?;
+    if let Some(Part { at: [x, y], .. }) = part {
+        const UNIT_PIXEL: u8 = 0;
+        let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
+        writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
+    }
+    writer.into_stream_writer_with_size(CHUNK)
 }

@@ -3,7 +3,7 @@
 use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::render::Layer;
+use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -37,6 +37,7 @@ fn plain() -> Options {
         input: Some("s.txt".into()),
         outputs: vec![],
         size: [100, 100],
+        region: None,
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
@@ -77,6 +78,8 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
     accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
     accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
+    let region = Some(Window { x: 90, y: 0, width: 10, height: 100 });
+    accepts("-input s.txt -region 90 0 10 100", Options { region, ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
     accepts(
         "-input s.txt -normals n.png",

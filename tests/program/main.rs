@@ -22,6 +22,7 @@ mod pixel_scenes;
 mod pixel_text;
 mod proofs;
 mod readme;
+mod region;
 mod runs;
 mod sampling;
 mod scene_errors;
