@@ -39,6 +39,7 @@
 
 #[doc(hidden)]
 pub mod escape;
+mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;
@@ -63,6 +64,8 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+pub mod warnings;
+pub mod fingerprint;
 pub mod explain;
 pub mod causes;
 pub mod grade;

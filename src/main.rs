@@ -4,15 +4,21 @@ mod document;
 mod error_reporting;
 mod grading;
 mod job;
+mod merging;
 #[cfg(target_os = "linux")]
 mod pages;
 mod preview;
 mod products;
 mod progress;
 mod rendering;
+mod signals;
+mod stopping;
+mod warn;
 
 use job::Outcome;
 use raytracer::cli::{self, Command, Options};
+use signals::Interrupted;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
@@ -21,10 +27,12 @@ use std::process::ExitCode;
 const DIFFERENT: u8 = 3;
 
 fn main() -> ExitCode {
-    match cli::parse(std::env::args_os()) {
+    let argv: Vec<OsString> = std::env::args_os().collect();
+    match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => render(&options),
+        Ok(Command::Render(options)) => render(&options, &argv),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
+        Ok(Command::Merge(options)) => report(merging::run(&options)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
@@ -34,8 +42,8 @@ fn main() -> ExitCode {
 }
 
 /// Does what the options ask for, and then shows the scene's page if they ask for that.
-fn render(options: &Options) -> ExitCode {
-    let outcome = job::run(options, &tell);
+fn render(options: &Options, argv: &[OsString]) -> ExitCode {
+    let outcome = job::run(options, argv, &tell);
     let is_done = outcome.is_ok();
     let status = report(outcome);
     match if is_done { preview::show(options, &tell) } else { Ok(()) } {
@@ -47,18 +55,39 @@ fn render(options: &Options) -> ExitCode {
     }
 }
 
+/// Why a run ends before it is complete.
+pub enum End {
+    /// The message that tells what has failed.
+    Failed(String),
+    /// A signal has come.
+    Interrupted(Interrupted),
+}
+
+impl From<String> for End {
+    fn from(message: String) -> Self {
+        Self::Failed(message)
+    }
+}
+
+impl From<Interrupted> for End {
+    fn from(interrupted: Interrupted) -> Self {
+        Self::Interrupted(interrupted)
+    }
+}
+
 /// Says what a run has to say.
-fn report(outcome: Result<Outcome, String>) -> ExitCode {
+fn report(outcome: Result<Outcome, End>) -> ExitCode {
     match outcome {
         Ok(outcome) if outcome.passes => print(&outcome.text),
         Ok(outcome) => {
             print(&outcome.text);
             ExitCode::from(DIFFERENT)
         }
-        Err(message) => {
+        Err(End::Failed(message)) => {
             tell(&message);
             ExitCode::FAILURE
         }
+        Err(End::Interrupted(Interrupted(status))) => ExitCode::from(status),
     }
 }
 

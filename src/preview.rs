@@ -1,11 +1,12 @@
 //! `-gui`: whether the scene is shown as a live page, and how it gets into a browser.
 
 use raytracer::cli::{LivePage, Options};
+use std::io::{IsTerminal, stderr, stdin};
 
 /// What there is to say about the flags of the course's preview, unless the page is shown.
 pub fn note(options: &Options) -> Option<&'static str> {
     match &options.page {
-        Some(page) if is_shown(page, options) => None,
+        Some(_) if is_shown(options) => None,
         Some(_) if cfg!(not(feature = "gui")) => {
             Some("note: this build has no live page, so `-gui` shows nothing")
         }
@@ -16,13 +17,12 @@ pub fn note(options: &Options) -> Option<&'static str> {
     }
 }
 
-#[cfg(not(feature = "gui"))]
-fn is_shown(_: &LivePage, _: &Options) -> bool {
-    false
+/// Whether there is a page for the options: a scene, and somebody to look at it.
+fn is_shown(options: &Options) -> bool {
+    let has_reader = |page: &LivePage| page.port.is_some() || stdin().is_terminal() && stderr().is_terminal();
+    cfg!(feature = "gui") && options.input.is_some() && options.page.as_ref().is_some_and(has_reader)
 }
 
-#[cfg(feature = "gui")]
-use page::is_shown;
 #[cfg(feature = "gui")]
 pub use page::show;
 
@@ -35,23 +35,23 @@ pub fn show(_: &Options, _: &dyn Fn(&str)) -> Result<(), String> {
 #[cfg(feature = "gui")]
 mod page {
     use super::*;
+    use crate::failed;
+    use crate::signals::Signals;
     use raytracer::live::{Server, Setup};
-    use std::io::{IsTerminal, Write, stderr, stdin};
+    use std::io::Write;
     use std::process::{Command, Stdio};
     use std::thread;
     use std::time::Duration;
     use tempfile::NamedTempFile;
 
-    /// Whether there is a page for the options: a scene, and somebody to look at it.
-    pub fn is_shown(page: &LivePage, options: &Options) -> bool {
-        let has_reader = page.port.is_some() || stdin().is_terminal() && stderr().is_terminal();
-        has_reader && options.input.is_some()
-    }
-
     /// Serves the page, if there is one, until it is ended there.
     pub fn show(options: &Options, tell: &dyn Fn(&str)) -> Result<(), String> {
         let (Some(page), Some(input)) = (&options.page, &options.input) else { return Ok(()) };
-        if !is_shown(page, options) {
+        if !is_shown(options) {
+            return Ok(());
+        }
+        let mut signals = Signals::hold().map_err(failed)?;
+        if signals.end_at_once().is_err() {
             return Ok(());
         }
         let port = page.port.unwrap_or(0);

@@ -78,6 +78,13 @@ pub enum CliError {
         /// The last column and the last row of the picture.
         last: [usize; 2],
     },
+    /// `-region` with pixels outside the picture.
+    RegionOutside {
+        /// Width and height of the picture.
+        size: [usize; 2],
+    },
+    /// `-merge` without `-output`.
+    OutputNeeded,
     /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
@@ -195,6 +202,10 @@ impl CliError {
             Self::PixelOutside { last: [x, y] } => {
                 format!("`-pixel`: outside the picture, whose columns are 0 to {x} and rows 0 to {y}")
             }
+            Self::RegionOutside { size: [w, h] } => {
+                format!("`-region`: not within the picture of {w} x {h} pixels")
+            }
+            Self::OutputNeeded => "`-merge` needs `-output file`".into(),
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }

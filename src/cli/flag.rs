@@ -36,10 +36,14 @@ impl Flag {
         self
     }
 
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, and `-merge`
+    /// has any number of files.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
-        let min = if self.name == "grid" { 1 } else { self.values.len() };
-        min..=self.values.len()
+        match self.name {
+            "grid" => 1..=self.values.len(),
+            "merge" => 1..=usize::MAX,
+            _ => self.values.len()..=self.values.len(),
+        }
     }
 
     /// The flag with the names of its values, as in `-size w h`.

@@ -16,6 +16,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &INPUT,
     &OUTPUT,
     &SIZE,
+    &REGION,
+    &MERGE,
     &DEPTH,
     &NORMALS,
     &SHADE_BACK,
@@ -51,6 +53,9 @@ pub(super) const FLAGS: &[&Flag] = &[
     &PIXEL,
     &JSON,
     &THREADS,
+    &PROGRESS,
+    &QUIET,
+    &STRICT,
     &GUI,
     &PORT,
     &NO_BROWSER,
@@ -73,6 +78,19 @@ pub(super) const SIZE: Flag = Flag::new(
     "size",
     &["w", "h"],
     "Width and height of every picture in pixels, 1 to 65535. Default: 100 100.",
+);
+pub(super) const REGION: Flag = Flag::new(
+    Section::Pictures,
+    "region",
+    &["x", "y", "w", "h"],
+    "Renders only this part of every picture, whose bytes are those of the whole. The top left pixel is 0 0.",
+)
+.conflicts(&["render_filter", "cost_map", "compare", "reference"]);
+pub(super) const MERGE: Flag = Flag::new(
+    Section::Pictures,
+    "merge",
+    &["files..."],
+    "Puts these parts of a picture together in -output. They come from -region, in any order.",
 );
 pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,
@@ -310,6 +328,21 @@ pub(super) const THREADS: Flag = Flag::new(
     "threads",
     &["n"],
     "Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.",
+);
+pub(super) const PROGRESS: Flag = Flag::new(
+    Section::Other,
+    "progress",
+    &[],
+    "Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.",
+)
+.conflicts(&["quiet"]);
+pub(super) const QUIET: Flag =
+    Flag::new(Section::Other, "quiet", &[], "Does not tell how far the run has come.");
+pub(super) const STRICT: Flag = Flag::new(
+    Section::Other,
+    "strict",
+    &[],
+    "Takes warnings as errors: the run ends with status 1 and writes no picture.",
 );
 pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
 pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

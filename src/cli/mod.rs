@@ -16,7 +16,9 @@ mod grading;
 mod help;
 mod live_page;
 mod options;
+mod parts;
 mod raw;
+mod rest;
 mod section;
 mod values;
 
@@ -26,8 +28,10 @@ pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
 pub use live_page::LivePage;
-pub use options::{JsonTarget, Options, Output};
+pub use options::{JsonTarget, Options, Output, ShowProgress};
+pub use parts::Merging;
 use raw::{Raw, Stop};
+pub use rest::{command_of_merge, command_of_rest};
 use std::ffi::OsString;
 
 /// The action that the command line requests.
@@ -37,6 +41,8 @@ pub enum Command {
     Render(Box<Options>),
     /// Grade a folder with these options.
     Grade(Grading),
+    /// Put parts of a picture together with these options.
+    Merge(Merging),
     /// Measure speed against error with these options.
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -61,6 +67,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
 fn command(raw: &Raw) -> Result<Command, CliError> {
     if let Some(grading) = Grading::from_raw(raw)? {
         return Ok(Command::Grade(grading));
+    }
+    if let Some(merging) = Merging::from_raw(raw)? {
+        return Ok(Command::Merge(merging));
     }
     match ErrorReporting::from_raw(raw)? {
         Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),

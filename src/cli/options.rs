@@ -4,10 +4,11 @@ use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::live_page::LivePage;
+use super::parts::region;
 use super::raw::Raw;
 use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
-use crate::render::{Cost, Layer, Request};
+use crate::render::{Cost, Layer, Request, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -29,6 +30,8 @@ pub struct Options {
     pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
+    /// The part of every picture that is rendered; none for the whole. It lies in the picture.
+    pub region: Option<Window>,
     /// What is modelled.
     pub effects: Effects,
     /// The positions of the samples in a pixel.
@@ -45,6 +48,8 @@ pub struct Options {
     pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
+    /// Whether a warning is an error.
+    pub strict: bool,
     /// Where everything that is reported goes as a JSON document, if anywhere.
     pub json: Option<JsonTarget>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
@@ -55,6 +60,8 @@ pub struct Options {
     pub page: Option<LivePage>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
+    /// Where progress is shown.
+    pub progress: ShowProgress,
 }
 
 /// Where a JSON document goes.
@@ -67,6 +74,29 @@ pub enum JsonTarget {
     /// A file whose name ends in `.json`.
     #[serde(serialize_with = "lossy")]
     File(PathBuf),
+}
+
+/// Where it is shown how far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShowProgress {
+    /// On standard error if that is a terminal.
+    OnTerminal,
+    /// On standard error.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+impl ShowProgress {
+    /// What the flags ask for.
+    pub(super) fn from_raw(raw: &Raw) -> Self {
+        match (raw.given(&flags::PROGRESS), raw.given(&flags::QUIET)) {
+            (_, true) => Self::Never,
+            (true, false) => Self::Always,
+            (false, false) => Self::OnTerminal,
+        }
+    }
 }
 
 /// A picture to write.
@@ -94,7 +124,7 @@ impl Output {
     }
 }
 
-const SIZE_RANGE: (u32, u32) = (1, 65535);
+pub(super) const SIZE_RANGE: (u32, u32) = (1, 65535);
 const SAMPLE_RANGE: (u32, u32) = (1, 65536);
 /// The range of the largest number of adaptive samples. A pixel is not divided into more strata.
 const ADAPTIVE_RANGE: (u32, u32) = (Adaptive::BASE, Adaptive::LIMIT);
@@ -116,6 +146,7 @@ impl Options {
             input: scene(raw)?,
             outputs: outputs(raw)?,
             size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
+            region: region(raw)?,
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
@@ -129,11 +160,13 @@ impl Options {
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
+            strict: raw.given(&flags::STRICT),
             json: json(raw)?,
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
             page: LivePage::from_raw(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
+            progress: ShowProgress::from_raw(raw),
         };
         options.check_together()?;
         Ok(options)
@@ -146,6 +179,11 @@ impl Options {
             return Err(CliError::InputNeeded);
         }
         let [width, height] = self.size;
+        let is_outside =
+            |region: Window| region.x + region.width > width || region.y + region.height > height;
+        if self.region.is_some_and(is_outside) {
+            return Err(CliError::RegionOutside { size: self.size });
+        }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
             return Err(CliError::PixelOutside { last: [width - 1, height - 1] });
         }
@@ -177,7 +215,7 @@ impl Options {
     pub fn request(&self) -> Request {
         Request {
             size: self.size,
-            window: None,
+            window: self.region,
             camera: None,
             effects: self.effects,
             sampler: self.sampler,

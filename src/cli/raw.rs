@@ -72,10 +72,15 @@ impl Raw {
         self.values::<1>(flag).ok().flatten().map(|[word]| word)
     }
 
+    /// All values of a flag; `None` if it is not given.
+    pub fn all_values(&self, flag: &Flag) -> Option<Vec<&OsStr>> {
+        let indices = self.matches.try_get_raw(flag.name).ok()??;
+        Some(indices.filter_map(|index| word_at(&self.words, index.to_str()?)).collect())
+    }
+
     /// The values of a flag that takes `N` of them; `None` if the flag is not given.
     pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
-        let Ok(Some(indices)) = self.matches.try_get_raw(flag.name) else { return Ok(None) };
-        let words: Vec<&OsStr> = indices.filter_map(|index| word_at(&self.words, index.to_str()?)).collect();
+        let Some(words) = self.all_values(flag) else { return Ok(None) };
         let given = words.len();
         match words.try_into() {
             Ok(array) => Ok(Some(array)),
@@ -85,7 +90,7 @@ impl Raw {
 }
 
 /// Whether a word is a flag: one or two dashes and a letter. Everything else is a value.
-fn is_flag(word: &[u8]) -> bool {
+pub(super) fn is_flag(word: &[u8]) -> bool {
     matches!(word, [b'-', letter, ..] | [b'-', b'-', letter, ..] if letter.is_ascii_alphabetic())
 }
 

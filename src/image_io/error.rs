@@ -81,6 +81,16 @@ pub enum ImageError {
         /// The third byte of the file.
         image_type: u8,
     },
+    /// A picture that says nothing of a whole that it is a part of, or what cannot be true.
+    NoPart {
+        /// The path of the file.
+        path: PathBuf,
+    },
+    /// A part whose encoding is not that of this program.
+    OtherEncoding {
+        /// The path of the file.
+        path: PathBuf,
+    },
     /// A picture to read is larger than there is memory for.
     Memory {
         /// The path of the file.
@@ -127,6 +137,12 @@ impl fmt::Display for ImageError {
             }
             Self::TgaType { path, image_type } => {
                 write!(f, "cannot read {}: TGA of type {image_type} is not supported", shown(path))
+            }
+            Self::NoPart { path } => {
+                write!(f, "{} is no part of a picture, as `-region` makes it", shown(path))
+            }
+            Self::OtherEncoding { path } => {
+                write!(f, "{} is no part of a picture as this program encodes it", shown(path))
             }
             Self::Memory { path, size } => write!(f, "cannot read {}: {size}", shown(path)),
         }

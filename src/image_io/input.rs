@@ -2,6 +2,7 @@
 
 use super::Format;
 use super::error::ImageError;
+use super::writer::TGA_HEADER;
 use crate::picture::{BadSize, Picture};
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
@@ -20,8 +21,6 @@ const MAX_PNG_EXTRA_BYTES: u64 = 1 << 26;
 const MAX_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// Upper bound on the pixels in a packet of run-length encoding.
 const MAX_PIXELS_PER_PACKET: u64 = 128;
-/// The length of the header of a TGA file, in bytes.
-const TGA_HEADER: usize = 18;
 
 /// Reads a picture of any common variant of TGA or PNG. The format is determined by the end of the name.
 ///

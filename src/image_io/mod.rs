@@ -1,20 +1,28 @@
-//! Reading and writing of TGA and PNG files, pictures embedded in pages, and writing of text files.
+//! Reading and writing of TGA and PNG files, parts of pictures, pictures embedded in pages, and writing of text files.
 
 pub(crate) mod embedded;
 mod error;
 mod input;
+mod merge;
+mod mosaic;
 mod output;
+mod part;
+mod part_file;
 mod spool;
 mod text;
 mod writer;
 
 pub use error::ImageError;
 pub use input::{read_picture, read_picture_of_size};
+pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
+pub use part::{NotPart, Part};
+pub use part_file::{PartFile, Rows};
 pub use text::TextFile;
 pub use writer::PictureWriter;
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// The format of a picture file, which is determined by the end of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,4 +43,11 @@ impl Format {
             _ => None,
         }
     }
+}
+
+/// The name of a file beside another: `o.rest.tga` beside `o.tga` for the word `rest`.
+pub fn beside(path: &Path, word: &str) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.extend([".".as_ref(), word.as_ref(), ".".as_ref(), path.extension().unwrap_or_default()]);
+    path.with_file_name(name)
 }

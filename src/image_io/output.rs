@@ -2,6 +2,7 @@
 
 use super::Format;
 use super::error::ImageError;
+use super::part::Part;
 use super::spool::Spool;
 use super::writer::PictureWriter;
 use crate::picture::{CHANNELS, Picture};
@@ -43,14 +44,15 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), format, target: Target::prepare(path)? })
     }
 
-    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished.
-    pub fn begin(self, size: [usize; 2]) -> Result<PictureWriter, ImageError> {
-        PictureWriter::new(self.path, self.format, self.target, size)
+    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished, and says
+    /// which part of a larger picture it is, if it is one.
+    pub fn begin(self, size: [usize; 2], part: Option<&Part>) -> Result<PictureWriter, ImageError> {
+        PictureWriter::new(self.path, self.format, self.target, size, part)
     }
 
     /// Writes a picture. If this fails and the target is a regular file, nothing is written.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        let mut writer = self.begin([picture.width() as usize, picture.height() as usize])?;
+        let mut writer = self.begin([picture.width() as usize, picture.height() as usize], None)?;
         let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
         rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
         writer.finish().map(drop)

@@ -2,16 +2,22 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
-use super::Format;
 use super::error::ImageError;
 use super::output::Target;
+use super::part::{MAX_TEXT, Part};
+use super::part_file::Rows;
 use super::spool::Spool;
+use super::{Format, OutputFile, beside};
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// The length of the header of a TGA file, in bytes.
+pub(super) const TGA_HEADER: usize = 18;
+/// The keyword of the text in a PNG file that says which part of a larger picture it is.
+pub(super) const PNG_COMMENT: &str = "Comment";
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const CHUNK: usize = 1 << 16;
 
@@ -20,8 +26,12 @@ pub struct PictureWriter {
     /// The path as the user gave it, for messages.
     path: PathBuf,
     target: Target,
+    format: Format,
+    size: [usize; 2],
     spool: Shared,
     encoder: Encoder,
+    /// The number of rows so far.
+    rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
     nans: u64,
@@ -61,23 +71,31 @@ impl PictureWriter {
         format: Format,
         target: Target,
         size: [usize; 2],
+        part: Option<&Part>,
     ) -> Result<Self, ImageError> {
         let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS);
-        let spool =
-            Shared(Arc::new(Mutex::new(Spool::new(target.folder(), uncompressed.saturating_add(18)))));
+        let spool = Shared(Arc::new(Mutex::new(Spool::new(
+            target.folder(),
+            uncompressed.saturating_add(TGA_HEADER + MAX_TEXT),
+        ))));
         let encoder = match format {
             Format::Tga => {
                 let [width, height] = size;
                 let header =
-                    tga_header(size).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                    tga_header(size, part).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
                 let written = spool.clone().write_all(&header);
                 written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
             }
-            Format::Png => png_encoder(spool.clone(), size)
+            Format::Png => png_encoder(spool.clone(), size, part)
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
         };
-        Ok(Self { path, target, spool, encoder, bytes: Vec::new(), nans: 0 })
+        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), nans: 0 })
+    }
+
+    /// How many of the colours so far are not numbers.
+    pub fn nans(&self) -> u64 {
+        self.nans
     }
 
     /// Adds the next row from the top.
@@ -101,6 +119,7 @@ impl PictureWriter {
     }
 
     fn encode(&mut self) -> Result<(), ImageError> {
+        self.rows += 1;
         let written = match &mut self.encoder {
             Encoder::Tga => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
@@ -108,31 +127,73 @@ impl PictureWriter {
         written.map_err(|error| ImageError::io("write", &self.path, error))
     }
 
+    /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
+    /// file; none if there are no rows, or if the picture does not go to a regular file.
+    pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
+        if self.rows == 0 || !matches!(self.target, Target::Replace { .. }) {
+            return Ok(None);
+        }
+        let failed = |path: &Path, error| ImageError::io("write", path, error);
+        let ([width, height], rows, path) = (self.size, self.rows, beside(&self.path, "partial"));
+        if let Encoder::Png(_) = self.encoder {
+            // The encoder ends only with all rows.
+            let black = vec![0; width * CHANNELS];
+            (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
+        }
+        let (format, own_path) = (self.format, self.path.clone());
+        let source = self.end().and_then(|(spool, _)| spool.into_source());
+        let source = source.map_err(|error| failed(&own_path, error))?;
+        let (mut from, _) = Rows::read(&own_path, format, source)?;
+        let mut to = OutputFile::prepare(&path)?.begin([width, rows], Some(part))?;
+        let mut row = Vec::new();
+        for _ in 0..rows {
+            from.next(&mut row)?;
+            to.row_of_bytes(&row)?;
+        }
+        to.finish().map(|_| Some(path))
+    }
+
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
     /// Returns the number of colours with a NaN.
     pub fn finish(self) -> Result<u64, ImageError> {
-        let failed = |error| ImageError::io("write", &self.path, error);
+        let (path, nans) = (self.path.clone(), self.nans);
+        let written = self.end().and_then(|(spool, target)| target.fill(spool));
+        written.map_err(|error| ImageError::io("write", &path, error)).map(|()| nans)
+    }
+
+    /// Ends the encoding.
+    fn end(self) -> io::Result<(Spool, Target)> {
         if let Encoder::Png(encoder) = self.encoder {
-            encoder.finish().map_err(|error| failed(error.into()))?;
+            encoder.finish()?;
         }
         let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
-        self.target.fill(spool).map_err(failed)?;
-        Ok(self.nans)
+        Ok((spool, self.target))
     }
 }
 
-/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top.
-/// None if a side is longer than 65535 pixels.
-fn tga_header([width, height]: [usize; 2]) -> Option<[u8; 18]> {
+/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a
+/// part has an origin, which is its lower left corner from that of the whole, and an image ID. None if a side is longer
+/// than 65535 pixels.
+fn tga_header([width, height]: [usize; 2], part: Option<&Part>) -> Option<Vec<u8>> {
     let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
-    let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
-    Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
+    let height = u16::try_from(height).ok()?;
+    let [h0, h1] = height.to_le_bytes();
+    let origin = |part: &Part| {
+        let below = part.whole[1].checked_sub(part.at[1])?.checked_sub(height.into())?;
+        Some([u16::try_from(part.at[0]).ok()?.to_le_bytes(), u16::try_from(below).ok()?.to_le_bytes()])
+    };
+    let [[x0, x1], [y0, y1]] = part.map_or(Some([[0; 2]; 2]), origin)?;
+    let id = part.map_or(String::new(), Part::to_string);
+    let length = u8::try_from(id.len()).ok()?;
+    let header = [length, 0, 2, 0, 0, 0, 0, 0, x0, x1, y0, y1, w0, w1, h0, h1, 24, 32];
+    Some([&header, id.as_bytes()].concat())
 }
 
 /// An encoder for three channels of eight bits, with the fastest compression that the crate has.
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],
+    part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
     let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     let mut encoder = png::Encoder::new(spool, width, height);
@@ -140,5 +201,14 @@ fn png_encoder(
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
-    encoder.write_header()?.into_stream_writer_with_size(CHUNK)
+    if let Some(part) = part {
+        encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
+    }
+    let mut writer = encoder.write_header()?;
+    if let Some(Part { at: [x, y], .. }) = part {
+        const UNIT_PIXEL: u8 = 0;
+        let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
+        writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
+    }
+    writer.into_stream_writer_with_size(CHUNK)
 }

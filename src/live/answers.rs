@@ -61,7 +61,8 @@ impl App {
         Ok(Self {
             input: setup.input.to_owned(),
             words: setup.words.to_vec(),
-            outputs: setup.options.outputs.clone(),
+            // A part of a picture is nothing that this page renders.
+            outputs: if setup.options.region.is_none() { setup.options.outputs.clone() } else { vec![] },
             most: Most::of(setup.options),
             stage,
             painter: Painter::start()?,
@@ -118,7 +119,7 @@ impl App {
     fn edit(&self, Edited { text }: Edited) -> Found {
         Ok(match self.stage.type_in(text) {
             Ok(scene) => framed(json!({ "scene": description(&scene) }), &[]),
-            Err(message) => framed(json!({ "error": message }), &[]),
+            Err(errors) => framed(json!({ "errors": errors }), &[]),
         })
     }
 

@@ -9,7 +9,8 @@ const editor = {
   timer: 0,
   // Counts what was sent, so that an answer that comes late is not shown.
   sent: 0,
-  error: null,
+  // What the parser says: each with its place, the problem and perhaps a hint.
+  errors: [],
   // The object that is marked, and where it stands: [start, end] in the text.
   object: null,
   range: null,
@@ -24,7 +25,7 @@ async function editorSends() {
   try {
     const { meta } = await ask('/scene', { text });
     if (mine !== editor.sent) return;
-    editor.error = meta.error || null;
+    editor.errors = meta.errors || [];
     if (meta.scene) view.open(meta.scene);
     if (meta.scene && meta.scene.is_unlit) say('The scene has no lights: its surfaces show their flat colours.');
   } catch (error) {
@@ -64,20 +65,17 @@ function objectRange({ line, column }) {
   return [start, text.length];
 }
 
-// Lays the marks and the message behind the text.
+// Lays the marks behind the text, and the messages at their lines.
 function drawMarks() {
   const text = editor.area.value;
-  const at = editor.error && editor.error.at;
-  const spans = [];
-  if (editor.range) spans.push([...editor.range, 'object']);
-  if (at) spans.push([...wordAt(offsetOf(...at)), 'error']);
+  const errors = editor.errors.filter(({ at }) => at).map(({ at }) => [...wordAt(offsetOf(...at)), 'error']);
+  const isFree = ([start, end]) => !errors.some(([from, to]) => from < end && start < to);
   // An error within an object takes its place.
-  const chosen = spans.filter(([start, end, kind]) => kind === 'error' || !spans.some(
-    ([otherStart, otherEnd, other]) => other === 'error' && otherStart < end && start < otherEnd));
-  chosen.sort((a, b) => a[0] - b[0]);
+  const spans = editor.range && isFree(editor.range) ? [...errors, [...editor.range, 'object']] : errors;
+  spans.sort((a, b) => a[0] - b[0]);
   const parts = [];
   let done = 0;
-  for (const [start, end, kind] of chosen) {
+  for (const [start, end, kind] of spans.filter(([start]) => start >= done)) {
     const mark = document.createElement('mark');
     [mark.className, mark.textContent] = [kind, text.slice(start, end) || ' '];
     parts.push(text.slice(done, start), mark);
@@ -86,27 +84,45 @@ function drawMarks() {
   find('marks').replaceChildren(...parts, `${text.slice(done)}\n`);
   const count = text.split('\n').length;
   find('lines').textContent = Array.from({ length: count }, (_, index) => index + 1).join('\n');
+  editor.area.setAttribute('aria-invalid', editor.errors.length > 0 ? 'true' : 'false');
+  writeComplaints();
+}
+
+function writeComplaints() {
+  const said = editor.errors.map(({ at, problem, hint }) =>
+    `${at ? `line ${at[0]}: ` : ''}${problem}${hint ? ` (${hint})` : ''}`);
   const complaint = find('complaint');
-  const { problem, hint } = editor.error || {};
-  complaint.textContent = problem ? `${at ? `line ${at[0]}: ` : ''}${problem}${hint ? ` (${hint})` : ''}` : '';
-  complaint.hidden = !problem;
-  editor.area.setAttribute('aria-invalid', problem ? 'true' : 'false');
+  // What is said already is not said again.
+  if (complaint.dataset.said !== said.join('\n')) {
+    complaint.dataset.said = said.join('\n');
+    complaint.replaceChildren(...said.map((line) => {
+      const message = document.createElement('span');
+      message.textContent = line;
+      return message;
+    }));
+  }
+  complaint.hidden = said.length === 0;
   scrollMarks();
 }
 
 const lineHeight = () => parseFloat(getComputedStyle(editor.area).lineHeight);
 const topOf = (line) => parseFloat(getComputedStyle(editor.area).paddingTop) + (line - 1) * lineHeight();
 
-// The marks, the numbers and the message follow the text. The message stands under its line, or above it at the end.
+// The marks, the numbers and the messages follow the text. A message stands under its line; one whose line is out of
+// sight stands at the edge.
 function scrollMarks() {
   const { scrollTop, scrollLeft } = editor.area;
   find('marks').style.transform = `translate(${-scrollLeft}px, ${-scrollTop}px)`;
   find('lines').style.transform = `translateY(${-scrollTop}px)`;
-  const line = editor.error && editor.error.at ? editor.error.at[0] : 1;
-  const complaint = find('complaint');
-  const below = topOf(line + 1) - scrollTop + 2;
-  const room = find('paper').clientHeight - complaint.offsetHeight;
-  complaint.style.top = `${below > room ? Math.max(0, topOf(line) - scrollTop - complaint.offsetHeight - 2) : Math.max(0, below)}px`;
+  let top = 0;
+  for (const [place, message] of [...find('complaint').children].entries()) {
+    const { at } = editor.errors[place];
+    const below = at ? topOf(at[0] + 1) - scrollTop + 2 : 0;
+    const room = find('paper').clientHeight - message.offsetHeight - 4;
+    top = Math.max(top, Math.min(room, below));
+    message.style.top = `${top}px`;
+    top += message.offsetHeight + 2;
+  }
 }
 
 // The objects that the picture shows, once it rests.

@@ -76,8 +76,9 @@ impl ObjectMap {
 mod tests {
     use super::*;
     use crate::renderer::Meshes;
-    use crate::scene::parser::parse;
-    use crate::scene_io::{LoadedScene, Source};
+    use crate::scene::MeshFile;
+    use crate::scene::error::{Problem, SceneError};
+    use crate::scene_io::{Source, load_text};
 
     #[test]
     fn each_pixel_names_the_object_that_it_shows() {
@@ -85,11 +86,9 @@ mod tests {
             Group { numObjects 2 Material { }
             Sphere { center -1 1 0 radius .9 }
             Box { min 0 -2 -1 max 2 0 1 } }";
-        let loaded = LoadedScene {
-            scene: parse(text).unwrap(),
-            meshes: vec![],
-            source: Source { path: "s.txt".into(), text: text.into() },
-        };
+        let source = Source { path: "s.txt".into(), text: text.into() };
+        let no_mesh = |file: &MeshFile| Err(SceneError::new(file.at, Problem::NoNormal));
+        let loaded = load_text(source, &no_mesh).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let map = ObjectMap::new(&renderer, None, [2, 2]).unwrap();
         let named: Vec<(&str, u32)> =

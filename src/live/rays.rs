@@ -184,8 +184,9 @@ mod tests {
     use crate::mode::Course;
     use crate::render::Request;
     use crate::renderer::{Meshes, Renderer};
-    use crate::scene::parser::parse;
-    use crate::scene_io::{LoadedScene, Source};
+    use crate::scene::MeshFile;
+    use crate::scene::error::{Problem, SceneError};
+    use crate::scene_io::{Source, load_text};
     use crate::trace::{Effects, Shadows};
 
     const GLASS: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }
@@ -195,11 +196,9 @@ mod tests {
         vertex2 0 -1 3 } }";
 
     fn rays(structure: Structure) -> (PixelTree, Rays) {
-        let loaded = LoadedScene {
-            scene: parse(GLASS).unwrap(),
-            meshes: vec![],
-            source: Source { path: "s.txt".into(), text: GLASS.into() },
-        };
+        let source = Source { path: "s.txt".into(), text: GLASS.into() };
+        let no_mesh = |file: &MeshFile| Err(SceneError::new(file.at, Problem::NoNormal));
+        let loaded = load_text(source, &no_mesh).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
         let request = Request { effects, ..Request::new([9, 9]) };

@@ -41,7 +41,7 @@ fn write(subject: &Subject, output: &Output, painter: &Painter) -> Result<(), St
             let prepared = prepare(&subject.scene.renderer, subject, &request)?;
             let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
             let picture = pictures.first().ok_or("nothing was rendered")?;
-            let mut writer = file.begin(picture.size).map_err(failed)?;
+            let mut writer = file.begin(picture.size, None).map_err(failed)?;
             picture
                 .colors
                 .chunks_exact(picture.size[0])

@@ -1,7 +1,7 @@
 //! What the page's controls say, as flags of a command line: checked as those of the program, and limited.
 
 use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
-use crate::cli::{self, Command, Options};
+use crate::cli::{self, Command, Options, ShowProgress};
 use crate::escape::shell_word;
 use crate::grid::options::{Resolution, Structure};
 use crate::render::Cost;
@@ -68,8 +68,11 @@ fn cells(options: &Options) -> usize {
 
 /// Whether the options do nothing but shape a picture: no file is named, and nothing else is asked for.
 fn shapes_a_picture(options: &Options) -> bool {
-    let Options { outputs, comparison, stats, json, pixel, preview, page, threads, .. } = options;
+    let Options { outputs, region, comparison, stats, strict, json, pixel, preview, page, threads, .. } =
+        options;
     outputs.is_empty()
+        && region.is_none()
+        && !strict
         && comparison.is_none()
         && !stats
         && json.is_none()
@@ -77,6 +80,7 @@ fn shapes_a_picture(options: &Options) -> bool {
         && !preview
         && page.is_none()
         && threads.is_none()
+        && options.progress == ShowProgress::OnTerminal
 }
 
 /// The command line that writes a picture.
@@ -145,6 +149,11 @@ mod tests {
             "-gui -port 80",
             "-gouraud",
             "-threads 4096",
+            "-region 0 0 1 1",
+            "-strict",
+            "-progress",
+            "-quiet",
+            "-merge a.png",
             "-help",
             "-version",
             "-input other.txt",

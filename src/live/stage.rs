@@ -2,9 +2,9 @@
 
 use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::renderer::{Meshes, Renderer};
-use crate::scene::Object;
-use crate::scene::error::Problem;
+use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::{MeshFile, Object, mesh_fault};
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -37,7 +37,7 @@ pub struct Stage {
     threads: Arc<ThreadPool>,
 }
 
-/// Why a text is no scene.
+/// Why a text is no scene: one of the errors in it.
 #[derive(Debug, Serialize)]
 pub struct SceneMessage {
     /// Where, if it is at a place: line and column, from 1.
@@ -70,7 +70,7 @@ impl Stage {
     }
 
     /// Opens a text in place of the command line's scene.
-    pub fn type_in(&self, text: String) -> Result<Arc<OpenScene>, SceneMessage> {
+    pub fn type_in(&self, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
         let renderer = self.renderer(source)?.on_threads(self.threads.clone());
         let revision = self.next.fetch_add(1, Ordering::Relaxed);
@@ -82,34 +82,36 @@ impl Stage {
         Ok(scene)
     }
 
-    fn renderer(&self, source: Source) -> Result<Renderer, SceneMessage> {
+    fn renderer(&self, source: Source) -> Result<Renderer, Vec<SceneMessage>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
-        let read = |name: &str| match self.meshes.get(name) {
+        let find = |name: &str| match self.meshes.get(name) {
             Some(mesh) => Ok(mesh.clone()),
             None if files.replace(files.get() + 1) >= MAX_MESHES => {
                 Err(refused(name, format!("a page opens at most {MAX_MESHES} meshes")))
             }
             None => mesh_beside(name, folder),
         };
+        let read = |file: &MeshFile| find(&file.name).map_err(|problem| SceneError::new(file.at, problem));
         let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
             let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
-            return Err(SceneMessage { at: None, problem, hint: None });
+            return Err(vec![SceneMessage { at: None, problem, hint: None }]);
         }
         Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)
     }
 }
 
 impl SceneMessage {
-    fn of(error: LoadError) -> Self {
+    fn of(error: LoadError) -> Vec<Self> {
+        let of_text = |error: SceneError| Self {
+            at: Some([error.at.line, error.at.column]),
+            problem: error.problem.to_string(),
+            hint: error.hint,
+        };
         match error {
-            LoadError::Scene { error, .. } => Self {
-                at: Some([error.at.line, error.at.column]),
-                problem: error.problem.to_string(),
-                hint: error.hint,
-            },
-            other => Self { at: None, problem: other.to_string(), hint: None },
+            LoadError::Scene { errors, .. } => errors.into_iter().map(of_text).collect(),
+            other => vec![Self { at: None, problem: other.to_string(), hint: None }],
         }
     }
 }
@@ -142,7 +144,11 @@ fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
         return Err(refused(name, "it is no file, or too large".into()));
     }
     let bytes = fs::read(&file).map_err(failed)?;
-    parse_obj(&bytes).map_err(|error| Problem::BadMesh { file: name.to_owned(), error })
+    parse_obj(&bytes).map_err(|error| Problem::BadMesh {
+        file: name.to_owned(),
+        excerpt: mesh_fault::excerpt(&error, &bytes),
+        error,
+    })
 }
 
 fn refused(name: &str, reason: String) -> Problem {

@@ -14,6 +14,7 @@ use crate::scene::material::Material;
 use crate::stats::{Probe, Quiet};
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
+use serde::Serialize;
 use std::ops::Range;
 
 /// What is drawn in the layers of colours.
@@ -26,7 +27,7 @@ pub enum View<'a> {
 }
 
 /// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Window {
     /// The leftmost column.
     pub x: usize,

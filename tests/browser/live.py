@@ -65,7 +65,7 @@ class Page:
     def status(self):
         return self.run("return document.getElementById('status').textContent")
 
-    def wait(self, script, what, seconds=60):
+    def wait(self, script, what, seconds=240):
         end = time.time() + seconds
         while not self.run(script):
             if time.time() > end:

@@ -1,9 +1,9 @@
 //! Tables of valid command lines, each with its options.
 
-use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, parse};
+use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::render::Layer;
+use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -37,6 +37,7 @@ fn plain() -> Options {
         input: Some("s.txt".into()),
         outputs: vec![],
         size: [100, 100],
+        region: None,
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
@@ -45,11 +46,13 @@ fn plain() -> Options {
         visualize_grid: false,
         comparison: None,
         stats: false,
+        strict: false,
         pixel: None,
         json: None,
         preview: false,
         page: None,
         threads: None,
+        progress: ShowProgress::OnTerminal,
     }
 }
 
@@ -83,6 +86,10 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
     accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
     accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
+    accepts("-input s.txt -progress", Options { progress: ShowProgress::Always, ..plain() });
+    accepts("-quiet -input s.txt", Options { progress: ShowProgress::Never, ..plain() });
+    let region = Some(Window { x: 90, y: 0, width: 10, height: 100 });
+    accepts("-input s.txt -region 90 0 10 100", Options { region, ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
     accepts(
         "-input s.txt -normals n.png",
@@ -114,6 +121,7 @@ fn each_flag_sets_its_option() {
         Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });

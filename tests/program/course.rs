@@ -64,3 +64,26 @@ fn the_course_s_scenes_are_the_same_bytes_with_any_grid() {
         }
     }
 }
+
+/// The project's own scenes have the names of the course's, so that its command lines render them too, although
+/// other things.
+#[test]
+fn the_course_s_command_lines_render_the_own_scenes() {
+    let Some(course) = course() else { return };
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let text = std::fs::read_to_string(course.join("commands.txt")).expect("the course's command lines");
+    let mut lines: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("raytracer -input ")).collect();
+    // The first line of each scene: the others differ in their flags.
+    lines.dedup_by_key(|line| line.split(' ').next());
+    assert!(lines.len() > 60);
+    let folder = Folder::new();
+    for line in lines {
+        let picture = |word: &str| match word.ends_with(".tga") {
+            true => folder.path().join(word).into_os_string(),
+            false => word.into(),
+        };
+        let words = ["-input".into()].into_iter().chain(line.split_whitespace().map(picture));
+        finish(&mut program(&own, words)).ok();
+    }
+}
