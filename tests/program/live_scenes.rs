@@ -1,6 +1,6 @@
 //! Scenes that are typed into the live page: the parser's messages, meshes beside the scene only, and hostile texts.
 
-use crate::live::Server;
+use crate::live_server::Server;
 use crate::support::{CAMERA, Folder, scene, sphere};
 use serde_json::{Value, json};
 use std::fs;

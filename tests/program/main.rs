@@ -19,6 +19,8 @@ mod json_numbers;
 mod live;
 #[cfg(feature = "gui")]
 mod live_scenes;
+#[cfg(feature = "gui")]
+mod live_server;
 mod malformed_scenes;
 mod partial_causes;
 mod pixel;

@@ -143,6 +143,7 @@ fn a_scene_without_lights_warns_on_standard_error_and_is_lit_evenly() {
     assert_eq!(folder.tga("o.tga").pixels, [[255, 127, 0]; 4]);
 }
 
+#[cfg(feature = "gui")]
 #[test]
 fn what_the_preview_s_flags_do_not_do_is_said_once() {
     let folder = Folder::with_scene(&sphere());
