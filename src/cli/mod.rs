@@ -8,14 +8,20 @@
 
 mod commands;
 mod comparison;
+mod completion;
+pub mod completions;
 mod error;
 mod error_report;
+mod flag;
 mod flags;
 mod grading;
 mod help;
+pub mod man_page;
+mod notes;
 mod options;
 mod parts;
 mod raw;
+mod sampling;
 mod section;
 mod values;
 
@@ -53,7 +59,8 @@ pub enum Command {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => command(&raw),
-        Err(Stop::Help) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),
     }

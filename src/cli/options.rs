@@ -5,13 +5,13 @@ use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::parts::region;
 use super::raw::Raw;
+use super::sampling::{adaptive, filter, sampler};
 use super::values::{bad, ends_in, finite, lossy, lossy_or_null, picture_name, whole, wholes};
 use crate::grid::options::{Resolution, Structure};
 use crate::render::{Cost, Layer, Request, Window};
 use crate::sampling::adaptive::Adaptive;
-use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
-use crate::sampling::sampler::{Pattern, Sampler};
+use crate::sampling::sampler::Sampler;
 use crate::trace::{Effects, Shadows};
 use serde::Serialize;
 use std::ffi::OsStr;
@@ -97,12 +97,6 @@ impl Output {
 }
 
 pub(super) const SIZE_RANGE: (u32, u32) = (1, 65535);
-const SAMPLE_RANGE: (u32, u32) = (1, 65536);
-/// The range of the largest number of adaptive samples. A pixel is not divided into more strata.
-const ADAPTIVE_RANGE: (u32, u32) = (Adaptive::BASE, Adaptive::LIMIT);
-/// The range of filter sizes, in pixels.
-const MIN_FILTER: f64 = 1e-6;
-const MAX_FILTER: f64 = 1e6;
 /// The largest value of the course's `int`.
 const MAX_INT: u32 = i32::MAX as u32;
 /// The upper limit is far above the cores of any machine, and far below the number of threads that cannot be
@@ -117,7 +111,7 @@ impl Options {
         let options = Self {
             input: scene(raw)?,
             outputs: outputs(raw)?,
-            size: wholes(raw, &flags::SIZE, SIZE_RANGE)?.unwrap_or([100, 100]).map(|n| n as usize),
+            size: size(raw)?.unwrap_or([100, 100]).map(|n| n as usize),
             region: region(raw)?,
             effects: Effects {
                 shadows: shadows(raw),
@@ -281,11 +275,26 @@ fn weight(raw: &Raw) -> Result<f64, CliError> {
     }
 }
 
+/// The size as two words, or as one with an `x` between the numbers.
+fn size(raw: &Raw) -> Result<Option<[u32; 2]>, CliError> {
+    let flag = &flags::SIZE;
+    let joined = raw.single(flag).and_then(OsStr::to_str).and_then(|word| word.split_once(['x', 'X']));
+    let Some((width, height)) = joined else { return wholes(raw, flag, SIZE_RANGE) };
+    let side = |word: &str| {
+        whole(OsStr::new(word), SIZE_RANGE).map_err(|problem| bad(flag, OsStr::new(word), problem))
+    };
+    Ok(Some([side(width)?, side(height)?]))
+}
+
 fn structure(raw: &Raw) -> Result<Structure, CliError> {
     match raw.single(&flags::GRID).and_then(OsStr::to_str) {
         Some("auto") => return Ok(Structure::Grid(Resolution::Auto)),
         Some("none") => return Ok(Structure::List),
         _ => {}
+    }
+    let is_name = |word: &&OsStr| *word == "auto" || *word == "none";
+    if let Some(name) = raw.all_values(&flags::GRID).into_iter().flatten().find(is_name) {
+        return Err(bad(&flags::GRID, name, Problem::NotAlone));
     }
     let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MAX_INT))? else { return Ok(Structure::Any) };
     let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
@@ -301,50 +310,6 @@ fn enlarged(raw: &Raw, flag: &Flag, layer: fn(usize) -> Layer) -> Result<Option<
     let Some([file, zoom]) = raw.values(flag)? else { return Ok(None) };
     let zoom = whole(zoom, (1, SIZE_RANGE.1)).map_err(|problem| bad(flag, zoom, problem))? as usize;
     Ok(Some(Output { layer: layer(zoom), file: picture_name(flag, file)? }))
-}
-
-fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
-    let seed = raw
-        .values(&flags::SEED)?
-        .map(|[word]| whole(word, (0, u32::MAX)).map_err(|problem| bad(&flags::SEED, word, problem)));
-    let rng = seed.transpose()?.map_or(Drand48::UNSEEDED, Drand48::seeded);
-    for (flag, pattern) in [
-        (&flags::RANDOM_SAMPLES, Pattern::Random),
-        (&flags::UNIFORM_SAMPLES, Pattern::Uniform),
-        (&flags::JITTERED_SAMPLES, Pattern::Jittered),
-    ] {
-        if let Some([count]) = wholes(raw, flag, SAMPLE_RANGE)? {
-            return Ok(Sampler::new(pattern, count, rng));
-        }
-    }
-    // The first samples of each pixel.
-    Ok(if raw.given(&flags::ADAPTIVE_SAMPLES) { Sampler::first_of_adaptive(rng) } else { Sampler::CENTER })
-}
-
-fn adaptive(raw: &Raw) -> Result<Option<Adaptive>, CliError> {
-    let flag = &flags::ADAPTIVE_SAMPLES;
-    let Some([most, error]) = raw.values(flag)? else { return Ok(None) };
-    let most = whole(most, ADAPTIVE_RANGE).map_err(|problem| bad(flag, most, problem))?;
-    match finite(flag, error)? {
-        level if level < 0.0 => Err(bad(flag, error, Problem::Negative)),
-        error => Ok(Some(Adaptive { most, error })),
-    }
-}
-
-fn filter(raw: &Raw) -> Result<Filter, CliError> {
-    for (flag, filter) in [
-        (&flags::BOX_FILTER, (|radius| Filter::Box { radius }) as fn(f64) -> Filter),
-        (&flags::TENT_FILTER, |radius| Filter::Tent { radius }),
-        (&flags::GAUSSIAN_FILTER, |sigma| Filter::Gaussian { sigma }),
-        (&flags::MITCHELL_FILTER, |radius| Filter::Mitchell { radius }),
-    ] {
-        let Some([word]) = raw.values(flag)? else { continue };
-        let size = finite(flag, word)?;
-        // The weights are computed with divisions by the size and its square, which must not underflow.
-        let is_usable = (MIN_FILTER..=MAX_FILTER).contains(&size);
-        return if is_usable { Ok(filter(size)) } else { Err(bad(flag, word, Problem::NotFilterSize)) };
-    }
-    Ok(Filter::PIXEL)
 }
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {

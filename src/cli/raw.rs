@@ -6,6 +6,7 @@
 
 use super::error::CliError;
 use super::flags::{self, FLAGS, Flag};
+use super::values::ends_in;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
@@ -19,7 +20,8 @@ pub(super) struct Raw {
 
 /// The reason why parsing ends without flags.
 pub(super) enum Stop {
-    Help,
+    /// The help, or that of the flag with this name.
+    Help(Option<OsString>),
     Version,
     Error(CliError),
 }
@@ -130,7 +132,7 @@ fn word_at<'a>(words: &'a [OsString], index: &str) -> Option<&'a OsStr> {
 fn translate(error: &clap::Error, words: &[OsString]) -> Stop {
     let flag = flag_name(error, ContextKind::InvalidArg).unwrap_or_default();
     match error.kind() {
-        ErrorKind::DisplayHelp => Stop::Help,
+        ErrorKind::DisplayHelp => Stop::Help(help_topic(words)),
         ErrorKind::DisplayVersion => Stop::Version,
         ErrorKind::UnknownArgument => unknown(error, words).into(),
         ErrorKind::ArgumentConflict => conflict(flag, flag_name(error, ContextKind::PriorArg)).into(),
@@ -142,14 +144,42 @@ fn translate(error: &clap::Error, words: &[OsString]) -> Stop {
     }
 }
 
+/// The word after the flag for help, unless it is a flag that does not exist.
+fn help_topic(words: &[OsString]) -> Option<OsString> {
+    fn named(word: &OsString) -> Option<&'static Flag> {
+        let name = word.to_str().filter(|_| is_flag(word.as_encoded_bytes()))?;
+        flags::find(name.trim_start_matches('-'))
+    }
+    let is_help = |word: &OsString| named(word).is_some_and(|flag| flag.name == flags::HELP.name);
+    let topic = words.get(words.iter().position(is_help)? + 1)?;
+    let is_topic = !is_flag(topic.as_encoded_bytes()) || named(topic).is_some();
+    is_topic.then(|| topic.clone())
+}
+
 fn unknown(error: &clap::Error, words: &[OsString]) -> CliError {
     let shown = text(error, ContextKind::InvalidArg).unwrap_or_default();
     match shown.strip_prefix("--") {
         Some(name) => {
             CliError::UnknownFlag { flag: name.into(), nearest: flag_name(error, ContextKind::SuggestedArg) }
         }
-        None => CliError::UnexpectedWord { word: word_at(words, shown).unwrap_or_default().into() },
+        None => {
+            let word = word_at(words, shown).unwrap_or_default();
+            CliError::UnexpectedWord { word: word.into(), meant: meant(word, words) }
+        }
     }
+}
+
+/// The flag that is missing before a word, as its ending tells.
+fn meant(word: &OsStr, words: &[OsString]) -> Option<&'static str> {
+    let flag = if ends_in(word, ".txt") {
+        &flags::INPUT
+    } else if ends_in(word, ".tga") || ends_in(word, ".png") {
+        &flags::OUTPUT
+    } else {
+        return None;
+    };
+    let is_it = |word: &OsString| word.to_str().is_some_and(|word| word.trim_start_matches('-') == flag.name);
+    (!words.iter().any(is_it)).then_some(flag.name)
 }
 
 fn conflict(flag: String, other: Option<String>) -> CliError {

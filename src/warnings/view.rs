@@ -8,6 +8,7 @@ use crate::renderer::Prepared;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
 use crate::stats::Quiet;
+use crate::world::World;
 use glam::DVec3;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -74,6 +75,10 @@ pub fn nothing_visible<M: Mode>(
     request: &Request,
     places: &Places,
 ) -> Option<Warning> {
+    let at = known(Some(&places.camera));
+    if is_empty(prepared.renderer().world()) {
+        return Some(Warning::NothingVisible { at, sight: Sight::Empty });
+    }
     let centers =
         Request { layers: vec![Layer::Normals], camera: request.camera, ..Request::new(request.size) };
     let goes_on = |_| ControlFlow::Continue(());
@@ -82,8 +87,11 @@ pub fn nothing_visible<M: Mode>(
         if row.iter().all(|&color| color == Color::ZERO) { Ok(()) } else { Err(()) }
     };
     let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, &goes_on, &mut take_row).is_ok();
-    let at = known(Some(&places.camera));
     sees_nothing.then(|| Warning::NothingVisible { at, sight: sight(prepared, &centers) })
+}
+
+fn is_empty(world: &World) -> bool {
+    world.finite_count() == 0 && world.planes.is_empty()
 }
 
 /// Why nothing is seen, as far as the bounds of the objects tell.
@@ -91,7 +99,7 @@ fn sight<M: Mode>(prepared: &Prepared<'_, M>, request: &Request) -> Sight {
     let renderer = prepared.renderer();
     let world = renderer.world();
     let Some(bounds) = renderer.bounds().filter(|_| world.planes.is_empty()) else {
-        return if world.planes.is_empty() { Sight::Empty } else { Sight::Unknown };
+        return Sight::Unknown;
     };
     let camera = request.camera.unwrap_or(renderer.scene.camera);
     Screen::new(&camera, request.size).sight(bounds.corners(), (bounds.min + bounds.max) / 2.0)

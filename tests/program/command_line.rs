@@ -112,6 +112,8 @@ fn each_flag_sets_its_option() {
         Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -size 200x150", Options { size: [200, 150], ..plain() });
+    accepts("-input s.txt -size 7X1 -stats", Options { size: [7, 1], stats: true, ..plain() });
     accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
@@ -294,6 +296,12 @@ fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
     for line in ["-help", "--help", "-h", "-help -nonsense", "-size 3 3 -help"] {
         assert!(
             matches!(parse_line(line), Ok(Command::Help(text)) if text.contains("Usage: raytracer -input"))
+        );
+    }
+    for line in ["-help size", "-help -size", "-h --size", "-input s.txt -help size -nonsense"] {
+        assert!(
+            matches!(parse_line(line), Ok(Command::Help(text)) if text.starts_with("-size w h\n")),
+            "{line}"
         );
     }
     let version = format!("raytracer {}\n", env!("CARGO_PKG_VERSION"));

@@ -10,7 +10,7 @@ fn a_faulty_command_line_is_status_2_and_one_line() {
         ("", "error: no scene: `-input file` is required (`-help` lists every flag)"),
         ("-input s.txt -shadow", "error: unknown flag `-shadow`; did you mean `-shadows`?"),
         ("-input s.txt -visualize_grid", "error: `-visualize_grid` needs `-grid nx ny nz`"),
-        ("-input s.txt -size 10", "error: `-size` takes 2 values, 1 given"),
+        ("-input s.txt -size 10", "error: `-size` takes 2 values, as in `-size 200 200`; 1 given"),
         ("-input s.txt -stats -stats", "error: `-stats` given twice"),
         ("-input s.txt -bounces many", "error: `-bounces`: `many` is not a whole number"),
         (
