@@ -6,6 +6,7 @@ use raytracer::image_io::{ImageError, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Takes the rows of a render.
@@ -28,6 +29,9 @@ enum Product {
     /// What each pixel costs; the file gets the finished map.
     Costs(OutputFile, Cost, Vec<u64>),
 }
+
+/// The file with the complete rows of a picture, if there is one.
+pub type KeptPart = Option<PathBuf>;
 
 /// What is left of a render when all files are written.
 #[derive(Default)]
@@ -84,6 +88,22 @@ impl Products {
         }
         self.encoding += start.elapsed();
         Ok(())
+    }
+
+    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which part of
+    /// the whole they are.
+    pub fn keep_parts(
+        self,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Vec<KeptPart>, String> {
+        let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
+            (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            // The picture of a filter is complete before the first row is rendered.
+            (Product::File(writer), None) => writer.finish().map(|_| None).map_err(failed),
+            (Product::Kept(_) | Product::Costs(..), _) => Ok(None),
+        };
+        self.layers.into_iter().zip(&request.layers).map(keep).collect()
     }
 
     /// Whether a picture of the scene was taken in which every pixel is as if nothing had been hit.

@@ -53,6 +53,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &PIXEL,
     &JSON,
     &THREADS,
+    &PROGRESS,
+    &QUIET,
     &STRICT,
     &GUI,
     &TESSELLATION,
@@ -300,6 +302,15 @@ pub(super) const THREADS: Flag = Flag::new(
     &["n"],
     "Renders with n threads, 1 to 4096. The picture stays the same.",
 );
+pub(super) const PROGRESS: Flag = Flag::new(
+    Section::Other,
+    "progress",
+    &[],
+    "Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.",
+)
+.conflicts(&["quiet"]);
+pub(super) const QUIET: Flag =
+    Flag::new(Section::Other, "quiet", &[], "Does not tell how far the run has come.");
 pub(super) const STRICT: Flag = Flag::new(
     Section::Other,
     "strict",

@@ -22,6 +22,7 @@ mod options;
 mod parts;
 mod raw;
 mod sampling;
+mod rest;
 mod section;
 mod values;
 
@@ -30,9 +31,10 @@ pub use comparison::Comparison;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
-pub use options::{JsonTarget, Options, Output};
+pub use options::{JsonTarget, Options, Output, ShowProgress};
 pub use parts::Merging;
 use raw::{Raw, Stop};
+pub use rest::{command_of_merge, command_of_rest};
 use std::ffi::OsString;
 
 /// The action that the command line requests.

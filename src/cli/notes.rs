@@ -112,6 +112,7 @@ pub(super) fn of(flag: &Flag) -> Notes {
         "json" => Notes::new("none", "-json run.json").with("-input scene.txt -stats"),
         "threads" => Notes::new("all cores", "-threads 4"),
         "strict" => Notes::new("off", ""),
+        "progress" | "quiet" => Notes::new("off", ""),
         "gui" | "gouraud" => Notes::new("", ""),
         "tessellation" => Notes::new("", "-tessellation 10 5"),
         "help" => Notes::new("", "-help size").with(""),

@@ -57,6 +57,8 @@ pub struct Options {
     pub preview: bool,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
+    /// Where progress is shown.
+    pub progress: ShowProgress,
 }
 
 /// Where a JSON document goes.
@@ -69,6 +71,29 @@ pub enum JsonTarget {
     /// A file whose name ends in `.json`.
     #[serde(serialize_with = "lossy")]
     File(PathBuf),
+}
+
+/// Where it is shown how far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShowProgress {
+    /// On standard error if that is a terminal.
+    OnTerminal,
+    /// On standard error.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+impl ShowProgress {
+    /// What the flags ask for.
+    pub(super) fn from_raw(raw: &Raw) -> Self {
+        match (raw.given(&flags::PROGRESS), raw.given(&flags::QUIET)) {
+            (_, true) => Self::Never,
+            (true, false) => Self::Always,
+            (false, false) => Self::OnTerminal,
+        }
+    }
 }
 
 /// A picture to write.
@@ -131,6 +156,7 @@ impl Options {
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
+            progress: ShowProgress::from_raw(raw),
         };
         options.check_together()?;
         Ok(options)

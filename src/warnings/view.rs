@@ -3,7 +3,7 @@
 use super::{Warning, known};
 use crate::math::robust::unit;
 use crate::mode::Mode;
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Watch};
 use crate::renderer::Prepared;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
@@ -11,7 +11,6 @@ use crate::stats::Quiet;
 use crate::world::World;
 use glam::DVec3;
 use std::fmt;
-use std::ops::ControlFlow;
 
 /// Where the scene is, if no ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,11 +68,12 @@ fn short(x: f64) -> String {
 
 /// A warning if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture,
 /// or else until the first row of pixels with a hit, so it is only asked of a picture that shows nothing but
-/// the background.
+/// the background. If `watch` ends it there is no warning.
 pub fn nothing_visible<M: Mode>(
     prepared: &Prepared<'_, M>,
     request: &Request,
     places: &Places,
+    watch: Watch,
 ) -> Option<Warning> {
     let at = known(Some(&places.camera));
     if is_empty(prepared.renderer().world()) {
@@ -81,12 +81,11 @@ pub fn nothing_visible<M: Mode>(
     }
     let centers =
         Request { layers: vec![Layer::Normals], camera: request.camera, ..Request::new(request.size) };
-    let goes_on = |_| ControlFlow::Continue(());
     // Normals have unit length, and where nothing is hit the picture is black.
     let mut take_row = |_: usize, row: &[Color]| {
         if row.iter().all(|&color| color == Color::ZERO) { Ok(()) } else { Err(()) }
     };
-    let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, &goes_on, &mut take_row).is_ok();
+    let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, watch, &mut take_row).is_ok();
     sees_nothing.then(|| Warning::NothingVisible { at, sight: sight(prepared, &centers) })
 }
 

@@ -56,11 +56,6 @@ impl Command {
         self.words().filter(|word| is_picture(word))
     }
 
-    /// Whether it renders this scene.
-    pub fn reads(&self, scene: &str) -> bool {
-        self.words().any(|word| word == scene)
-    }
-
     /// Runs it, and writes its pictures to `folder`.
     pub fn run(&self, folder: &Path) {
         let moved = |word: &str| match is_picture(word) {

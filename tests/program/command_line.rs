@@ -1,6 +1,6 @@
 //! Tables of valid command lines, each with its options.
 
-use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
+use raytracer::cli::{CliError, Command, Comparison, Options, Output, ShowProgress, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::render::{Layer, Window};
@@ -51,6 +51,7 @@ fn plain() -> Options {
         json: None,
         preview: false,
         threads: None,
+        progress: ShowProgress::OnTerminal,
     }
 }
 
@@ -79,6 +80,8 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
     accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
     accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
+    accepts("-input s.txt -progress", Options { progress: ShowProgress::Always, ..plain() });
+    accepts("-quiet -input s.txt", Options { progress: ShowProgress::Never, ..plain() });
     let region = Some(Window { x: 90, y: 0, width: 10, height: 100 });
     accepts("-input s.txt -region 90 0 10 100", Options { region, ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });

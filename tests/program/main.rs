@@ -29,6 +29,7 @@ mod scene_errors;
 mod scene_robustness;
 mod several_errors;
 mod shell_files;
+mod signals;
 mod special_scenes;
 mod statistics;
 mod support;
