@@ -15,6 +15,8 @@ pub(super) struct Flag {
     pub values: &'static [&'static str],
     /// The names of flags that cannot be combined with this one.
     pub conflicts: &'static [&'static str],
+    /// The index of the value that names a picture to write. The word after it may be the picture's format.
+    pub picture: Option<usize>,
     pub section: Section,
     pub doc: &'static str,
 }
@@ -26,7 +28,7 @@ impl Flag {
         values: &'static [&'static str],
         doc: &'static str,
     ) -> Self {
-        Self { name, aliases: &[], values, conflicts: &[], section, doc }
+        Self { name, aliases: &[], values, conflicts: &[], picture: None, section, doc }
     }
 
     const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
@@ -39,13 +41,18 @@ impl Flag {
         self
     }
 
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, and `-merge`
-    /// has any number of files.
+    const fn picture(mut self, index: usize) -> Self {
+        self.picture = Some(index);
+        self
+    }
+
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, `-merge` has
+    /// any number of files, and the name of a picture may be followed by its format.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
         match self.name {
             name if name == GRID.name => 1..=self.values.len(),
             name if name == MERGE.name => 1..=usize::MAX,
-            _ => self.values.len()..=self.values.len(),
+            _ => self.values.len()..=self.values.len() + usize::from(self.picture.is_some()),
         }
     }
 
@@ -116,10 +123,15 @@ pub(super) const INPUT: Flag = Flag::new(
     Section::Pictures,
     "input",
     &["file"],
-    "The scene, a file that ends in .txt. Required, unless two pictures are compared.",
+    "The scene; - reads it from standard input. Required, unless two pictures are compared.",
 );
-pub(super) const OUTPUT: Flag =
-    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture as .tga or .png.");
+pub(super) const OUTPUT: Flag = Flag::new(
+    Section::Pictures,
+    "output",
+    &["file"],
+    "Writes the picture as .tga, .png or, in floating point, .pfm or .exr; - png writes it to standard output.",
+)
+.picture(0);
 pub(super) const SIZE: Flag = Flag::new(
     Section::Pictures,
     "size",
@@ -143,14 +155,16 @@ pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,
     "depth",
     &["t0", "t1", "file"],
-    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1.",
-);
+    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the distances themselves.",
+)
+.picture(2);
 pub(super) const NORMALS: Flag = Flag::new(
     Section::Pictures,
     "normals",
     &["file"],
-    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue. Also -normal.",
+    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves. Also -normal.",
 )
+.picture(0)
 .aliases(&["normal"]);
 
 pub(super) const SHADE_BACK: Flag = Flag::new(
@@ -247,13 +261,15 @@ pub(super) const RENDER_SAMPLES: Flag = Flag::new(
     "render_samples",
     &["file", "zoom"],
     "Writes a picture of the sample positions, with each pixel enlarged.",
-);
+)
+.picture(0);
 pub(super) const RENDER_FILTER: Flag = Flag::new(
     Section::Sampling,
     "render_filter",
     &["file", "zoom"],
     "Writes a picture of the filter's weights, with each pixel enlarged.",
-);
+)
+.picture(0);
 
 pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
@@ -272,7 +288,7 @@ pub(super) const COMPARE: Flag = Flag::new(
     Section::Comparison,
     "compare",
     &["file"],
-    "Compares this picture, .tga or .png, with the reference. Default: the rendered picture.",
+    "Compares this picture, .tga, .png, .pfm or .exr, with the reference. Default: the rendered picture.",
 );
 pub(super) const REFERENCE: Flag = Flag::new(
     Section::Comparison,
@@ -340,7 +356,8 @@ pub(super) const COST_MAP: Flag = Flag::new(
     "cost_map",
     &["kind", "file"],
     "Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.",
-);
+)
+.picture(1);
 
 pub(super) const PIXEL: Flag = Flag::new(
     Section::Statistics,
