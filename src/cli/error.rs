@@ -120,6 +120,13 @@ pub enum CliError {
         /// The file that both name.
         file: PathBuf,
     },
+    /// Two flags that write to standard output.
+    SameStream {
+        /// The flag.
+        flag: &'static str,
+        /// The other flag.
+        other: &'static str,
+    },
     /// An error that clap reports and that this program does not expect.
     Unreadable {
         /// Clap's description.
@@ -143,10 +150,14 @@ pub enum Problem {
     NotFinite,
     /// It is negative.
     Negative,
-    /// It does not have the file extension of a scene.
-    NotScene,
     /// It does not have the file extension of a picture.
     NotPicture,
+    /// It does not have the file extension of a picture of bytes.
+    NotBytes,
+    /// It is not the name of a format.
+    NotFormat,
+    /// It is standard output, and no format follows.
+    NoFormat,
     /// It is neither a dash nor does it have the file extension of a JSON document.
     NotJson,
     /// It does not have the file extension of a page.
@@ -166,13 +177,15 @@ impl fmt::Display for Problem {
             Self::Outside { min, max } => write!(f, "is not between {min} and {max}"),
             Self::NotFinite => f.write_str("is not a finite number"),
             Self::Negative => f.write_str("is negative"),
-            Self::NotScene => f.write_str("does not end in .txt"),
             Self::NotPage => f.write_str("does not end in .html"),
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
             Self::NotJson => f.write_str("is neither - nor ends in .json"),
             Self::NotAlone => f.write_str("stands alone, in place of the three numbers"),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
-            Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
+            Self::NotPicture => f.write_str("ends in none of .tga, .png, .pfm and .exr"),
+            Self::NotBytes => f.write_str("ends in neither .tga nor .png"),
+            Self::NotFormat => f.write_str("is none of the formats tga, png, pfm and exr"),
+            Self::NoFormat => f.write_str("needs its format as the next word, as in `- png`"),
         }
     }
 }
@@ -218,6 +231,9 @@ impl CliError {
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
+            }
+            Self::SameStream { flag, other } => {
+                format!("`-{flag}` and `-{other}` both write to standard output")
             }
             Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
         }

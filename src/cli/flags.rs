@@ -67,10 +67,15 @@ pub(super) const INPUT: Flag = Flag::new(
     Section::Pictures,
     "input",
     &["file"],
-    "The scene, a file that ends in .txt. Required, unless two pictures are compared.",
+    "The scene; - reads it from standard input. Required, unless two pictures are compared.",
 );
-pub(super) const OUTPUT: Flag =
-    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture as .tga or .png.");
+pub(super) const OUTPUT: Flag = Flag::new(
+    Section::Pictures,
+    "output",
+    &["file"],
+    "Writes the picture as .tga, .png or, in floating point, .pfm or .exr; - png writes it to standard output.",
+)
+.picture(0);
 pub(super) const SIZE: Flag = Flag::new(
     Section::Pictures,
     "size",
@@ -94,14 +99,16 @@ pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,
     "depth",
     &["t0", "t1", "file"],
-    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1.",
-);
+    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the distances themselves.",
+)
+.picture(2);
 pub(super) const NORMALS: Flag = Flag::new(
     Section::Pictures,
     "normals",
     &["file"],
-    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue. Also -normal.",
+    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves. Also -normal.",
 )
+.picture(0)
 .aliases(&["normal"]);
 
 pub(super) const SHADE_BACK: Flag = Flag::new(
@@ -186,13 +193,15 @@ pub(super) const RENDER_SAMPLES: Flag = Flag::new(
     "render_samples",
     &["file", "zoom"],
     "Writes a picture of the sample positions, with each pixel enlarged.",
-);
+)
+.picture(0);
 pub(super) const RENDER_FILTER: Flag = Flag::new(
     Section::Sampling,
     "render_filter",
     &["file", "zoom"],
     "Writes a picture of the filter's weights, with each pixel enlarged.",
-);
+)
+.picture(0);
 
 pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
@@ -211,7 +220,7 @@ pub(super) const COMPARE: Flag = Flag::new(
     Section::Comparison,
     "compare",
     &["file"],
-    "Compares this picture, .tga or .png, with the reference.",
+    "Compares this picture, .tga, .png, .pfm or .exr, with the reference.",
 );
 pub(super) const REFERENCE: Flag = Flag::new(
     Section::Comparison,
@@ -279,7 +288,8 @@ pub(super) const COST_MAP: Flag = Flag::new(
     "cost_map",
     &["kind", "file"],
     "Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.",
-);
+)
+.picture(1);
 
 pub(super) const PIXEL: Flag = Flag::new(
     Section::Statistics,

@@ -7,10 +7,12 @@
 use super::error::CliError;
 use super::flags::{self, FLAGS, Flag};
 use super::values::ends_in;
+use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 /// Flags with their values as words. Only the number of values has been checked.
 pub(super) struct Raw {
@@ -71,13 +73,32 @@ impl Raw {
 
     /// The values of a flag that takes `N` of them; `None` if the flag is not given.
     pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
-        let Some(words) = self.all_values(flag) else { return Ok(None) };
-        let given = words.len();
-        match words.try_into() {
-            Ok(array) => Ok(Some(array)),
-            Err(_) => Err(CliError::WrongCount { flag: flag.name.into(), expected: N, given }),
-        }
+        self.all_values(flag).map(|words| exactly(flag, words)).transpose()
     }
+
+    /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if there is
+    /// one. No word may follow a name that tells it.
+    pub fn picture_values<const N: usize>(&self, flag: &Flag) -> Result<Option<Picture<'_, N>>, CliError> {
+        let Some(mut words) = self.all_values(flag) else { return Ok(None) };
+        let Some(place) = flag.picture.filter(|_| words.len() > N) else {
+            return exactly(flag, words).map(|words| Some((words, None)));
+        };
+        if Format::of(Path::new(words[place])).is_some() {
+            let meant = meant(words[N], &self.words);
+            return Err(CliError::UnexpectedWord { word: words[N].into(), meant });
+        }
+        let format = words.remove(place + 1);
+        exactly(flag, words).map(|words| Some((words, Some(format))))
+    }
+}
+
+/// The values of a flag that writes a picture, and the name of the format where it stands by itself.
+pub(super) type Picture<'a, const N: usize> = ([&'a OsStr; N], Option<&'a OsStr>);
+
+fn exactly<'a, const N: usize>(flag: &Flag, words: Vec<&'a OsStr>) -> Result<[&'a OsStr; N], CliError> {
+    let given = words.len();
+    let wrong = |_| CliError::WrongCount { flag: flag.name.into(), expected: N, given };
+    words.try_into().map_err(wrong)
 }
 
 /// Whether a word is a flag: one or two dashes and a letter. Everything else is a value.
@@ -173,7 +194,7 @@ fn unknown(error: &clap::Error, words: &[OsString]) -> CliError {
 fn meant(word: &OsStr, words: &[OsString]) -> Option<&'static str> {
     let flag = if ends_in(word, ".txt") {
         &flags::INPUT
-    } else if ends_in(word, ".tga") || ends_in(word, ".png") {
+    } else if Format::of(Path::new(word)).is_some() {
         &flags::OUTPUT
     } else {
         return None;

@@ -12,8 +12,6 @@ const FAULTS: &[(&str, &str)] = &[
     ("", "no scene: `-input file` is required (`-help` lists every flag)"),
     ("-output a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
     ("-input", "`-input` needs a value, as in `-input scene.txt`"),
-    ("-input s.tga", "`-input`: `s.tga` does not end in .txt"),
-    ("-input txt", "`-input`: `txt` does not end in .txt"),
     ("-input s.txt -shadow", "unknown flag `-shadow`; did you mean `-shadows`?"),
     ("-input s.txt -visualise_grid", "unknown flag `-visualise_grid`; did you mean `-visualize_grid`?"),
     ("-input s.txt --sise 3 3", "unknown flag `-sise`; did you mean `-size`?"),
@@ -42,9 +40,9 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -", "unexpected word `-` (not the value of any flag)"),
     ("-input s.txt -output", "`-output` needs a value, as in `-output picture.png`"),
     ("-input s.txt -output -size 3 3", "`-output` needs a value, as in `-output picture.png`"),
-    ("-input s.txt -output a.jpg", "`-output`: `a.jpg` ends in neither .tga nor .png"),
-    ("-input s.txt -output --", "`-output`: `--` ends in neither .tga nor .png"),
-    ("-input s.txt -normals tga", "`-normals`: `tga` ends in neither .tga nor .png"),
+    ("-input s.txt -output a.jpg", "`-output`: `a.jpg` ends in none of .tga, .png, .pfm and .exr"),
+    ("-input s.txt -output --", "`-output`: `--` ends in none of .tga, .png, .pfm and .exr"),
+    ("-input s.txt -normals tga", "`-normals`: `tga` ends in none of .tga, .png, .pfm and .exr"),
     ("-input s.txt -size", "`-size` takes 2 values, as in `-size 200 200`; 0 given"),
     ("-input s.txt -size 3", "`-size` takes 2 values, as in `-size 200 200`; 1 given"),
     ("-input s.txt -size 3 -stats", "`-size` takes 2 values, as in `-size 200 200`; 1 given"),
@@ -61,7 +59,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -depth 2 2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= 2"),
     ("-input s.txt -depth 2 -2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= -2"),
     ("-input s.txt -depth -1e308 1e308 d.tga", "`-depth`: t1 - t0 is too large for a number"),
-    ("-input s.txt -depth 1 2 3", "`-depth`: `3` ends in neither .tga nor .png"),
+    ("-input s.txt -depth 1 2 3", "`-depth`: `3` ends in none of .tga, .png, .pfm and .exr"),
     ("-input s.txt -depth 1 2 a.tga -depth 1 2 b.tga", "`-depth` given twice"),
     ("-input s.txt -input s.txt", "`-input` given twice"),
     ("-input s.txt -stats -stats", "`-stats` given twice"),
@@ -182,7 +180,10 @@ const FAULTS: &[(&str, &str)] = &[
         "`-render_samples` takes 2 values, as in `-render_samples samples.png 10`; 1 given",
     ),
     ("-input s.txt -render_samples 4 s.tga", "`-render_samples`: `s.tga` is not a whole number"),
-    ("-input s.txt -render_samples s.jpg 4", "`-render_samples`: `s.jpg` ends in neither .tga nor .png"),
+    (
+        "-input s.txt -render_samples s.jpg 4",
+        "`-render_samples`: `s.jpg` ends in none of .tga, .png, .pfm and .exr",
+    ),
     ("-input s.txt -render_filter f.tga 0", "`-render_filter`: `0` is not between 1 and 65535"),
     (
         "-input s.txt -render_samples s.tga 656",
@@ -201,7 +202,7 @@ const FAULTS: &[(&str, &str)] = &[
         "`-render_samples` and `-render_filter` both write `a.tga`",
     ),
     ("-compare a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
-    ("-compare a.jpg -reference b.tga", "`-compare`: `a.jpg` ends in neither .tga nor .png"),
+    ("-compare a.jpg -reference b.tga", "`-compare`: `a.jpg` ends in none of .tga, .png, .pfm and .exr"),
     ("-input s.txt -compare", "`-compare` needs a value, as in `-compare mine.tga`"),
     ("-input s.txt -difference d.png", "`-difference` needs a picture: `-compare file` or `-reference file`"),
     ("-input s.txt -tolerance 1 2", "`-tolerance` needs a picture: `-compare file` or `-reference file`"),
@@ -218,6 +219,26 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -json", "`-json` needs a value, as in `-json run.json`"),
     ("-input s.txt -json o.txt", "`-json`: `o.txt` is neither - nor ends in .json"),
     ("-input s.txt -json json", "`-json`: `json` is neither - nor ends in .json"),
+    ("-input s.txt -output a.tga shadows", "unexpected word `shadows`; did you mean `-shadows`?"),
+    ("-input s.txt -output a.tga png", "unexpected word `png` (not the value of any flag)"),
+    ("-input s.txt -render_samples a.tga 4 5", "unexpected word `5` (not the value of any flag)"),
+    ("-input s.txt -output - jpg", "`-output`: `jpg` is none of the formats tga, png, pfm and exr"),
+    ("-input s.txt -output a.jpg jpg", "`-output`: `jpg` is none of the formats tga, png, pfm and exr"),
+    ("-input s.txt -output -", "`-output`: `-` needs its format as the next word, as in `- png`"),
+    ("-input s.txt -output - tga 3", "unexpected word `3` (not the value of any flag)"),
+    ("-input s.txt -depth 1 2 -", "`-depth`: `-` needs its format as the next word, as in `- png`"),
+    ("-input s.txt -output - tga -normals - png", "`-output` and `-normals` both write to standard output"),
+    (
+        "-input s.txt -output - tga -depth 1 2 /dev/stdout png",
+        "`-output` and `-depth` both write to standard output",
+    ),
+    ("-input s.txt -output - tga -json -", "`-output` and `-json` both write to standard output"),
+    ("-merge a.tga b.exr -output c.tga", "`-merge`: `b.exr` ends in neither .tga nor .png"),
+    ("-merge a.tga -output c.pfm", "`-output`: `c.pfm` ends in neither .tga nor .png"),
+    ("-merge a.tga -output - exr", "`-output`: `exr` ends in neither .tga nor .png"),
+    ("-input s.txt -cost_map rays c.exr", "`-cost_map`: `c.exr` ends in neither .tga nor .png"),
+    ("-input s.txt -cost_map rays - pfm", "`-cost_map`: `pfm` ends in neither .tga nor .png"),
+    ("-input s.txt -compare a.tga -difference d.pfm", "`-difference`: `d.pfm` ends in neither .tga nor .png"),
     ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
     ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),
     ("-input s.txt -tessellation 10", "`-tessellation` takes 2 values, as in `-tessellation 10 5`; 1 given"),
@@ -244,8 +265,9 @@ fn each_invalid_line_has_its_message() {
 fn empty_arguments_are_errors() {
     let empty: [OsString; 0] = [];
     assert_eq!(parse(empty), Err(CliError::InputNeeded));
-    let shown = parse(["raytracer", "-input", ""].map(OsString::from)).map_err(|error| error.to_string());
-    assert_eq!(shown, Err("`-input`: `` does not end in .txt".into()));
+    let shown = parse(["raytracer", "-input", "s", "-output", ""].map(OsString::from));
+    let shown = shown.map_err(|error| error.to_string());
+    assert_eq!(shown, Err("`-output`: `` ends in none of .tga, .png, .pfm and .exr".into()));
 }
 
 #[test]

@@ -9,7 +9,10 @@ mod comparison;
 mod cost_map;
 mod command_line_errors;
 mod course;
+#[cfg(unix)]
+mod distinct_files;
 mod error_report;
+mod floats;
 mod grade;
 mod image_files;
 mod json;
@@ -17,6 +20,7 @@ mod json_form;
 mod json_numbers;
 mod malformed_scenes;
 mod partial_causes;
+mod pipes;
 mod pixel;
 mod pixel_scenes;
 mod pixel_text;
