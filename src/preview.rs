@@ -2,6 +2,7 @@
 
 use raytracer::cli::{LivePage, Options};
 use std::io::{IsTerminal, stderr, stdin};
+use std::path::Path;
 
 /// What there is to say about the flags of the course's preview, unless the page is shown.
 pub fn note(options: &Options) -> Option<&'static str> {
@@ -10,7 +11,9 @@ pub fn note(options: &Options) -> Option<&'static str> {
         Some(_) if cfg!(not(feature = "gui")) => {
             Some("note: this build has no live page, so `-gui` shows nothing")
         }
-        Some(_) if options.input.is_none() => Some("note: `-gui` shows a scene, and there is none"),
+        Some(_) if scene_file(options).is_none() => {
+            Some("note: `-gui` shows a scene in a file, and there is none")
+        }
         Some(_) => Some("note: `-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
         None if options.preview => Some("note: `-tessellation` and `-gouraud` change nothing"),
         None => None,
@@ -20,7 +23,12 @@ pub fn note(options: &Options) -> Option<&'static str> {
 /// Whether there is a page for the options: a scene, and somebody to look at it.
 fn is_shown(options: &Options) -> bool {
     let has_reader = |page: &LivePage| page.port.is_some() || stdin().is_terminal() && stderr().is_terminal();
-    cfg!(feature = "gui") && options.input.is_some() && options.page.as_ref().is_some_and(has_reader)
+    cfg!(feature = "gui") && scene_file(options).is_some() && options.page.as_ref().is_some_and(has_reader)
+}
+
+/// The scene's file, which can be read again; not standard input.
+fn scene_file(options: &Options) -> Option<&Path> {
+    options.input.as_deref().filter(|input| *input != Path::new("-"))
 }
 
 #[cfg(feature = "gui")]
@@ -46,7 +54,7 @@ mod page {
 
     /// Serves the page, if there is one, until it is ended there.
     pub fn show(options: &Options, tell: &dyn Fn(&str)) -> Result<(), String> {
-        let (Some(page), Some(input)) = (&options.page, &options.input) else { return Ok(()) };
+        let (Some(page), Some(input)) = (&options.page, scene_file(options)) else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
         }

@@ -12,7 +12,7 @@ use super::saving::save;
 use super::server::Setup;
 use super::settings::{Most, command_line};
 use super::stage::{OpenScene, Stage};
-use crate::cli::Output;
+use crate::cli::{Options, Output};
 use crate::explain::Explainer;
 use crate::image_io::read_picture;
 use crate::mode::Course;
@@ -61,8 +61,7 @@ impl App {
         Ok(Self {
             input: setup.input.to_owned(),
             words: setup.words.to_vec(),
-            // A part of a picture is nothing that this page renders.
-            outputs: if setup.options.region.is_none() { setup.options.outputs.clone() } else { vec![] },
+            outputs: outputs(setup.options),
             most: Most::of(setup.options),
             stage,
             painter: Painter::start()?,
@@ -228,6 +227,12 @@ impl App {
         let camera = view.camera.as_deref().map(read_camera).transpose()?;
         Ok(Subject { scene, options, camera, cost: view.show.cost(), sketch: None })
     }
+}
+
+/// The pictures that a page can write. It renders no part of a picture, and standard output is another reader's.
+fn outputs(line: &Options) -> Vec<Output> {
+    let named = line.outputs.iter().filter(|output| !output.is_standard_output() && line.region.is_none());
+    named.cloned().collect()
 }
 
 fn read_camera(block: &str) -> Result<Camera, Refusal> {

@@ -18,7 +18,9 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture, String> {
     let suffix = match Format::of(Path::new(name)) {
         Some(Format::Tga) => ".tga",
         Some(Format::Png) => ".png",
-        None => return Err("the name of a picture ends in .tga or .png".into()),
+        Some(Format::Pfm) => ".pfm",
+        Some(Format::Exr) => ".exr",
+        None => return Err("the name of a picture ends in .tga, .png, .pfm or .exr".into()),
     };
     let failed = |error: std::io::Error| format!("no room for the picture: {error}");
     let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(suffix).tempfile().map_err(failed)?;

@@ -4,7 +4,7 @@ use super::painter::{Painter, Subject, Unpainted};
 use crate::cli::Output;
 use crate::escape::quoted;
 use crate::grid::options::Structure;
-use crate::image_io::OutputFile;
+use crate::image_io::{Content, ImageError, OutputFile};
 use crate::mode::Fast;
 use crate::render::{Layer, Request};
 use crate::renderer::{Prepared, Renderer};
@@ -25,31 +25,22 @@ fn write(subject: &Subject, output: &Output, painter: &Painter) -> Result<(), St
     if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
         return Err(format!("{} is no file", quoted(&output.file)));
     }
-    let file = OutputFile::prepare(&output.file).map_err(|error| error.to_string())?;
-    let failed = |error: crate::image_io::ImageError| error.to_string();
-    match output.layer {
-        Layer::Color | Layer::Cost(_) => {
-            let cost = if let Layer::Cost(cost) = output.layer { Some(cost) } else { None };
-            let subject = Subject { cost, sketch: None, ..subject.clone() };
-            // A page of its own, so that nothing overtakes it.
-            let painted = painter.paint(subject, u64::MAX, 0).map_err(|error| error.to_string())?;
-            file.write(&painted.picture).map_err(failed)
-        }
-        layer => {
-            let request =
-                Request { camera: subject.camera, layers: vec![layer], ..subject.options.request() };
-            let prepared = prepare(&subject.scene.renderer, subject, &request)?;
-            let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
-            let picture = pictures.first().ok_or("nothing was rendered")?;
-            let mut writer = file.begin(picture.size, None).map_err(failed)?;
-            picture
-                .colors
-                .chunks_exact(picture.size[0])
-                .try_for_each(|row| writer.row(row))
-                .map_err(failed)?;
-            writer.finish().map(drop).map_err(failed)
-        }
+    let file = OutputFile::prepare_as(&output.file, output.format).map_err(|error| error.to_string())?;
+    let failed = |error: ImageError| error.to_string();
+    if let Layer::Cost(cost) = output.layer {
+        let subject = Subject { cost: Some(cost), sketch: None, ..subject.clone() };
+        // A page of its own, so that nothing overtakes it.
+        let painted = painter.paint(subject, u64::MAX, 0).map_err(|error| error.to_string())?;
+        return file.write(&painted.picture).map_err(failed);
     }
+    let request = Request { camera: subject.camera, layers: vec![output.layer], ..subject.options.request() };
+    let prepared = prepare(&subject.scene.renderer, subject, &request)?;
+    let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
+    let picture = pictures.first().ok_or("nothing was rendered")?;
+    let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
+    let mut writer = file.begin_with(picture.size, content, None).map_err(failed)?;
+    picture.colors.chunks_exact(picture.size[0]).try_for_each(|row| writer.row(row)).map_err(failed)?;
+    writer.finish().map(drop).map_err(failed)
 }
 
 fn prepare<'r>(

@@ -92,7 +92,10 @@ impl Stage {
             }
             None => mesh_beside(name, folder),
         };
-        let read = |file: &MeshFile| find(&file.name).map_err(|problem| SceneError::new(file.at, problem));
+        let read = |file: &MeshFile| match find(&file.name) {
+            Ok(mesh) => Ok((mesh, PathBuf::from(&file.name))),
+            Err(problem) => Err(SceneError::new(file.at, problem)),
+        };
         let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
             let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
