@@ -13,6 +13,7 @@ mod course;
 mod distinct_files;
 mod error_report;
 mod floats;
+mod farm;
 mod grade;
 mod image_files;
 mod json;
