@@ -1,5 +1,5 @@
 //! Tests of the program from outside: command lines, scenes and their errors, files, statistics, and the
-//! commands of the README.
+//! documents.
 
 mod broken_rules;
 mod causes;
@@ -9,6 +9,8 @@ mod comparison;
 mod cost_map;
 mod command_line_errors;
 mod course;
+mod course_page;
+mod documents;
 mod error_report;
 mod grade;
 mod image_files;
@@ -16,6 +18,7 @@ mod json;
 mod json_form;
 mod json_numbers;
 mod malformed_scenes;
+mod markdown;
 mod partial_causes;
 mod pixel;
 mod pixel_scenes;
