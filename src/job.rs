@@ -1,8 +1,10 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
 use crate::document::{Document, Verdict};
-use crate::failed;
+use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
+use crate::signals::Signals;
+use crate::{End, failed};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
@@ -13,9 +15,10 @@ use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::{Counts, Quiet, RayCount};
 use std::cell::RefCell;
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a run has to say.
@@ -26,8 +29,9 @@ pub struct Outcome {
     pub passes: bool,
 }
 
-/// Does what the options ask for. Notes and warnings go to `tell`; an error is the message that ends the program.
-pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+/// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
+pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let mut signals = Signals::hold().map_err(failed)?;
     // This thread is among them: for one thread none is started, and calls from here neither wake another nor wait.
     let threads =
         rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).use_current_thread();
@@ -46,9 +50,14 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
         Some(JsonTarget::StandardOutput) | None => None,
     };
-    let render = if options.counts() { render::<Course, Counts> } else { render::<Fast, Quiet> };
-    let rendered = options.input.as_ref().map(|input| render(options, input, &threads, &tell)).transpose()?;
-    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads);
+    let render = match options.counts() {
+        true => render::<Course, Counts>,
+        false if Progress::is_wanted(options.progress) => render::<Fast, RayCount>,
+        false => render::<Fast, Quiet>,
+    };
+    let mut from = |input: &PathBuf| render(options, argv, input, &threads, &mut signals, &tell);
+    let rendered = options.input.as_ref().map(&mut from).transpose()?;
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads, &mut signals);
     let verdict = compared.map(finish).transpose()?.flatten();
 
     let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
@@ -106,15 +115,18 @@ impl<'o> Compared<'o> {
         options: &Options,
         rendered: Option<&Rendered>,
         threads: &ThreadPool,
-    ) -> Result<Option<Verdict>, String> {
+        signals: &mut Signals,
+    ) -> Result<Option<Verdict>, End> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
             return Ok(None);
         };
+        signals.end_at_once()?;
         let comparison = threads.install(|| Comparison::new(a, b));
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
+        signals.hold_again();
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
             file.write(&shown.picture).map_err(failed)?;

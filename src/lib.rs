@@ -38,6 +38,7 @@
 
 #[doc(hidden)]
 pub mod escape;
+mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;
@@ -62,6 +63,7 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+pub mod warnings;
 pub mod fingerprint;
 pub mod explain;
 pub mod causes;

@@ -10,9 +10,14 @@ mod pages;
 mod products;
 mod progress;
 mod rendering;
+mod signals;
+mod stopping;
+mod warn;
 
 use job::Outcome;
 use raytracer::cli::{self, Command};
+use signals::Interrupted;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
@@ -21,9 +26,10 @@ use std::process::ExitCode;
 const DIFFERENT: u8 = 3;
 
 fn main() -> ExitCode {
-    match cli::parse(std::env::args_os()) {
+    let argv: Vec<OsString> = std::env::args_os().collect();
+    match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => report(job::run(&options, &tell)),
+        Ok(Command::Render(options)) => report(job::run(&options, &argv, &tell)),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
         Ok(Command::Merge(options)) => report(merging::run(&options)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
@@ -34,18 +40,39 @@ fn main() -> ExitCode {
     }
 }
 
+/// Why a run ends before it is complete.
+pub enum End {
+    /// The message that tells what has failed.
+    Failed(String),
+    /// A signal has come.
+    Interrupted(Interrupted),
+}
+
+impl From<String> for End {
+    fn from(message: String) -> Self {
+        Self::Failed(message)
+    }
+}
+
+impl From<Interrupted> for End {
+    fn from(interrupted: Interrupted) -> Self {
+        Self::Interrupted(interrupted)
+    }
+}
+
 /// Says what a run has to say.
-fn report(outcome: Result<Outcome, String>) -> ExitCode {
+fn report(outcome: Result<Outcome, End>) -> ExitCode {
     match outcome {
         Ok(outcome) if outcome.passes => print(&outcome.text),
         Ok(outcome) => {
             print(&outcome.text);
             ExitCode::from(DIFFERENT)
         }
-        Err(message) => {
+        Err(End::Failed(message)) => {
             tell(&message);
             ExitCode::FAILURE
         }
+        Err(End::Interrupted(Interrupted(status))) => ExitCode::from(status),
     }
 }
 

@@ -1,18 +1,30 @@
 //! A run that puts parts of a picture together.
 
-use crate::failed;
 use crate::job::Outcome;
+use crate::progress::{Progress, rows_text};
+use crate::signals::Signals;
+use crate::{End, failed};
 use raytracer::cli::Merging;
 use raytracer::image_io::{Merge, OutputFile};
 use std::ops::ControlFlow;
 
 /// Reads the parts and writes the picture. An error is the message that ends the program.
-pub fn run(options: &Merging) -> Result<Outcome, String> {
+pub fn run(options: &Merging) -> Result<Outcome, End> {
+    let mut signals = Signals::hold().map_err(failed)?;
     let file = OutputFile::prepare(&options.output).map_err(failed)?;
+    signals.end_at_once()?;
     let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
     let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
-    let goes_on = |_| ControlFlow::Continue(());
-    merge.write(&mut writer, &goes_on).map_err(failed)?;
+    let progress = Progress::new(options.progress);
+    let watch = |rows| {
+        progress.show(|passed| rows_text("merging", rows, passed));
+        ControlFlow::Continue(())
+    };
+    let merged = merge.write(&mut writer, &watch);
+    progress.end();
+    merged.map_err(failed)?;
+    // Until now there was no file with a name.
+    signals.hold_again();
     writer.finish().map_err(failed)?;
     Ok(Outcome { text: String::new(), passes: true })
 }

@@ -6,6 +6,7 @@ use raytracer::image_io::{ImageError, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Takes the rows of a render.
@@ -14,6 +15,10 @@ pub struct Products {
     layers: Vec<Product>,
     /// The time that taking the rows has taken.
     pub encoding: Duration,
+    /// For each layer the colour where nothing is hit, unless the layer shows something else.
+    blank: Vec<Option<Color>>,
+    /// Whether all rows so far have only that colour.
+    is_blank: bool,
 }
 
 enum Product {
@@ -25,13 +30,14 @@ enum Product {
     Costs(OutputFile, Cost, Vec<u64>),
 }
 
+/// The file with the complete rows of a picture, if there is one.
+pub type KeptPart = Option<PathBuf>;
+
 /// What is left of a render when all files are written.
 #[derive(Default)]
 pub struct Finished {
     pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
-    /// How many of the colours in the files are not numbers.
-    pub nans: u64,
 }
 
 impl Products {
@@ -49,7 +55,14 @@ impl Products {
             }
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
-        Ok(Self { layers, encoding: Duration::ZERO })
+        Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
+    }
+
+    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing.
+    pub fn watch_for_blank(&mut self, request: &Request, background: Color) {
+        self.blank = request.layers.iter().map(|layer| blank(layer, background)).collect();
+        // A part of a picture may well show nothing.
+        self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
     }
 
     /// Keeps the colours of one more layer.
@@ -59,6 +72,11 @@ impl Products {
 
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {
         let start = Instant::now();
+        if self.is_blank
+            && let Some(blank) = self.blank[layer]
+        {
+            self.is_blank = row.iter().all(|&color| color == blank);
+        }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
             Product::Kept(bytes) => {
@@ -72,12 +90,42 @@ impl Products {
         Ok(())
     }
 
+    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which part of
+    /// the whole they are.
+    pub fn keep_parts(
+        self,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Vec<KeptPart>, String> {
+        let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
+            (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            // The picture of a filter is complete before the first row is rendered.
+            (Product::File(writer), None) => writer.finish().map(|_| None).map_err(failed),
+            (Product::Kept(_) | Product::Costs(..), _) => Ok(None),
+        };
+        self.layers.into_iter().zip(&request.layers).map(keep).collect()
+    }
+
+    /// Whether a picture of the scene was taken in which every pixel is as if nothing had been hit.
+    pub fn shows_nothing(&self) -> bool {
+        self.is_blank
+    }
+
+    /// How many of the colours in the files are not numbers.
+    pub fn nans(&self) -> u64 {
+        let nans = |product: &Product| match product {
+            Product::File(writer) => writer.nans(),
+            Product::Kept(_) | Product::Costs(..) => 0,
+        };
+        self.layers.iter().map(nans).sum()
+    }
+
     /// Completes the files. `size` is the width and height of the picture in pixels.
     pub fn finish(self, size: [usize; 2]) -> Result<Finished, String> {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => finished.nans += writer.finish().map_err(failed)?,
+                Product::File(writer) => writer.finish().map(drop).map_err(failed)?,
                 Product::Kept(bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
@@ -90,5 +138,14 @@ impl Products {
             }
         }
         Ok(finished)
+    }
+}
+
+/// The colour that a layer shows where nothing is hit.
+fn blank(layer: &Layer, background: Color) -> Option<Color> {
+    match layer {
+        Layer::Color => Some(background),
+        Layer::Depth { .. } | Layer::Normals => Some(Color::ZERO),
+        Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
     }
 }

@@ -53,14 +53,14 @@ impl Renderer {
     /// A renderer of a scene that has been read. An object that cannot be placed in world space
     /// is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
-        let LoadedScene { scene, meshes, source } = loaded;
+        let LoadedScene { scene, meshes, source, .. } = loaded;
         let (meshes, own) = match kept {
             Meshes::Moved => (vec![], meshes),
             Meshes::Kept => (meshes.clone(), meshes),
         };
         match World::of_meshes(&scene, own) {
             Ok(world) => Ok(Self { scene, source, world, meshes, threads: None }),
-            Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+            Err(error) => Err(LoadError::Scene { source, errors: vec![error] }),
         }
     }
 

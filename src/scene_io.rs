@@ -1,9 +1,13 @@
 //! Reads a scene and its meshes from files.
 
-use crate::scene::Scene;
+use crate::escape::{escape, quoted};
+use crate::near_names::nearest_file;
 use crate::scene::error::{Problem, SceneError, located};
 use crate::scene::mesh::{Mesh, parse_obj};
-use crate::scene::parser::parse;
+use crate::scene::parser::{self, Places, Reading};
+use crate::scene::recovery::MAX_ERRORS;
+use crate::scene::warning::SceneWarning;
+use crate::scene::{Scene, mesh_fault};
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +21,10 @@ pub struct LoadedScene {
     pub meshes: Vec<Mesh>,
     /// What the scene was read from, to show where a later error lies.
     pub source: Source,
+    /// What its text says without an error, but hardly on purpose.
+    pub warnings: Vec<SceneWarning>,
+    /// Where its text says what.
+    pub places: Places,
 }
 
 /// A scene's text, without a byte order mark, and the file that it comes from.
@@ -56,12 +64,12 @@ pub enum LoadError {
         /// Whether the file looks like UTF-16.
         is_utf16: bool,
     },
-    /// Something is wrong with what the scene or one of its meshes says.
+    /// Something is wrong with what the scene or its meshes say.
     Scene {
         /// The text.
         source: Source,
-        /// What is wrong, and where.
-        error: Box<SceneError>,
+        /// What is wrong, and where: at least one error.
+        errors: Vec<SceneError>,
     },
 }
 
@@ -71,7 +79,11 @@ impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { path, error } => {
-                f.write_str(&located(path, "", &format!("cannot read the scene: {error}")))
+                let is_missing = error.kind() == std::io::ErrorKind::NotFound;
+                let near = if is_missing { nearest_file(path) } else { None };
+                let hint =
+                    near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
+                f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
             }
             Self::NotUtf8 { path, line, column, is_utf16 } => {
                 let hint =
@@ -79,7 +91,16 @@ impl fmt::Display for LoadError {
                 let message = format!("the scene is not UTF-8 text{hint}");
                 f.write_str(&located(path, &format!(":{line}:{column}"), &message))
             }
-            Self::Scene { source, error } => f.write_str(&source.render(error)),
+            Self::Scene { source, errors } => {
+                for (index, error) in errors.iter().enumerate() {
+                    let end = if index == 0 { "" } else { "\n" };
+                    write!(f, "{end}{}", source.render(error))?;
+                }
+                match errors.len() {
+                    MAX_ERRORS.. => write!(f, "\n{MAX_ERRORS} errors are shown; there may be more"),
+                    _ => Ok(()),
+                }
+            }
         }
     }
 }
@@ -92,20 +113,40 @@ pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
     let bytes = fs::read(path).map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
     let text = decode(path, bytes)?;
     let source = Source { path: path.to_owned(), text };
-    match parse_with_meshes(&source) {
-        Ok((scene, meshes)) => Ok(LoadedScene { scene, meshes, source }),
-        Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+    match read_with_meshes(&source) {
+        Ok((Reading { scene, warnings, places }, meshes)) => {
+            Ok(LoadedScene { scene, meshes, source, warnings, places })
+        }
+        Err(errors) => Err(LoadError::Scene { source, errors }),
     }
 }
 
-fn parse_with_meshes(source: &Source) -> Result<(Scene, Vec<Mesh>), SceneError> {
-    let scene = parse(&source.text)?;
+fn read_with_meshes(source: &Source) -> Result<(Reading, Vec<Mesh>), Vec<SceneError>> {
+    let reading = parser::read(&source.text)?;
     let directory = source.path.parent().unwrap_or(Path::new(""));
-    let read = |file: &crate::scene::MeshFile| {
-        read_mesh(&file.name, directory).map_err(|problem| SceneError::new(file.at, problem))
-    };
-    let meshes = scene.meshes.iter().map(read).collect::<Result<_, _>>()?;
-    Ok((scene, meshes))
+    let (mut meshes, mut errors) = (vec![], vec![]);
+    for file in &reading.scene.meshes {
+        match read_mesh(&file.name, directory) {
+            Ok(mesh) => meshes.push(mesh),
+            Err(problem) => errors.push(SceneError {
+                at: file.at,
+                hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
+                problem,
+            }),
+        }
+        if errors.len() == MAX_ERRORS {
+            break;
+        }
+    }
+    if errors.is_empty() { Ok((reading, meshes)) } else { Err(errors) }
+}
+
+/// The name of a mesh that is there, in place of one that is not.
+fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
+    let Problem::MeshUnreadable { name, .. } = problem else { return None };
+    let near = places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
+    let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
+    Some(escape(&lossy(from_scene)))
 }
 
 /// Reads the mesh called `name` from the first place where it can be read.
@@ -114,7 +155,11 @@ fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
     for place in places(name, scene_directory) {
         match fs::read(&place) {
             Ok(bytes) => {
-                return parse_obj(&bytes).map_err(|error| Problem::BadMesh { file: lossy(&place), error });
+                return parse_obj(&bytes).map_err(|error| Problem::BadMesh {
+                    file: lossy(&place),
+                    excerpt: mesh_fault::excerpt(&error, &bytes),
+                    error,
+                });
             }
             Err(error) => tried.push((lossy(&place), error.to_string())),
         }

@@ -102,6 +102,9 @@ pub(super) const FLAGS: &[&Flag] = &[
     &PIXEL,
     &JSON,
     &THREADS,
+    &PROGRESS,
+    &QUIET,
+    &STRICT,
     &GUI,
     &TESSELLATION,
     &GOURAUD,
@@ -359,6 +362,21 @@ pub(super) const THREADS: Flag = Flag::new(
     "threads",
     &["n"],
     "Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.",
+);
+pub(super) const PROGRESS: Flag = Flag::new(
+    Section::Other,
+    "progress",
+    &[],
+    "Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.",
+)
+.conflicts(&["quiet"]);
+pub(super) const QUIET: Flag =
+    Flag::new(Section::Other, "quiet", &[], "Does not tell how far the run has come.");
+pub(super) const STRICT: Flag = Flag::new(
+    Section::Other,
+    "strict",
+    &[],
+    "Takes warnings as errors: the run ends with status 1 and writes no picture.",
 );
 pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
 pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

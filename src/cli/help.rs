@@ -23,8 +23,8 @@ Examples:
             -depth 8 20 depth.tga -normals normals.tga
 
 The exit status is 1 for a file that cannot be read or written and for an error
-in the scene, 2 for an error in the command line, and 3 for a difference above
-the tolerance.
+in the scene, 2 for an error in the command line, 3 for a difference above the
+tolerance, and 130 or 143 for a run that was stopped by Ctrl-C or SIGTERM.
 ";
 
 /// The text that `-help` prints.

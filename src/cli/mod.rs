@@ -16,6 +16,7 @@ mod help;
 mod options;
 mod parts;
 mod raw;
+mod rest;
 mod section;
 mod values;
 
@@ -24,9 +25,10 @@ pub use comparison::Comparison;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
-pub use options::{JsonTarget, Options, Output};
+pub use options::{JsonTarget, Options, Output, ShowProgress};
 pub use parts::Merging;
 use raw::{Raw, Stop};
+pub use rest::{command_of_merge, command_of_rest};
 use std::ffi::OsString;
 
 /// The action that the command line requests.

@@ -47,6 +47,8 @@ pub struct Options {
     pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
+    /// Whether a warning is an error.
+    pub strict: bool,
     /// Where everything that is reported goes as a JSON document, if anywhere.
     pub json: Option<JsonTarget>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
@@ -55,6 +57,8 @@ pub struct Options {
     pub preview: bool,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
+    /// Where progress is shown.
+    pub progress: ShowProgress,
 }
 
 /// Where a JSON document goes.
@@ -67,6 +71,29 @@ pub enum JsonTarget {
     /// A file whose name ends in `.json`.
     #[serde(serialize_with = "lossy")]
     File(PathBuf),
+}
+
+/// Where it is shown how far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShowProgress {
+    /// On standard error if that is a terminal.
+    OnTerminal,
+    /// On standard error.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+impl ShowProgress {
+    /// What the flags ask for.
+    pub(super) fn from_raw(raw: &Raw) -> Self {
+        match (raw.given(&flags::PROGRESS), raw.given(&flags::QUIET)) {
+            (_, true) => Self::Never,
+            (true, false) => Self::Always,
+            (false, false) => Self::OnTerminal,
+        }
+    }
 }
 
 /// A picture to write.
@@ -130,10 +157,12 @@ impl Options {
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
+            strict: raw.given(&flags::STRICT),
             json: json(raw)?,
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
+            progress: ShowProgress::from_raw(raw),
         };
         options.check_together()?;
         Ok(options)

@@ -2,7 +2,7 @@
 
 use super::error::CliError;
 use super::flags::{self, Flag};
-use super::options::SIZE_RANGE;
+use super::options::{SIZE_RANGE, ShowProgress};
 use super::raw::Raw;
 use super::values::{bad, picture_name, whole};
 use crate::render::Window;
@@ -17,10 +17,13 @@ pub struct Merging {
     pub output: PathBuf,
     /// The part of the picture that they become; none for the whole.
     pub region: Option<Window>,
+    /// Where progress is shown.
+    pub progress: ShowProgress,
 }
 
 /// The flags that are understood together with `-merge`.
-const UNDERSTOOD: [&Flag; 3] = [&flags::MERGE, &flags::OUTPUT, &flags::REGION];
+const UNDERSTOOD: [&Flag; 5] =
+    [&flags::MERGE, &flags::OUTPUT, &flags::REGION, &flags::PROGRESS, &flags::QUIET];
 
 impl Merging {
     /// What the flags ask for, if they ask for parts to be put together.
@@ -31,7 +34,7 @@ impl Merging {
         let parts = parts.collect::<Result<_, _>>()?;
         let [output] = raw.values(&flags::OUTPUT)?.ok_or(CliError::OutputNeeded)?;
         let output = picture_name(&flags::OUTPUT, output)?;
-        Ok(Some(Self { parts, output, region: region(raw)? }))
+        Ok(Some(Self { parts, output, region: region(raw)?, progress: ShowProgress::from_raw(raw) }))
     }
 }
 

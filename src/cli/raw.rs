@@ -79,7 +79,7 @@ impl Raw {
 }
 
 /// Whether a word is a flag: one or two dashes and a letter. Everything else is a value.
-fn is_flag(word: &[u8]) -> bool {
+pub(super) fn is_flag(word: &[u8]) -> bool {
     matches!(word, [b'-', letter, ..] | [b'-', b'-', letter, ..] if letter.is_ascii_alphabetic())
 }
 

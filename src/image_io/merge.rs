@@ -185,7 +185,7 @@ impl Merge {
             open.sort_by_key(|part| part.window.x);
             self.fill(&mut row, y, &mut open)?;
             writer.row_of_bytes(&row)?;
-            if watch(Progress { done: y + 1 - top, rows: height }).is_break() {
+            if watch(Progress { done: y + 1 - top, rows: height, rays: 0 }).is_break() {
                 return Err(MergeError::Ended);
             }
         }

@@ -21,7 +21,8 @@ pub use part_file::{PartFile, Rows};
 pub use text::TextFile;
 pub use writer::PictureWriter;
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// The format of a picture file, which is determined by the end of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,4 +43,11 @@ impl Format {
             _ => None,
         }
     }
+}
+
+/// The name of a file beside another: `o.rest.tga` beside `o.tga` for the word `rest`.
+pub fn beside(path: &Path, word: &str) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.extend([".".as_ref(), word.as_ref(), ".".as_ref(), path.extension().unwrap_or_default()]);
+    path.with_file_name(name)
 }

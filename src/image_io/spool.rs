@@ -1,7 +1,8 @@
 //! The spool, which holds the bytes of a file until the file is complete.
 
+use super::part_file::Source;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufReader, BufWriter, Cursor, Seek, Write};
 use std::path::PathBuf;
 
 /// Bytes in memory or, if there are more than [`IN_MEMORY`], in a temporary file without a name, which the
@@ -23,6 +24,14 @@ impl Spool {
     /// An empty spool that is expected to hold this number of bytes.
     pub fn new(folder: PathBuf, expected: usize) -> Self {
         Self { memory: Vec::with_capacity(expected.min(IN_MEMORY)), file: None, folder }
+    }
+
+    /// The bytes, to be read from the first one on.
+    pub fn into_source(self) -> io::Result<Box<dyn Source>> {
+        let Some(file) = self.file else { return Ok(Box::new(Cursor::new(self.memory))) };
+        let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.rewind()?;
+        Ok(Box::new(BufReader::with_capacity(BUFFER_SIZE, file)))
     }
 
     /// Writes everything to `target`.

@@ -2,15 +2,16 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
-use super::Format;
 use super::error::ImageError;
 use super::output::Target;
 use super::part::{MAX_TEXT, Part};
+use super::part_file::Rows;
 use super::spool::Spool;
+use super::{Format, OutputFile, beside};
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The length of the header of a TGA file, in bytes.
@@ -25,8 +26,12 @@ pub struct PictureWriter {
     /// The path as the user gave it, for messages.
     path: PathBuf,
     target: Target,
+    format: Format,
+    size: [usize; 2],
     spool: Shared,
     encoder: Encoder,
+    /// The number of rows so far.
+    rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
     nans: u64,
@@ -85,7 +90,12 @@ impl PictureWriter {
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
         };
-        Ok(Self { path, target, spool, encoder, bytes: Vec::new(), nans: 0 })
+        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), nans: 0 })
+    }
+
+    /// How many of the colours so far are not numbers.
+    pub fn nans(&self) -> u64 {
+        self.nans
     }
 
     /// Adds the next row from the top.
@@ -109,6 +119,7 @@ impl PictureWriter {
     }
 
     fn encode(&mut self) -> Result<(), ImageError> {
+        self.rows += 1;
         let written = match &mut self.encoder {
             Encoder::Tga => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
@@ -116,16 +127,47 @@ impl PictureWriter {
         written.map_err(|error| ImageError::io("write", &self.path, error))
     }
 
+    /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
+    /// file; none if there are no rows, or if the picture does not go to a regular file.
+    pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
+        if self.rows == 0 || !matches!(self.target, Target::Replace { .. }) {
+            return Ok(None);
+        }
+        let failed = |path: &Path, error| ImageError::io("write", path, error);
+        let ([width, height], rows, path) = (self.size, self.rows, beside(&self.path, "partial"));
+        if let Encoder::Png(_) = self.encoder {
+            // The encoder ends only with all rows.
+            let black = vec![0; width * CHANNELS];
+            (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
+        }
+        let (format, own_path) = (self.format, self.path.clone());
+        let source = self.end().and_then(|(spool, _)| spool.into_source());
+        let source = source.map_err(|error| failed(&own_path, error))?;
+        let (mut from, _) = Rows::read(&own_path, format, source)?;
+        let mut to = OutputFile::prepare(&path)?.begin([width, rows], Some(part))?;
+        let mut row = Vec::new();
+        for _ in 0..rows {
+            from.next(&mut row)?;
+            to.row_of_bytes(&row)?;
+        }
+        to.finish().map(|_| Some(path))
+    }
+
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
     /// Returns the number of colours with a NaN.
     pub fn finish(self) -> Result<u64, ImageError> {
-        let failed = |error| ImageError::io("write", &self.path, error);
+        let (path, nans) = (self.path.clone(), self.nans);
+        let written = self.end().and_then(|(spool, target)| target.fill(spool));
+        written.map_err(|error| ImageError::io("write", &path, error)).map(|()| nans)
+    }
+
+    /// Ends the encoding.
+    fn end(self) -> io::Result<(Spool, Target)> {
         if let Encoder::Png(encoder) = self.encoder {
-            encoder.finish().map_err(|error| failed(error.into()))?;
+            encoder.finish()?;
         }
         let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
-        self.target.fill(spool).map_err(failed)?;
-        Ok(self.nans)
+        Ok((spool, self.target))
     }
 }
 

@@ -49,7 +49,7 @@ impl Cost {
     /// How much of it has been counted.
     pub fn of(self, counts: &Counts) -> u64 {
         match self {
-            Self::Rays => counts.non_shadow_rays + counts.shadow_rays,
+            Self::Rays => counts.rays(),
             Self::Tests => counts.intersections,
             Self::Cells => counts.cells_traversed,
         }

@@ -35,6 +35,9 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
+    /// The rays that have been cast for them; 0 if the probe does not count them. Those of the first samples of adaptive
+    /// sampling are not among them.
+    pub rays: u64,
 }
 
 /// A callback that is told the progress of a render, and may cancel it. It is called from any of the render's

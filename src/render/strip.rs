@@ -17,9 +17,9 @@ use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use crate::trace::Observer;
-use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
 const MEMORY: usize = 48 << 20;
@@ -27,8 +27,13 @@ const MEMORY: usize = 48 << 20;
 /// Upper bound on the memory of a strip's rows in progress, in bytes.
 const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
-/// Upper bound on the number of rows that a thread traces before it takes more.
-const ROWS_AT_ONCE: usize = 4;
+/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is lost
+/// when the render is cancelled: a few seconds' work.
+const SAMPLES: usize = 1 << 24;
+
+/// A strip is not made shorter than this many times the rows beside it that are traced for it, which cost a thirtieth
+/// then.
+const ROWS_PER_SUPPORT: usize = 64;
 
 /// The number of rows, per thread, that are handed out together where no sample contributes to another row: so few that
 /// their colours, whose memory is used again, stay in the cache, and so many that threads seldom wait for each other.
@@ -38,22 +43,26 @@ const ROWS_PER_THREAD: usize = 64;
 pub struct Tally<'a> {
     rows: usize,
     done: AtomicUsize,
+    /// The rays that have been cast, if the probe counts them.
+    rays: AtomicU64,
     is_cancelled: AtomicBool,
     watch: Watch<'a>,
 }
 
 impl<'a> Tally<'a> {
     pub fn new(rows: usize, watch: Watch<'a>) -> Self {
-        Self { rows, done: AtomicUsize::new(0), is_cancelled: AtomicBool::new(false), watch }
+        let (done, rays, is_cancelled) = Default::default();
+        Self { rows, done, rays, is_cancelled, watch }
     }
 
     fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    fn row_is_done(&self) {
+    fn row_is_done(&self, rays: u64) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if (self.watch)(Progress { done, rows: self.rows }).is_break() {
+        let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
+        if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
             self.is_cancelled.store(true, Ordering::Relaxed);
         }
     }
@@ -65,14 +74,29 @@ pub struct Strip<'a, M> {
     pub rows: Range<usize>,
 }
 
-/// Does some work for each row; none if that of any row is none.
+/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top, so
+/// that what is done until the render is cancelled are the topmost rows; the other results are none.
 fn in_parallel<T: Send>(
     rows: Range<usize>,
-    work: impl Fn(usize) -> Option<T> + Sync + Send,
-) -> Option<Vec<T>> {
-    // By default the thread pool would split the rows into a few large parts, and wait for the slowest of them.
-    let done: Vec<Option<T>> = rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(work).collect();
-    done.into_iter().collect()
+    tally: &Tally,
+    work: impl Fn(usize) -> T + Sync,
+) -> Vec<Option<T>> {
+    let (taken, done) = (AtomicUsize::new(0), Mutex::new(Vec::from_iter(rows.clone().map(|_| None))));
+    let take_rows = || {
+        let mut own = Vec::new();
+        while !tally.is_cancelled() {
+            let from_top = taken.fetch_add(1, Ordering::Relaxed);
+            let Some(index) = rows.len().checked_sub(from_top + 1) else { break };
+            own.push((index, work(rows.start + index)));
+        }
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        own.into_iter().for_each(|(index, result)| done[index] = Some(result));
+    };
+    rayon::scope(|scope| {
+        (1..rayon::current_num_threads().min(rows.len())).for_each(|_| scope.spawn(|_| take_rows()));
+        take_rows();
+    });
+    done.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Rows that are ready to be handed out.
@@ -85,20 +109,30 @@ struct Finished<P> {
 impl<'a, M: Mode> Strip<'a, M> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
-        let Request { layers, .. } = setting.request;
+        let Request { layers, sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
         let rows = MEMORY / (colors * size_of::<Color>()).max(1);
         // There are more if rows around the strip are traced and discarded, so that they are a small part of
         // the work.
-        let rows = rows.max(8 * setting.request.support()).max(rayon::current_num_threads());
+        let support = setting.request.support();
+        // The number of adaptive samples is not known; they seldom are the most.
+        let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
+        let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
+        let rows = if Self::hands_out_at_once(setting.request) { rows.min(few) } else { rows };
+        let rows = rows.max(8 * support).max(rayon::current_num_threads());
         Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+    }
+
+    /// Whether rows depend on each other, so that all of a strip are handed out at once.
+    fn hands_out_at_once(request: &Request) -> bool {
+        request.support() > 0 || request.adaptive.is_some()
     }
 
     /// Traces the strip and hands it out, and returns the probe.
     pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
         let request = self.setting.request;
-        if request.support() > 0 || request.adaptive.is_some() {
+        if Self::hands_out_at_once(request) {
             let cancelled = self.cancelled_above(self.rows.end);
             let finished = self.finish::<P>(tally).ok_or(cancelled)?;
             return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
@@ -111,12 +145,16 @@ impl<'a, M: Mode> Strip<'a, M> {
             let part = Strip { setting: self.setting, rows: rows.clone() };
             let mut finished = Finished { probe, rows: vec![vec![]; rows.len()] };
             let mut film = Film::starting_at(request.filter, request.size, rows.start);
-            let cancelled = self.cancelled_above(end);
-            end = rows.start;
-            for row in part.trace(rows, visibility.as_ref(), tally).ok_or(cancelled)? {
+            let traced = part.trace(rows.clone(), visibility.as_ref(), tally);
+            let complete = traced.iter().rev().take_while(|row| row.is_some()).count();
+            for row in traced.into_iter().skip(rows.len() - complete).flatten() {
                 finished.take(row, &part, &mut film);
             }
             probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
+            if complete < rows.len() {
+                return Err(self.cancelled_above(end - complete));
+            }
+            end = rows.start;
         }
         Ok(probe)
     }
@@ -143,8 +181,8 @@ impl<'a, M: Mode> Strip<'a, M> {
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
             let visibility = self.visibility::<P>(rows.clone());
-            for row in self.trace(rows, visibility.as_ref(), tally)? {
-                finished.take(row, self, &mut film);
+            for row in self.trace(rows, visibility.as_ref(), tally) {
+                finished.take(row?, self, &mut film);
             }
         }
         Some(finished)
@@ -158,33 +196,38 @@ impl<'a, M: Mode> Strip<'a, M> {
         (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
+    /// Traces these rows; those are none that the watch cancels.
     fn trace<P: Observer>(
         &self,
         rows: Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Option<Vec<Row<P>>> {
+    ) -> Vec<Option<Row<P>>> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<P>() => self.trace_first::<P>(&rows, tally)?,
+            Some(_) if request.traces_colors::<P>() => match self.trace_first::<P>(&rows, tally) {
+                Some(first) => first,
+                None => return rows.map(|_| None).collect(),
+            },
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
         let trace = |j: usize| {
             let is_shown = self.rows.contains(&j);
             let refinement = self.refinement(&first, first_row, j);
-            let row = (!tally.is_cancelled())
-                .then(|| self.setting.row::<P>(visibility, j, is_shown, refinement))?;
+            let row = self.setting.row::<P>(visibility, j, is_shown, refinement);
             if is_shown {
-                tally.row_is_done();
+                tally.row_is_done(row.probe.counts().rays());
             }
-            Some(row)
+            row
         };
-        let mut traced = in_parallel(rows.clone(), trace)?;
+        let mut traced = in_parallel(rows.clone(), tally, trace);
         for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
-            row.probe = std::mem::take(&mut row.probe).merge(probe);
+            if let Some(row) = row {
+                row.probe = std::mem::take(&mut row.probe).merge(probe);
+            }
         }
-        Some(traced)
+        traced
     }
 
     /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
@@ -194,8 +237,8 @@ impl<'a, M: Mode> Strip<'a, M> {
         tally: &Tally,
     ) -> Option<(Vec<FirstSamples>, Vec<P>)> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let trace = |j| (!tally.is_cancelled()).then(|| self.setting.first_samples(j));
-        in_parallel(all, trace).map(|rows| rows.into_iter().unzip())
+        let traced = in_parallel(all, tally, |j| self.setting.first_samples(j));
+        traced.into_iter().collect::<Option<Vec<_>>>().map(|rows| rows.into_iter().unzip())
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if

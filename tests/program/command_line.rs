@@ -1,6 +1,6 @@
 //! Tables of valid command lines, each with its options.
 
-use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
+use raytracer::cli::{CliError, Command, Comparison, Options, Output, ShowProgress, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::render::{Layer, Window};
@@ -46,10 +46,12 @@ fn plain() -> Options {
         visualize_grid: false,
         comparison: None,
         stats: false,
+        strict: false,
         pixel: None,
         json: None,
         preview: false,
         threads: None,
+        progress: ShowProgress::OnTerminal,
     }
 }
 
@@ -78,6 +80,8 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
     accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
     accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
+    accepts("-input s.txt -progress", Options { progress: ShowProgress::Always, ..plain() });
+    accepts("-quiet -input s.txt", Options { progress: ShowProgress::Never, ..plain() });
     let region = Some(Window { x: 90, y: 0, width: 10, height: 100 });
     accepts("-input s.txt -region 90 0 10 100", Options { region, ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
@@ -111,6 +115,7 @@ fn each_flag_sets_its_option() {
         Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });

@@ -195,6 +195,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -json json", "`-json`: `json` is neither - nor ends in .json"),
     ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
     ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),
+    ("-input s.txt -progress -quiet", "`-progress` cannot be combined with `-quiet`"),
     ("-input s.txt -tessellation 10", "`-tessellation` takes 2 values, 1 given"),
     ("-input s.txt -tessellation 10 x", "`-tessellation`: `x` is not a whole number"),
     ("-input s.txt -output a.tga -normals a.tga", "`-output` and `-normals` both write `a.tga`"),

@@ -130,6 +130,7 @@ fn the_options_are_the_checked_values() {
         "outputs": [],
         "size": [100, 100],
         "region": null,
+        "progress": "on_terminal",
         "effects": { "shadows": "none", "shade_back": false, "bounces": 0, "min_weight": 0.0 },
         "sampler": { "pattern": "uniform", "count": 1, "seed": null },
         "adaptive": null,
@@ -138,6 +139,7 @@ fn the_options_are_the_checked_values() {
         "visualize_grid": false,
         "comparison": null,
         "stats": false,
+        "strict": false,
         "json": "-",
         "pixel": null,
         "preview": false,
@@ -149,6 +151,8 @@ fn the_options_are_the_checked_values() {
     assert_eq!(adaptive["sampler"], json!({ "pattern": "jittered", "count": 4, "seed": null }));
     for (flags, member, value) in [
         ("-size 7 5", "size", json!([7, 5])),
+        ("-progress", "progress", json!("always")),
+        ("-quiet", "progress", json!("never")),
         ("-region 1 2 3 4", "region", json!({"x": 1, "y": 2, "width": 3, "height": 4})),
         ("-grid auto", "structure", json!({ "grid": "auto" })),
         ("-grid none", "structure", json!("list")),

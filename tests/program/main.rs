@@ -30,6 +30,7 @@ mod runs;
 mod sampling;
 mod scene_errors;
 mod scene_robustness;
+mod signals;
 mod special_scenes;
 mod statistics;
 mod support;

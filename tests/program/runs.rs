@@ -128,7 +128,8 @@ fn png_and_tga_hold_the_same_pixels() {
 
 #[test]
 fn silence_is_the_rule() {
-    let folder = Folder::with_scene(&sphere());
+    let mirror = "Material { reflectiveColor 1 1 1 } Sphere { center 0 0 0 radius .7 }";
+    let folder = Folder::with_scene(&scene(1, mirror));
     let run = folder.run("-input s.txt -output o.tga -shadows -bounces 2 -grid 3 3 3").ok();
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
 }
