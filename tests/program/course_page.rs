@@ -31,10 +31,7 @@ fn reason(name: &str) -> Option<&'static str> {
         Some(start) => name.starts_with(start),
         None => name == *pattern,
     };
-    REASONS
-        .iter()
-        .find(|(_, names)| names.iter().any(|pattern| is_meant(pattern)))
-        .map(|(section, _)| *section)
+    REASONS.iter().find(|(_, names)| names.iter().any(is_meant)).map(|(section, _)| *section)
 }
 
 /// Every picture of the course that there is, compared with what its command line renders, in the order of the

@@ -12,8 +12,14 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 /// How many blocks of a document are not run.
-const NOT_RUN_BLOCKS: &[(&str, usize)] =
-    &[("README.md", 1), ("docs/command-line.md", 1), ("docs/development.md", 1), ("docs/mutants.md", 1)];
+const NOT_RUN_BLOCKS: &[(&str, usize)] = &[
+    ("README.md", 1),
+    ("docs/accuracy.md", 1),
+    ("docs/command-line.md", 1),
+    ("docs/course.md", 1),
+    ("docs/development.md", 1),
+    ("docs/mutants.md", 1),
+];
 
 /// Pictures that examples draw instead of commands.
 const DRAWN_BY_EXAMPLES: &[&str] = &["acne.png", "edge_map.png"];
@@ -131,7 +137,7 @@ fn every_command_of_every_document_does_what_it_shows() {
         commands += run.iter().map(|block| follow(&folder, &document, block)).sum::<usize>();
         compare_pictures(&folder, &document, &text);
     }
-    assert!(commands > 60, "{commands}");
+    assert!(commands > 50, "{commands}");
 }
 
 #[test]
