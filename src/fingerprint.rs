@@ -19,7 +19,9 @@ pub fn part<M: Mode>(
     let (kind, zoom) = match layer {
         Layer::Color => ("color", 1),
         Layer::Depth { .. } => ("depth", 1),
+        Layer::Distance => ("distance", 1),
         Layer::Normals => ("normals", 1),
+        Layer::SignedNormals => ("signed_normals", 1),
         Layer::Samples { zoom } => ("samples", zoom),
         Layer::Filter { .. } | Layer::Cost(_) => return None,
     };

@@ -1,16 +1,19 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
+use crate::distinct_files::{check_input, check_outputs};
 use crate::document::{Document, Verdict};
+use crate::products::unless_reader_is_gone;
 use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
 use crate::signals::Signals;
+use crate::standard_output;
 use crate::{End, failed};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, TextFile, read_picture};
+use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -23,7 +26,7 @@ use std::sync::Arc;
 
 /// What a run has to say.
 pub struct Outcome {
-    /// What goes to standard output.
+    /// What goes to standard output, or to standard error if a picture goes there.
     pub text: String,
     /// Whether the pictures that were compared differ by no more than the tolerance.
     pub passes: bool,
@@ -44,8 +47,14 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
     if options.preview {
         tell("note: this build has no preview; the picture is rendered directly");
     }
+    if options.needs_standard_output() {
+        standard_output::check()?;
+    }
+    check_outputs(options)?;
+    options.input.iter().try_for_each(|scene| check_input(options, "scene", scene))?;
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
-    let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options)).transpose()?;
+    let compared =
+        options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell)).transpose()?;
     let file = match &options.json {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
         Some(JsonTarget::StandardOutput) | None => None,
@@ -67,7 +76,7 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         document.to_json().map_err(failed)
     };
     if let Some(file) = file {
-        file.write(&json()?).map_err(failed)?;
+        unless_reader_is_gone(file.write(&json()?))?;
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
@@ -94,8 +103,8 @@ struct Compared<'o> {
 
 impl<'o> Compared<'o> {
     /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
-    fn open(wanted: &'o cli::Comparison, options: &Options) -> Result<Self, String> {
-        let read = |path: &Option<_>| path.as_deref().map(read_picture).transpose().map_err(failed);
+    fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
+        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
@@ -129,11 +138,21 @@ impl<'o> Compared<'o> {
         signals.hold_again();
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            file.write(&shown.picture).map_err(failed)?;
+            unless_reader_is_gone(file.write(&shown.picture))?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(Some(Verdict { comparison, cause, passes }))
     }
+}
+
+/// Reads a picture to compare.
+fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    if clamped > 0 {
+        let shown = quoted(path);
+        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are compared clamped"));
+    }
+    Ok(picture)
 }
 
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with

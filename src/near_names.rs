@@ -42,7 +42,7 @@ fn distance(name: &str, other: &str) -> Option<usize> {
     }
     const LEAST_START: usize = 4;
     if stem.len() >= LEAST_START && other_stem.starts_with(&stem) {
-        return Some(1);
+        return Some(0);
     }
     let distance = strsim::levenshtein(&stem, &other_stem);
     (distance <= ((stem.chars().count() + 1) / 3).max(1)).then_some(distance)
@@ -63,7 +63,7 @@ mod tests {
     fn names_that_are_nearly_there() {
         for (name, other, expected) in [
             ("scene6_1_sphere.txt", "scene6_01_sphere.txt", Some(1)),
-            ("scene6_01.txt", "scene6_01_sphere.txt", Some(1)),
+            ("scene6_01.txt", "scene6_01_sphere.txt", Some(0)),
             ("Scene.TXT", "scene.txt", Some(0)),
             ("scene.txt", "scene.obj", None),
             ("a.txt", "b.txt", Some(1)),

@@ -2,7 +2,7 @@
 
 use crate::failed;
 use raytracer::explain::CostMap;
-use raytracer::image_io::{ImageError, OutputFile, Part, PictureWriter};
+use raytracer::image_io::{Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
@@ -50,7 +50,9 @@ impl Products {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
             Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
             layer => {
-                let writer = file.begin(layer.size(request.window_size()), part(layer).as_ref());
+                let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
+                let part = part(layer);
+                let writer = file.begin_with(layer.size(request.window_size()), content, part.as_ref());
                 Ok(Product::File(Box::new(writer.map_err(failed)?)))
             }
         };
@@ -111,13 +113,15 @@ impl Products {
         self.is_blank
     }
 
-    /// How many of the colours in the files are not numbers.
-    pub fn nans(&self) -> u64 {
-        let nans = |product: &Product| match product {
-            Product::File(writer) => writer.nans(),
-            Product::Kept(_) | Product::Costs(..) => 0,
-        };
-        self.layers.iter().map(nans).sum()
+    /// The colours so far that the files do not show as they are.
+    pub fn exceptional(&self) -> Exceptional {
+        let mut all = Exceptional::default();
+        for product in &self.layers {
+            if let Product::File(writer) = product {
+                all += writer.exceptional();
+            }
+        }
+        all
     }
 
     /// Completes the files. `size` is the width and height of the picture in pixels.
@@ -125,14 +129,14 @@ impl Products {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => writer.finish().map(drop).map_err(failed)?,
+                Product::File(writer) => unless_reader_is_gone(writer.finish())?,
                 Product::Kept(bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }
                 Product::Costs(file, cost, counts) => {
                     let map = CostMap { cost, size, counts };
-                    file.write(&map.draw().map_err(failed)?).map_err(failed)?;
+                    unless_reader_is_gone(file.write(&map.draw().map_err(failed)?))?;
                     finished.costs = Some(map);
                 }
             }
@@ -145,7 +149,16 @@ impl Products {
 fn blank(layer: &Layer, background: Color) -> Option<Color> {
     match layer {
         Layer::Color => Some(background),
-        Layer::Depth { .. } | Layer::Normals => Some(Color::ZERO),
+        Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
+        Layer::Distance => Some(Color::INFINITY),
         Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
+    }
+}
+
+/// A pipe that nobody reads any more is no error: the reader has seen enough.
+pub fn unless_reader_is_gone<T: Default>(written: Result<T, ImageError>) -> Result<T, String> {
+    match written {
+        Err(error) if error.is_reader_gone() => Ok(T::default()),
+        written => written.map_err(failed),
     }
 }

@@ -1,5 +1,6 @@
 //! The rendering of a scene, with everything that is written and printed of it.
 
+use crate::distinct_files::check_input;
 use crate::products::Products;
 use crate::progress::{Progress, rows_text};
 use crate::signals::Signals;
@@ -7,11 +8,11 @@ use crate::stopping::{self, upper};
 use crate::warn;
 use crate::{End, failed};
 use rayon::ThreadPool;
-use raytracer::cli::{Comparison, Options};
+use raytracer::cli::{Comparison, Options, Output};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
 use raytracer::fingerprint;
 use raytracer::grid::options::Structure;
-use raytracer::image_io::OutputFile;
+use raytracer::image_io::{Exceptional, ImageError, OutputFile};
 use raytracer::mode::{Course, Mode};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped};
@@ -49,12 +50,13 @@ pub fn render<M: Mode, P: Observer>(
     signals: &mut Signals,
     tell: &dyn Fn(&str),
 ) -> Result<Rendered, End> {
-    let files = options.outputs.iter().map(|output| OutputFile::prepare(&output.file));
+    let files = options.outputs.iter().map(prepare_file);
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
     signals.end_at_once()?;
 
     let mut clock = Clock(Instant::now());
     let mut loaded = scene_io::load(input).map_err(|error| error.to_string())?;
+    loaded.mesh_files.iter().try_for_each(|mesh| check_input(options, "mesh", mesh))?;
     let reading = clock.lap();
     let mut warnings = warn::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
@@ -105,11 +107,13 @@ pub fn render<M: Mode, P: Observer>(
     let rendering = clock.lap() - encoding;
 
     let shows_nothing = products.shows_nothing() && !options.visualize_grid;
-    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places) } else { None };
+    let goes_on = |_| match signals.received() {
+        Some(_) => ControlFlow::Break(()),
+        None => ControlFlow::Continue(()),
+    };
+    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places, &goes_on) } else { None };
     say(nothing.as_slice())?;
-    if let pixels @ 1.. = products.nans() {
-        say(&[Warning::NotNumbers { pixels }])?;
-    }
+    say(&not_shown(&products.exceptional()))?;
     let finished = products.finish(options.size)?;
     let report = Report {
         size: request.window_size(),
@@ -139,6 +143,25 @@ impl Rendered {
         ];
         blocks.into_iter().flatten().map(|block| block.to_string()).collect()
     }
+}
+
+/// Checks that a picture can be written.
+pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
+    match output.is_standard_output() {
+        true => Ok(OutputFile::standard_output(output.format)),
+        false => OutputFile::prepare_as(&output.file, output.format),
+    }
+}
+
+/// What is to be said of pixels that the files do not show as they are.
+fn not_shown(exceptional: &Exceptional) -> Vec<Warning> {
+    let Exceptional { black, nan, out_of_range } = *exceptional;
+    let all = [
+        (black, Warning::NotNumbers { pixels: black }),
+        (nan, Warning::NanInFile { pixels: nan }),
+        (out_of_range, Warning::BeyondSingle { pixels: out_of_range }),
+    ];
+    all.into_iter().filter(|&(pixels, _)| pixels > 0).map(|(_, warning)| warning).collect()
 }
 
 /// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the

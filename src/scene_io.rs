@@ -9,7 +9,8 @@ use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::warning::SceneWarning;
 use crate::scene::{Scene, mesh_fault};
 use std::fmt;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// A scene with everything that it names.
@@ -19,6 +20,8 @@ pub struct LoadedScene {
     pub scene: Scene,
     /// By the index in [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
+    /// Where each mesh was found.
+    pub mesh_files: Vec<PathBuf>,
     /// What the scene was read from, to show where a later error lies.
     pub source: Source,
     /// What its text says without an error, but hardly on purpose.
@@ -105,23 +108,45 @@ impl fmt::Display for LoadError {
     }
 }
 
-/// Reads the scene at `path` and every mesh that it names.
+/// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
+const LONGEST_STREAM: u64 = 1 << 28;
+
+/// Reads the scene at `path` and every mesh that it names. `-` is standard input.
 ///
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    let bytes = fs::read(path).map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
+    let is_standard_input = path == Path::new("-");
+    let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
+    let path = if is_standard_input { Path::new("standard input") } else { path };
+    let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
     let text = decode(path, bytes)?;
     let source = Source { path: path.to_owned(), text };
     match read_with_meshes(&source) {
-        Ok((Reading { scene, warnings, places }, meshes)) => {
-            Ok(LoadedScene { scene, meshes, source, warnings, places })
+        Ok((Reading { scene, warnings, places }, found)) => {
+            let (meshes, mesh_files) = found.into_iter().unzip();
+            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places })
         }
         Err(errors) => Err(LoadError::Scene { source, errors }),
     }
 }
 
-fn read_with_meshes(source: &Source) -> Result<(Reading, Vec<Mesh>), Vec<SceneError>> {
+fn read_scene(path: &Path) -> io::Result<Vec<u8>> {
+    if fs::metadata(path)?.is_file() { fs::read(path) } else { read_stream(File::open(path)?) }
+}
+
+fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    match stream.take(LONGEST_STREAM + 1).read_to_end(&mut bytes)? as u64 {
+        0..=LONGEST_STREAM => Ok(bytes),
+        _ => Err(io::Error::other("it does not end after 256 MiB")),
+    }
+}
+
+/// A mesh and its file.
+type FoundMesh = (Mesh, PathBuf);
+
+fn read_with_meshes(source: &Source) -> Result<(Reading, Vec<FoundMesh>), Vec<SceneError>> {
     let reading = parser::read(&source.text)?;
     let directory = source.path.parent().unwrap_or(Path::new(""));
     let (mut meshes, mut errors) = (vec![], vec![]);
@@ -149,22 +174,36 @@ fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
     Some(escape(&lossy(from_scene)))
 }
 
-/// Reads the mesh called `name` from the first place where it can be read.
-fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
+/// Reads the mesh called `name` from the first place where it can be read, and returns the place too.
+fn read_mesh(name: &str, scene_directory: &Path) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in places(name, scene_directory) {
-        match fs::read(&place) {
+        match read_mesh_file(&place) {
             Ok(bytes) => {
-                return parse_obj(&bytes).map_err(|error| Problem::BadMesh {
+                let mesh = parse_obj(&bytes).map_err(|error| Problem::BadMesh {
                     file: lossy(&place),
                     excerpt: mesh_fault::excerpt(&error, &bytes),
                     error,
-                });
+                })?;
+                return Ok((mesh, place));
             }
-            Err(error) => tried.push((lossy(&place), error.to_string())),
+            Err(reason) => tried.push((lossy(&place), reason)),
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
+}
+
+/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the program
+/// and a device may have no end.
+fn read_mesh_file(place: &Path) -> Result<Vec<u8>, String> {
+    let found = fs::metadata(place).map_err(|error| error.to_string())?;
+    if found.is_dir() {
+        return Err("it is a folder".into());
+    }
+    if !found.is_file() {
+        return Err("it is a pipe or a device, not a regular file".into());
+    }
+    fs::read(place).map_err(|error| error.to_string())
 }
 
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then

@@ -8,14 +8,21 @@
 
 mod commands;
 mod comparison;
+mod completion;
+pub mod completions;
 mod error;
 mod error_report;
+mod flag;
 mod flags;
 mod grading;
 mod help;
+pub mod man_page;
+mod notes;
 mod options;
+mod outputs;
 mod parts;
 mod raw;
+mod sampling;
 mod rest;
 mod section;
 mod values;
@@ -25,7 +32,8 @@ pub use comparison::Comparison;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
-pub use options::{JsonTarget, Options, Output, ShowProgress};
+pub use options::{JsonTarget, Options, ShowProgress};
+pub use outputs::Output;
 pub use parts::Merging;
 use raw::{Raw, Stop};
 pub use rest::{command_of_merge, command_of_rest};
@@ -55,7 +63,8 @@ pub enum Command {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => command(&raw),
-        Err(Stop::Help) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),
     }

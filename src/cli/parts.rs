@@ -1,20 +1,21 @@
 //! The flags about parts of pictures.
 
-use super::error::CliError;
+use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::options::{SIZE_RANGE, ShowProgress};
+use super::outputs::Output;
 use super::raw::Raw;
-use super::values::{bad, picture_name, whole};
-use crate::render::Window;
+use super::values::{bad, byte_picture_name, picture_file, whole};
+use crate::render::{Layer, Window};
 use std::path::PathBuf;
 
 /// Parts of a picture, and what they become.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Merging {
     /// The parts, of which there is at least one. They end in `.tga` or `.png`.
     pub parts: Vec<PathBuf>,
-    /// The picture's file; ends in `.tga` or `.png`.
-    pub output: PathBuf,
+    /// Where the picture goes. Its format is one of bytes.
+    pub output: Output,
     /// The part of the picture that they become; none for the whole.
     pub region: Option<Window>,
     /// Where progress is shown.
@@ -30,10 +31,14 @@ impl Merging {
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let Some(words) = raw.all_values(&flags::MERGE) else { return Ok(None) };
         raw.refuse_others(&flags::MERGE, &UNDERSTOOD)?;
-        let parts = words.into_iter().map(|word| picture_name(&flags::MERGE, word));
+        let parts = words.into_iter().map(|word| byte_picture_name(&flags::MERGE, word));
         let parts = parts.collect::<Result<_, _>>()?;
-        let [output] = raw.values(&flags::OUTPUT)?.ok_or(CliError::OutputNeeded)?;
-        let output = picture_name(&flags::OUTPUT, output)?;
+        let ([name], word) = raw.picture_values(&flags::OUTPUT)?.ok_or(CliError::OutputNeeded)?;
+        let (file, format) = picture_file(&flags::OUTPUT, name, word)?;
+        if format.is_float() {
+            return Err(bad(&flags::OUTPUT, word.unwrap_or(name), Problem::NotBytes));
+        }
+        let output = Output { layer: Layer::Color, file, format };
         Ok(Some(Self { parts, output, region: region(raw)?, progress: ShowProgress::from_raw(raw) }))
     }
 }

@@ -52,8 +52,8 @@ fn kept(word: &OsStr, values: &[OsString]) -> Vec<String> {
     let is_file =
         |index| is_among(&RENAMED) && flag.is_some_and(|flag| flag.values.get(index) == Some(&"file"));
     let value = |(index, value): (usize, &OsString)| match is_file(index) {
-        true => shell_word(beside(Path::new(value), REST)),
-        false => shell_word(value),
+        true if value != "-" => shell_word(beside(Path::new(value), REST)),
+        _ => shell_word(value),
     };
     std::iter::once(shell_word(word)).chain(values.iter().enumerate().map(value)).collect()
 }
@@ -90,6 +90,7 @@ mod tests {
                 "rt -region 1 2 3 4 -shadows -compare a.tga -tolerance 0 0 -cost_map rays c.tga -output o.tga",
                 "rt -shadows -output o.rest.tga",
             ),
+            ("rt -output - tga -normals n png", "rt -output - tga -normals n.rest png"),
             ("rt -render_filter f.tga 3 -stats -input s.txt -grid auto", "rt -stats -input s.txt -grid auto"),
         ] {
             let words: Vec<&str> = line.split(' ').collect();

@@ -90,6 +90,7 @@ impl Rows {
         let read = match format {
             Format::Tga => tga(source),
             Format::Png => png(source),
+            Format::Pfm | Format::Exr => Ok(None),
         };
         match read {
             Ok(Some((size, comment, decoder))) => Ok((Self { path, size, decoder }, comment)),

@@ -3,6 +3,7 @@
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
 use super::error::ImageError;
+use super::float_rows::{Content, Exceptional, FloatRows};
 use super::output::Target;
 use super::part::{MAX_TEXT, Part};
 use super::part_file::Rows;
@@ -34,13 +35,16 @@ pub struct PictureWriter {
     rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
-    nans: u64,
+    /// How many colours have become black because they have a NaN.
+    black: u64,
 }
 
 enum Encoder {
     /// The rows follow the header uncompressed, with blue first.
     Tga,
     Png(Box<png::StreamWriter<'static, Shared>>),
+    /// PFM or OpenEXR.
+    Floats(FloatRows),
 }
 
 /// The spool. It is shared, because the PNG encoder owns what it writes to.
@@ -71,9 +75,11 @@ impl PictureWriter {
         format: Format,
         target: Target,
         size: [usize; 2],
+        content: Content,
         part: Option<&Part>,
     ) -> Result<Self, ImageError> {
-        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS);
+        let bytes = if format.is_float() { size_of::<f32>() } else { 1 };
+        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS * bytes);
         let spool = Shared(Arc::new(Mutex::new(Spool::new(
             target.folder(),
             uncompressed.saturating_add(TGA_HEADER + MAX_TEXT),
@@ -89,27 +95,47 @@ impl PictureWriter {
             Format::Png => png_encoder(spool.clone(), size, part)
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
+            Format::Pfm | Format::Exr => {
+                let [width, height] = size;
+                let rows = FloatRows::new(format == Format::Pfm, content, size, part);
+                let rows = rows.ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                let header = rows.header();
+                if format == Format::Pfm {
+                    spool.spool().reverse_rows(header.len(), rows.row_length());
+                }
+                let written = spool.clone().write_all(&header);
+                written.map_err(|error| ImageError::io("write", &path, error))?;
+                Encoder::Floats(rows)
+            }
         };
-        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), nans: 0 })
+        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), black: 0 })
     }
 
-    /// How many of the colours so far are not numbers.
-    pub fn nans(&self) -> u64 {
-        self.nans
+    /// The colours so far that are not shown as they are.
+    pub fn exceptional(&self) -> Exceptional {
+        match &self.encoder {
+            Encoder::Floats(rows) => rows.exceptional,
+            Encoder::Tga | Encoder::Png(_) => Exceptional { black: self.black, ..Exceptional::default() },
+        }
     }
 
     /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
         self.bytes.resize(colors.len() * CHANNELS, 0);
-        self.nans += match self.encoder {
-            Encoder::Tga => truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
-            Encoder::Png(_) => truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
-        };
+        match &mut self.encoder {
+            Encoder::Tga => self.black += truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
+            Encoder::Png(_) => self.black += truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+            Encoder::Floats(rows) => rows.encode(colors, &mut self.bytes),
+        }
         self.encode()
     }
 
-    /// Adds the next row from the top, given as bytes of red, green and blue.
+    /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of floating-point
+    /// numbers.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
+        if let Encoder::Floats(_) = self.encoder {
+            return Err(ImageError::OnlyBytes { path: self.path.clone() });
+        }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
         if let Encoder::Tga = self.encoder {
@@ -121,16 +147,18 @@ impl PictureWriter {
     fn encode(&mut self) -> Result<(), ImageError> {
         self.rows += 1;
         let written = match &mut self.encoder {
-            Encoder::Tga => self.spool.write_all(&self.bytes),
+            Encoder::Tga | Encoder::Floats(_) => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
         };
         written.map_err(|error| ImageError::io("write", &self.path, error))
     }
 
     /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
-    /// file; none if there are no rows, or if the picture does not go to a regular file.
+    /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or if it
+    /// has floating-point numbers, which are not put together.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
-        if self.rows == 0 || !matches!(self.target, Target::Replace { .. }) {
+        let has_parts = !self.format.is_float() && Format::of(&self.path) == Some(self.format);
+        if self.rows == 0 || !has_parts || !matches!(self.target, Target::Replace { .. }) {
             return Ok(None);
         }
         let failed = |path: &Path, error| ImageError::io("write", path, error);
@@ -154,11 +182,10 @@ impl PictureWriter {
     }
 
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
-    /// Returns the number of colours with a NaN.
-    pub fn finish(self) -> Result<u64, ImageError> {
-        let (path, nans) = (self.path.clone(), self.nans);
+    pub fn finish(self) -> Result<(), ImageError> {
+        let path = self.path.clone();
         let written = self.end().and_then(|(spool, target)| target.fill(spool));
-        written.map_err(|error| ImageError::io("write", &path, error)).map(|()| nans)
+        written.map_err(|error| ImageError::io("write", &path, error))
     }
 
     /// Ends the encoding.

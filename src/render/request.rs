@@ -118,12 +118,12 @@ impl Request {
 
     /// Whether depths or normals at the pixels' centres are needed, whatever the positions of the samples.
     pub(super) fn measures(&self) -> bool {
-        self.layers.iter().any(|layer| matches!(layer, Layer::Depth { .. } | Layer::Normals))
+        self.layers.iter().any(|layer| layer.has_depth() || layer.has_normals())
     }
 
     /// Whether the surfaces at the pixels' centres are needed for a layer.
     pub(super) fn has_normals(&self) -> bool {
-        self.layers.contains(&Layer::Normals)
+        self.layers.iter().any(|layer| layer.has_normals())
     }
 
     /// Whether colours are traced along the rays through the pixels' centres.

@@ -17,6 +17,7 @@ mod parse_camera;
 mod parse_light;
 mod parse_material;
 mod parse_object;
+mod parse_primitive;
 pub mod parser;
 mod plain_obj;
 mod reader;

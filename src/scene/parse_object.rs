@@ -1,14 +1,14 @@
 //! Reads groups and the objects in them, without recursion, so that any depth of nesting works.
 
 use super::error::{Problem, SceneError};
-use super::limits::SMALLEST_RADIUS;
 use super::list::Announced;
 use super::material::{Material, Phong};
 use super::parse_material::{PHONG_KINDS, parse_phong};
+use super::parse_primitive::{parse_box, parse_plane, parse_sphere, parse_triangle};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use std::collections::HashMap;
 
 /// The keywords of objects.
@@ -337,32 +337,4 @@ fn unsupported_grid(reader: &Reader<'_>) -> SceneError {
     let word = reader.peek();
     SceneError::new(word.at, Problem::Unsupported { word: word.text.into() })
         .with_hint("the 2003 edition's voxel grid; the grid that speeds up rays is a command-line option")
-}
-
-fn parse_sphere(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let center = reader.vector_field("center")?;
-    reader.keyword("radius")?;
-    let rule = "must be positive, and at least 1e-100";
-    let radius = reader.number_that("radius", rule, |radius| radius >= SMALLEST_RADIUS)?;
-    Ok(Object::Sphere { center, radius, material })
-}
-
-fn parse_plane(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let normal = reader.direction_field("normal")?;
-    let offset = reader.number_field("offset")?;
-    Ok(Object::Plane { normal, offset, material })
-}
-
-fn parse_triangle(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let vertices =
-        [reader.vector_field("vertex0")?, reader.vector_field("vertex1")?, reader.vector_field("vertex2")?];
-    Ok(Object::Triangle { vertices, material })
-}
-
-fn parse_box(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let min = reader.vector_field("min")?;
-    reader.keyword("max")?;
-    let mut number_from = |min| reader.number_that("max", "must not be below `min`", |number| number >= min);
-    let max = DVec3::new(number_from(min.x)?, number_from(min.y)?, number_from(min.z)?);
-    Ok(Object::Box { min, max, material })
 }

@@ -140,7 +140,9 @@ impl Blocks {
         }
         let errors = reader.findings.errors.len();
         let materials = parse_materials(reader);
-        self.tree.knows_materials = materials.is_ok() && reader.findings.errors.len() == errors;
+        let is_short = |error: &SceneError| matches!(error.problem, Problem::TooFew { .. });
+        self.tree.knows_materials =
+            materials.is_ok() && !reader.findings.errors[errors..].iter().any(is_short);
         self.tree.declare(materials?);
         Ok(())
     }

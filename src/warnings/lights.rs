@@ -84,7 +84,7 @@ fn is_too_far(position: DVec3, color: Color, attenuation: [f64; 3], world: &Worl
         Material::Phong(phong) => (phong.diffuse.abs() + phong.specular.abs()).max_element(),
         Material::Texture(_) => 0.0,
     };
-    let brightest = world.materials.iter().map(brightness).fold(0.0, f64::max);
+    let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
     color.abs().max_element() * factor * brightest < QUARTER_LEVEL
 }
 

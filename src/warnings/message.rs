@@ -51,7 +51,8 @@ impl Warning {
             | Self::IdleLight { at, .. }
             | Self::ManyRays { at, .. }
             | Self::NothingVisible { at, .. } => *at,
-            Self::NoLights | Self::NoPicture | Self::IdleBounces { .. } | Self::NotNumbers { .. } => None,
+            Self::NoLights | Self::NoPicture | Self::IdleBounces { .. } => None,
+            Self::NotNumbers { .. } | Self::NanInFile { .. } | Self::BeyondSingle { .. } => None,
         }
     }
 
@@ -79,6 +80,10 @@ impl Warning {
             Self::NotNumbers { pixels: 1 } => "the colour of 1 pixel is not a number; it is black".into(),
             Self::NotNumbers { pixels } => {
                 format!("the colours of {pixels} pixels are not numbers; they are black")
+            }
+            Self::NanInFile { pixels } => format!("pixels that are not numbers, also in the file: {pixels}"),
+            Self::BeyondSingle { pixels } => {
+                format!("pixels beyond single precision, infinite or 0 in the file: {pixels}")
             }
         }
     }

@@ -68,8 +68,18 @@ pub enum Warning {
         /// The reason, if it can be told.
         sight: Sight,
     },
-    /// Pixels whose colours are not numbers.
+    /// Pixels whose colours are not numbers, and are black.
     NotNumbers {
+        /// How many there are.
+        pixels: u64,
+    },
+    /// Pixels whose colours are not numbers, in a file that holds such.
+    NanInFile {
+        /// How many there are.
+        pixels: u64,
+    },
+    /// Pixels with numbers that a file of single precision does not hold.
+    BeyondSingle {
         /// How many there are.
         pixels: u64,
     },

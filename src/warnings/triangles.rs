@@ -4,12 +4,13 @@ use super::{Warning, known};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// One warning for the triangles in the text of a scene, at the first of them, and one for each mesh. `meshes`
 /// are those that the scene names, in its order.
 pub fn without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Warning> {
     let is_flat_object =
-        |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(*vertices));
+        |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
     let mut own = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id]));
     let first = own.next();
     let own = first.map(|id| Warning::FlatTriangles {
@@ -27,15 +28,18 @@ pub fn without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Warning> {
 }
 
 fn flat_count(mesh: &Mesh) -> usize {
-    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| mesh.vertices[vertex as usize]);
-    mesh.triangles.iter().filter(|triangle| is_flat(corners(triangle))).count()
+    /// The number of triangles that are worth another thread.
+    const PART: usize = 1 << 15;
+    let vertex = |id: u32| &mesh.vertices[id as usize];
+    let count = |part: &[[u32; 3]]| part.iter().filter(|ids| is_flat(ids.map(vertex))).count();
+    mesh.triangles.par_chunks(PART).map(count).sum()
 }
 
-/// Whether the area is zero. One coordinate of the normal tells most triangles that have one.
-#[inline]
-fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
-    let (u, v) = (b - a, c - a);
-    u.x * v.y == u.y * v.x && has_no_normal(u, v)
+/// Whether the area is zero. One coordinate of the normal tells most triangles that have an area, so only that one
+/// is computed of them.
+#[inline(always)]
+fn is_flat([a, b, c]: [&DVec3; 3]) -> bool {
+    (b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x) && has_no_normal(*b - *a, *c - *a)
 }
 
 /// Whether the cross product of two differences of corners is exactly zero.
@@ -64,7 +68,7 @@ mod tests {
     use super::*;
 
     fn flat(corners: [[f64; 3]; 3]) -> bool {
-        is_flat(corners.map(DVec3::from_array))
+        is_flat(corners.map(DVec3::from_array).each_ref())
     }
 
     #[test]

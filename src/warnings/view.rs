@@ -3,14 +3,14 @@
 use super::{Warning, known};
 use crate::math::robust::unit;
 use crate::mode::Mode;
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Watch};
 use crate::renderer::Prepared;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
 use crate::stats::Quiet;
+use crate::world::World;
 use glam::DVec3;
 use std::fmt;
-use std::ops::ControlFlow;
 
 /// Where the scene is, if no ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,22 +68,29 @@ fn short(x: f64) -> String {
 
 /// A warning if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture,
 /// or else until the first row of pixels with a hit, so it is only asked of a picture that shows nothing but
-/// the background.
+/// the background. If `watch` ends it there is no warning.
 pub fn nothing_visible<M: Mode>(
     prepared: &Prepared<'_, M>,
     request: &Request,
     places: &Places,
+    watch: Watch,
 ) -> Option<Warning> {
+    let at = known(Some(&places.camera));
+    if is_empty(prepared.renderer().world()) {
+        return Some(Warning::NothingVisible { at, sight: Sight::Empty });
+    }
     let centers =
         Request { layers: vec![Layer::Normals], camera: request.camera, ..Request::new(request.size) };
-    let goes_on = |_| ControlFlow::Continue(());
     // Normals have unit length, and where nothing is hit the picture is black.
     let mut take_row = |_: usize, row: &[Color]| {
         if row.iter().all(|&color| color == Color::ZERO) { Ok(()) } else { Err(()) }
     };
-    let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, &goes_on, &mut take_row).is_ok();
-    let at = known(Some(&places.camera));
+    let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, watch, &mut take_row).is_ok();
     sees_nothing.then(|| Warning::NothingVisible { at, sight: sight(prepared, &centers) })
+}
+
+fn is_empty(world: &World) -> bool {
+    world.finite_count() == 0 && world.planes.is_empty()
 }
 
 /// Why nothing is seen, as far as the bounds of the objects tell.
@@ -91,7 +98,7 @@ fn sight<M: Mode>(prepared: &Prepared<'_, M>, request: &Request) -> Sight {
     let renderer = prepared.renderer();
     let world = renderer.world();
     let Some(bounds) = renderer.bounds().filter(|_| world.planes.is_empty()) else {
-        return if world.planes.is_empty() { Sight::Empty } else { Sight::Unknown };
+        return Sight::Unknown;
     };
     let camera = request.camera.unwrap_or(renderer.scene.camera);
     Screen::new(&camera, request.size).sight(bounds.corners(), (bounds.min + bounds.max) / 2.0)

@@ -115,7 +115,10 @@ fn names_that_are_not_utf_8_are_shown_as_well_as_json_can() {
     let run = finish(&mut program(folder.path(), words.into_iter().chain([name]))).ok();
     let found: Value = serde_json::from_str(&run.stdout).expect("a document");
     assert_eq!(found["written"], json!(["a\u{fffd}\n.png"]));
-    assert_eq!(found["options"]["outputs"], json!([{ "kind": "color", "file": "a\u{fffd}\n.png" }]));
+    assert_eq!(
+        found["options"]["outputs"],
+        json!([{ "kind": "color", "file": "a\u{fffd}\n.png", "format": "png" }])
+    );
 }
 
 #[test]
@@ -167,9 +170,21 @@ fn the_options_are_the_checked_values() {
         (
             "-depth 1 2.5 d.png",
             "outputs",
-            json!([{ "kind": "depth", "near": 1.0, "far": 2.5, "file": "d.png" }]),
+            json!([{ "kind": "depth", "near": 1.0, "far": 2.5, "file": "d.png", "format": "png" }]),
         ),
-        ("-cost_map tests c.png", "outputs", json!([{ "kind": "cost", "cost": "tests", "file": "c.png" }])),
+        (
+            "-depth 1 2.5 d.exr -normals n.pfm",
+            "outputs",
+            json!([
+                { "kind": "distance", "file": "d.exr", "format": "exr" },
+                { "kind": "signed_normals", "file": "n.pfm", "format": "pfm" },
+            ]),
+        ),
+        (
+            "-cost_map tests c.png",
+            "outputs",
+            json!([{ "kind": "cost", "cost": "tests", "file": "c.png", "format": "png" }]),
+        ),
         (
             "-transparent_shadows -shade_back -bounces 2 -weight .125",
             "effects",
