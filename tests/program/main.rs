@@ -16,6 +16,7 @@ mod distinct_files;
 mod documents;
 mod error_report;
 mod floats;
+mod farm;
 mod grade;
 mod image_files;
 mod json;
