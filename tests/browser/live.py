@@ -327,7 +327,7 @@ def check_rabbit(program, browser, folder, shot):
         page.settle()
         page.drag([(0, 0), (30, 8), (60, 16)])
         page.check_pixels("the rabbit turned")
-        shot("rabbit.png")
+        shot("turned.png")
     finally:
         page.close()
 
