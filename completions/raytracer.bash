@@ -28,7 +28,7 @@ _raytracer() {
     if [[ $current != -[a-zA-Z]* ]]; then
         case $flag:$count in
             input:0) _raytracer_files "$current" txt; return ;;
-            output:0) _raytracer_files "$current" tga png; return ;;
+            output:0) _raytracer_files "$current" tga png pfm exr; return ;;
             size:0) return ;;
             size:1) return ;;
             region:0) return ;;
@@ -38,8 +38,8 @@ _raytracer() {
             merge:*) _raytracer_files "$current" tga png; return ;;
             depth:0) return ;;
             depth:1) return ;;
-            depth:2) _raytracer_files "$current" tga png; return ;;
-            normals:0 | normal:0) _raytracer_files "$current" tga png; return ;;
+            depth:2) _raytracer_files "$current" tga png pfm exr; return ;;
+            normals:0 | normal:0) _raytracer_files "$current" tga png pfm exr; return ;;
             bounces:0) return ;;
             weight:0) return ;;
             random_samples:0) return ;;
@@ -52,15 +52,15 @@ _raytracer() {
             tent_filter:0) return ;;
             gaussian_filter:0) return ;;
             mitchell_filter:0) return ;;
-            render_samples:0) _raytracer_files "$current" tga png; return ;;
+            render_samples:0) _raytracer_files "$current" tga png pfm exr; return ;;
             render_samples:1) return ;;
-            render_filter:0) _raytracer_files "$current" tga png; return ;;
+            render_filter:0) _raytracer_files "$current" tga png pfm exr; return ;;
             render_filter:1) return ;;
             grid:0) COMPREPLY=($(compgen -W 'auto none' -- "$current")); return ;;
             grid:1) return ;;
             grid:2) return ;;
-            compare:0) _raytracer_files "$current" tga png; return ;;
-            reference:0) _raytracer_files "$current" tga png; return ;;
+            compare:0) _raytracer_files "$current" tga png pfm exr; return ;;
+            reference:0) _raytracer_files "$current" tga png pfm exr; return ;;
             difference:0) _raytracer_files "$current" tga png; return ;;
             tolerance:0) return ;;
             tolerance:1) return ;;

@@ -8,7 +8,7 @@ const MAX_FILES: usize = 10_000;
 /// The longest name that is compared, in bytes, which bounds the time.
 const MAX_LENGTH: usize = 255;
 
-/// The file in the folder of `path` with the nearest name and the same extension, if a third of the name or
+/// The file in the folder of `path` with the nearest name and the same extension (or `.txt` for none), if a third of the name or
 /// less differs or if it only lacks its end. If there is none, and `path` is a bare name, it is looked for in
 /// the folders of the working directory.
 pub fn nearest_file(path: &Path) -> Option<PathBuf> {
@@ -37,7 +37,8 @@ fn names_in(folder: &Path) -> Vec<String> {
 /// How far two names are from each other, if they may have been confused.
 fn distance(name: &str, other: &str) -> Option<usize> {
     let ((stem, extension), (other_stem, other_extension)) = (parts(name), parts(other));
-    if extension != other_extension || other.len() > MAX_LENGTH {
+    let is_of_kind = extension == other_extension || (extension.is_empty() && other_extension == "txt");
+    if !is_of_kind || other.len() > MAX_LENGTH {
         return None;
     }
     const LEAST_START: usize = 4;
@@ -66,6 +67,8 @@ mod tests {
             ("scene6_01.txt", "scene6_01_sphere.txt", Some(0)),
             ("Scene.TXT", "scene.txt", Some(0)),
             ("scene.txt", "scene.obj", None),
+            ("scene", "scene.txt", Some(0)),
+            ("scene", "scene.obj", None),
             ("a.txt", "b.txt", Some(1)),
             ("ab.txt", "xy.txt", None),
             ("s.txt", "scene.txt", None),

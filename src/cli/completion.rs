@@ -15,7 +15,9 @@ pub(super) enum Offer {
     Nothing,
 }
 
-const PICTURES: &[&str] = &["tga", "png"];
+/// Pictures of bytes, and those of all formats.
+const BYTES: &[&str] = &["tga", "png"];
+const PICTURES: &[&str] = &["tga", "png", "pfm", "exr"];
 
 /// What is offered for the value of a flag with this index.
 pub(super) fn offer(flag: &Flag, index: usize) -> Offer {
@@ -26,7 +28,8 @@ pub(super) fn offer(flag: &Flag, index: usize) -> Offer {
         ("grid", "nx") => Offer::Words(vec!["auto", "none"]),
         ("cost_map", "kind") => Offer::Words(vec!["rays", "tests", "cells"]),
         ("help", _) => Offer::Words(FLAGS.iter().map(|flag| flag.name).collect()),
-        (_, "file" | "files...") => Offer::Files(PICTURES),
+        ("merge" | "difference" | "cost_map", _) => Offer::Files(BYTES),
+        (_, "file") => Offer::Files(PICTURES),
         (_, "folder") => Offer::Folders,
         _ => Offer::Nothing,
     }

@@ -165,7 +165,8 @@ mod tests {
             if flag.values.is_empty() {
                 assert_eq!(notes.example, "", "-{}", flag.name);
                 assert!(
-                    notes.default != "" || ["gui", "gouraud", "no_shadows", "version"].contains(&flag.name)
+                    !notes.default.is_empty()
+                        || ["gui", "gouraud", "no_shadows", "version"].contains(&flag.name)
                 );
             } else {
                 let mut words = notes.example.split(' ');

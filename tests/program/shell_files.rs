@@ -30,7 +30,7 @@ fn output(program: &str, arguments: &[&str], folder: &Path) -> Option<String> {
 /// A folder with files and folders to choose from.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["one.txt", "two words.txt", "p.tga", "q.png", "other.c", "r.json"] {
+    for name in ["one.txt", "two words.txt", "p.tga", "q.png", "other.c", "r.json", "s.exr"] {
         fs::write(folder.path().join(name), "").expect("a file");
     }
     fs::create_dir(folder.path().join("scenes")).expect("a folder");
@@ -42,9 +42,10 @@ const TYPED: &[(&[&str], &[&str])] = &[
     (&["-siz"], &["-size"]),
     (&["-input", "one.txt", "-shad"], &["-shade_back", "-shadows"]),
     (&["-input", ""], &["one.txt", "scenes", "two words.txt"]),
-    (&["-size", "3", "4", "-output", ""], &["p.tga", "q.png", "scenes"]),
-    (&["-depth", "-2", ".5", ""], &["p.tga", "q.png", "scenes"]),
-    (&["-merge", "p.tga", "q"], &["q.png"]),
+    (&["-size", "3", "4", "-output", ""], &["p.tga", "q.png", "s.exr", "scenes"]),
+    (&["-depth", "-2", ".5", ""], &["p.tga", "q.png", "s.exr", "scenes"]),
+    (&["-compare", "s"], &["s.exr", "scenes"]),
+    (&["-merge", "p.tga", ""], &["p.tga", "q.png", "scenes"]),
     (&["-grid", ""], &["auto", "none"]),
     (&["-cost_map", ""], &["cells", "rays", "tests"]),
     (&["-grade", ""], &["scenes"]),
