@@ -47,8 +47,7 @@ pub(super) fn of(flag: &Flag) -> Notes {
         "size" => Notes::new("100 100", "-size 200 200").details(
             "The longer side spans the camera's view, which the shorter side crops around the middle. The form 200x200 is understood too.",
         ),
-        "region" => Notes::new("the whole picture", "-region 0 0 200 100")
-            .with("-input scene.txt -output top.png -size 200 200"),
+        "region" => Notes::new("the whole picture", "-region 0 0 100 50"),
         "merge" => Notes::new("", "-merge top.png bottom.png").with("-output whole.png"),
         "depth" => Notes::new("none", "-depth 8 20 depth.png").with("-input scene.txt"),
         "normals" => Notes::new("none", "-normals normals.png").with("-input scene.txt"),

@@ -8,6 +8,7 @@ mod row;
 mod sample_packet;
 mod spare;
 mod strip;
+mod tally;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
@@ -26,7 +27,8 @@ use spare::Spare;
 use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
-use strip::{Strip, Tally};
+use strip::Strip;
+use tally::Tally;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,13 +4,13 @@
 //! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced
 //! as well, so that the strip's pixels are those of the whole picture.
 
-use super::Progress;
 use super::layer::Layer;
 use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
 use super::spare::Spare;
-use super::{Stopped, TakeRow, Watch};
+use super::tally::{Tally, in_parallel};
+use super::{Stopped, TakeRow};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::sampling::film::Film;
@@ -18,8 +18,6 @@ use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use crate::trace::Observer;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
 const MEMORY: usize = 48 << 20;
@@ -39,64 +37,10 @@ const ROWS_PER_SUPPORT: usize = 64;
 /// their colours, whose memory is used again, stay in the cache, and so many that threads seldom wait for each other.
 const ROWS_PER_THREAD: usize = 64;
 
-/// Counts the rows that have been traced, and records whether the watch has cancelled the render.
-pub struct Tally<'a> {
-    rows: usize,
-    done: AtomicUsize,
-    /// The rays that have been cast, if the probe counts them.
-    rays: AtomicU64,
-    is_cancelled: AtomicBool,
-    watch: Watch<'a>,
-}
-
-impl<'a> Tally<'a> {
-    pub fn new(rows: usize, watch: Watch<'a>) -> Self {
-        let (done, rays, is_cancelled) = Default::default();
-        Self { rows, done, rays, is_cancelled, watch }
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
-    }
-
-    fn row_is_done(&self, rays: u64) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
-        if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
-            self.is_cancelled.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a, M> {
     setting: &'a Setting<'a, M>,
     pub rows: Range<usize>,
-}
-
-/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top, so
-/// that what is done until the render is cancelled are the topmost rows; the other results are none.
-fn in_parallel<T: Send>(
-    rows: Range<usize>,
-    tally: &Tally,
-    work: impl Fn(usize) -> T + Sync,
-) -> Vec<Option<T>> {
-    let (taken, done) = (AtomicUsize::new(0), Mutex::new(Vec::from_iter(rows.clone().map(|_| None))));
-    let take_rows = || {
-        let mut own = Vec::new();
-        while !tally.is_cancelled() {
-            let from_top = taken.fetch_add(1, Ordering::Relaxed);
-            let Some(index) = rows.len().checked_sub(from_top + 1) else { break };
-            own.push((index, work(rows.start + index)));
-        }
-        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-        own.into_iter().for_each(|(index, result)| done[index] = Some(result));
-    };
-    rayon::scope(|scope| {
-        (1..rayon::current_num_threads().min(rows.len())).for_each(|_| scope.spawn(|_| take_rows()));
-        take_rows();
-    });
-    done.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Rows that are ready to be handed out.

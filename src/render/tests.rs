@@ -7,7 +7,7 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
-use crate::stats::{Counts, Probe, Quiet};
+use crate::stats::{Counts, Probe, Quiet, RayCount};
 use crate::world::World;
 use std::sync::Mutex;
 
@@ -251,6 +251,20 @@ fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
 }
 
 #[test]
+fn the_progress_tells_the_rays_that_are_counted() {
+    let request = Request { sampler: jittered(3), layers: vec![Layer::Color], ..Request::new([5, 40]) };
+    let told = Mutex::new(vec![]);
+    let watch = |progress: Progress| {
+        told.lock().unwrap().push((progress.done, progress.rays));
+        ControlFlow::Continue(())
+    };
+    let mut take_row = |_: usize, _: &[Color]| -> Result<(), Infallible> { Ok(()) };
+    render_scene::<RayCount, _>(&scene(""), &request, &watch, &mut take_row).unwrap();
+    let last = told.into_inner().unwrap().into_iter().max();
+    assert_eq!(last, Some((40, 5 * 40 * 3)));
+}
+
+#[test]
 fn a_row_that_is_not_taken_ends_the_render() {
     let layers = vec![Layer::Samples { zoom: 2 }, Layer::Filter { zoom: 2 }, Layer::Color];
     let request = Request { layers, ..Request::new([3, 4]) };
@@ -285,6 +299,8 @@ fn the_counts_of_every_strip_are_added_up_once() {
         let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
         let (result, _) = rows::<Counts>(&scene(""), &request, usize::MAX);
         assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 30 * samples);
+        let (rays, _) = rows::<RayCount>(&scene(""), &request, usize::MAX);
+        assert_eq!(rays.unwrap().counts().rays(), 40 * 30 * samples);
         // Where the filter reaches beyond a window, samples around it are traced but only its rows count.
         let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
         let (result, _) = rows::<Counts>(&scene(""), &Request { window, ..request }, usize::MAX);

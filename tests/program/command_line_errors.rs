@@ -91,7 +91,7 @@ const FAULTS: &[(&str, &str)] = &[
         "-input s.txt -grid 2147483647 2147483647 2147483647",
         "`-grid`: 2147483647 x 2147483647 x 2147483647 cells are too many, 2147483647 is the most",
     ),
-    ("-input s.txt -region 1 2 3", "`-region` takes 4 values, as in `-region 0 0 200 100`; 3 given"),
+    ("-input s.txt -region 1 2 3", "`-region` takes 4 values, as in `-region 0 0 100 50`; 3 given"),
     ("-input s.txt -region 1 2 3 x", "`-region`: `x` is not a whole number"),
     ("-input s.txt -region -1 2 3 4", "`-region`: `-1` is not between 0 and 65534"),
     ("-input s.txt -region 1 65535 3 4", "`-region`: `65535` is not between 0 and 65534"),

@@ -1,5 +1,5 @@
 //! Tests of the program from outside: command lines, scenes and their errors, files, statistics, and the
-//! commands of the README.
+//! documents.
 
 mod broken_rules;
 mod causes;
@@ -9,16 +9,21 @@ mod comparison;
 mod cost_map;
 mod command_line_errors;
 mod course;
+mod course_page;
 #[cfg(unix)]
 mod distinct_files;
+#[cfg(unix)]
+mod documents;
 mod error_report;
 mod floats;
+mod farm;
 mod grade;
 mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
 mod malformed_scenes;
+mod markdown;
 mod partial_causes;
 mod pipes;
 mod pixel;

@@ -144,7 +144,11 @@ fn progress_is_for_terminals_and_for_those_who_ask() {
     // Long enough for a terminal, on most machines; not for a line of its own elsewhere.
     for flags in ["", "-progress", "-quiet"] {
         let run =
-            folder.run(&format!("-input s.txt -output o.tga -size 20 2000 -random_samples 200 {flags}")).ok();
-        assert!(run.stderr.lines().all(|line| line.starts_with("rendering ") && flags == "-progress"));
+            folder.run(&format!("-input s.txt -size 20 2000 -random_samples 200 -output o.tga {flags}")).ok();
+        assert!(
+            run.stderr.lines().all(|line| line.starts_with("rendering ") && flags == "-progress"),
+            "{}",
+            run.stderr
+        );
     }
 }
