@@ -22,6 +22,12 @@ mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
+#[cfg(feature = "gui")]
+mod live;
+#[cfg(feature = "gui")]
+mod live_scenes;
+#[cfg(feature = "gui")]
+mod live_server;
 mod malformed_scenes;
 mod markdown;
 mod partial_causes;
