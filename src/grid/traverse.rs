@@ -24,6 +24,7 @@ pub(crate) trait TraversalKernel: Kernel {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     );
@@ -34,10 +35,11 @@ impl TraversalKernel for Portable {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
-        structure.traverse::<_, M, P, ANY>(self, query, probe);
+        structure.traverse::<_, M, P, ANY>(self, blocks, query, probe);
     }
 }
 
@@ -47,11 +49,12 @@ impl TraversalKernel for Avx2 {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { traverse_avx2::<M, P, ANY>(self, structure, query, probe) }
+        unsafe { traverse_avx2::<M, P, ANY>(self, structure, blocks, query, probe) }
     }
 }
 
@@ -61,10 +64,11 @@ impl TraversalKernel for Avx2 {
 fn traverse_avx2<M: Mode, P: Probe, const ANY: bool>(
     avx2: Avx2,
     structure: &AccelerationStructure,
+    blocks: &[Block],
     query: &mut RayQuery,
     probe: &mut P,
 ) {
-    structure.traverse::<_, M, P, ANY>(avx2, query, probe);
+    structure.traverse::<_, M, P, ANY>(avx2, blocks, query, probe);
 }
 
 /// How a ray enters a structure.
@@ -79,16 +83,17 @@ pub enum Entry<F> {
 }
 
 impl AccelerationStructure {
-    /// Looks for a nearer hit in a structure.
+    /// Looks for a nearer hit in a structure, whose blocks are the first of these.
     #[inline(always)]
     fn traverse<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
         let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t_bound);
-        self.run::<K, M, P, ANY>(kernel, &ray_entry, query, probe);
+        self.run::<K, M, P, ANY>(kernel, &ray_entry, blocks, query, probe);
     }
 
     /// How the ray, up to t = `last`, enters the structure.
@@ -107,6 +112,7 @@ impl AccelerationStructure {
         &self,
         kernel: K,
         ray_entry: &Entry<K::F64x4>,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
@@ -120,7 +126,6 @@ impl AccelerationStructure {
                 return probe.intersections(untested);
             }
         };
-        let blocks = self.cells.blocks.as_slice();
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.best.t_bound);
         match &self.table {
             Some(table) => {
@@ -134,7 +139,8 @@ impl AccelerationStructure {
                 );
             }
             None => {
-                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, blocks, &mut filter_state, probe);
+                let own = &blocks[..self.cells.block_count()];
+                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, &mut filter_state, probe);
             }
         }
     }
@@ -170,7 +176,7 @@ impl AccelerationStructure {
                     let own = CellContents::blocks_of(blocks, entry);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
                 } else if entry != BORDER {
-                    self.test_nested::<K, M, P, ANY>(kernel, entry, filter_state, query, probe)
+                    self.test_nested::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe)
                 } else {
                     return;
                 };
@@ -197,6 +203,7 @@ impl AccelerationStructure {
         &self,
         kernel: K,
         entry: u32,
+        blocks: &[Block],
         filter_state: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
@@ -204,7 +211,8 @@ impl AccelerationStructure {
         let before = query.best;
         let nested = &self.nested[(entry - NESTED) as usize];
         for structure in nested.spanning.iter().chain([&nested.grid]) {
-            kernel.traverse::<M, P, ANY>(structure, query, probe);
+            let own = &blocks[structure.cells.first_block..];
+            kernel.traverse::<M, P, ANY>(structure, own, query, probe);
             if ANY && query.best != before {
                 return true;
             }
