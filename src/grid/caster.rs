@@ -155,7 +155,7 @@ impl<'w, M: Mode> Caster<'w, M> {
             return query.best;
         }
         if let Some(structure) = structure {
-            structure.run::<K, M, P, ANY>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
+            structure.run::<K, M, P, ANY, false>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
         }
         query.best
     }

@@ -12,6 +12,7 @@ use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
+use crate::math::prefetch::prefetch;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
 use crate::mode::Mode;
@@ -93,7 +94,7 @@ impl AccelerationStructure {
         probe: &mut P,
     ) {
         let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t_bound);
-        self.run::<K, M, P, ANY>(kernel, &ray_entry, blocks, query, probe);
+        self.run::<K, M, P, ANY, true>(kernel, &ray_entry, blocks, query, probe);
     }
 
     /// How the ray, up to t = `last`, enters the structure.
@@ -108,7 +109,7 @@ impl AccelerationStructure {
 
     /// The same as [`traverse`](Self::traverse), for a ray that enters the structure in this way.
     #[inline(always)]
-    pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+    pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool, const IS_NESTED: bool>(
         &self,
         kernel: K,
         ray_entry: &Entry<K::F64x4>,
@@ -128,6 +129,16 @@ impl AccelerationStructure {
         };
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.best.t_bound);
         match &self.table {
+            Some(table) if IS_NESTED && !M::AS_COURSE => {
+                self.look_ahead::<K, M, P, ANY>(
+                    kernel,
+                    table.cursor(&interval),
+                    blocks,
+                    &mut filter_state,
+                    query,
+                    probe,
+                );
+            }
             Some(table) => {
                 self.traverse_cells::<K, M, P, ANY>(
                     kernel,
@@ -194,6 +205,62 @@ impl AccelerationStructure {
             if P::COUNTS {
                 (unstepped.count_ones()..3).for_each(|_| probe.cell());
             }
+        }
+    }
+
+    /// The same for a grid in a crowded cell. Before a cell is tested, the first block of the next one is prefetched,
+    /// since such a grid is one of so many that its blocks are often not in the cache.
+    #[inline(always)]
+    fn look_ahead<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        mut cursor: CellCursor,
+        blocks: &[Block],
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
+        let mut last_t = cursor.fixed_t(query.best.t_bound);
+        cursor.skip();
+        while cursor.entry() != BORDER {
+            let (entry, exit) = (cursor.entry(), cursor.exit());
+            let unstepped = cursor.step();
+            cursor.skip();
+            if let Some(block) = CellContents::first_block_of(blocks, cursor.entry()) {
+                prefetch(block);
+            }
+            if self.test_entry::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe) {
+                if ANY {
+                    return;
+                }
+                last_t = cursor.fixed_t(query.best.t_bound);
+            }
+            if last_t <= exit {
+                return;
+            }
+            if P::COUNTS {
+                (unstepped.count_ones()..3).for_each(|_| probe.cell());
+            }
+        }
+    }
+
+    /// Tests the contents of a cell that is neither empty nor on the border, and returns whether the best primitive
+    /// changed.
+    #[inline(always)]
+    fn test_entry<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        entry: u32,
+        blocks: &[Block],
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        if entry < NESTED {
+            let own = CellContents::blocks_of(blocks, entry);
+            query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
+        } else {
+            self.test_nested::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe)
         }
     }
 
