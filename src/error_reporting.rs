@@ -3,8 +3,9 @@
 use crate::failed;
 use crate::job::Outcome;
 use crate::progress::Progress as Line;
+use crate::threads::{self, Place};
 use cpu_time::ProcessTime;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
 use raytracer::escape::{escape, quoted, shell_word};
@@ -25,10 +26,7 @@ const INTERVAL: Duration = Duration::from_millis(200);
 /// Measures and writes. Warnings go to `tell`; an error is the message that ends the program.
 pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     let ErrorReporting { options, folder, target } = reporting;
-    let threads = |count| -> Result<ThreadPool, String> {
-        ThreadPoolBuilder::new().num_threads(count).build().map_err(failed)
-    };
-    let (many, one) = (threads(options.threads.unwrap_or(0))?, threads(1)?);
+    let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
     let ends = end_of_interrupt()?;
     // A file that cannot be written is no reason to wait for the measurements.
     let [page_file, csv_file] = prepare(folder)?;

@@ -3,6 +3,7 @@
 use crate::document::{Document, Verdict};
 use crate::failed;
 use crate::rendering::{Rendered, render};
+use crate::threads::{self, Place};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
@@ -28,10 +29,7 @@ pub struct Outcome {
 
 /// Does what the options ask for. Notes and warnings go to `tell`; an error is the message that ends the program.
 pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
-    // This thread is among them: for one thread none is started, and calls from here neither wake another nor wait.
-    let threads =
-        rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).use_current_thread();
-    let threads = Arc::new(threads.build().map_err(failed)?);
+    let threads = Arc::new(threads::pool(options.threads, Place::Here)?);
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
         told.borrow_mut().push(line.to_owned());

@@ -38,6 +38,7 @@
 
 #[doc(hidden)]
 pub mod escape;
+pub mod memory;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;

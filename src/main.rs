@@ -9,6 +9,7 @@ mod pages;
 mod products;
 mod progress;
 mod rendering;
+mod threads;
 
 use job::Outcome;
 use raytracer::cli::{self, Command};

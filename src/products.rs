@@ -3,6 +3,7 @@
 use crate::failed;
 use raytracer::explain::CostMap;
 use raytracer::image_io::{ImageError, OutputFile, PictureWriter};
+use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
@@ -38,16 +39,20 @@ impl Products {
     /// The files of the first layers of a request.
     pub fn begin(files: Vec<OutputFile>, request: &Request) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
-            Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
+            Layer::Cost(cost) => {
+                let [width, height] = request.window_size();
+                Ok(Product::Costs(file, cost, with_room(width * height).map_err(failed)?))
+            }
             _ => Ok(Product::File(Box::new(file.begin(layer.size(request.window_size())).map_err(failed)?))),
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
         Ok(Self { layers, encoding: Duration::ZERO })
     }
 
-    /// Keeps the colours of one more layer.
-    pub fn keep(&mut self) {
-        self.layers.push(Product::Kept(Vec::new()));
+    /// Keeps the colours of one more layer. `size` is the width and height of the picture in pixels.
+    pub fn keep(&mut self, [width, height]: [usize; 2]) -> Result<(), String> {
+        self.layers.push(Product::Kept(with_room(width * height * CHANNELS).map_err(failed)?));
+        Ok(())
     }
 
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {

@@ -61,7 +61,7 @@ pub fn render<M: Mode, P: Observer>(
 
     let mut products = Products::begin(files, &request)?;
     if keeps {
-        products.keep();
+        products.keep(options.size)?;
     }
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     let goes_on = |_| ControlFlow::Continue(());

@@ -1,11 +1,13 @@
 //! Reads a scene and its meshes from files.
 
+use crate::memory::NoMemory;
 use crate::scene::Scene;
 use crate::scene::error::{Problem, SceneError, located};
-use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::mesh::{Mesh, MeshError, parse_obj};
 use crate::scene::parser::parse;
 use std::fmt;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A scene with everything that it names.
@@ -45,6 +47,13 @@ pub enum LoadError {
         /// The system's reason.
         error: std::io::Error,
     },
+    /// The system has too little memory for the scene's text.
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// How much it takes.
+        refused: NoMemory,
+    },
     /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
     NotUtf8 {
         /// The file.
@@ -73,6 +82,7 @@ impl fmt::Display for LoadError {
             Self::Unreadable { path, error } => {
                 f.write_str(&located(path, "", &format!("cannot read the scene: {error}")))
             }
+            Self::Memory { path, refused } => f.write_str(&located(path, "", &refused.to_string())),
             Self::NotUtf8 { path, line, column, is_utf16 } => {
                 let hint =
                     if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };
@@ -89,7 +99,11 @@ impl fmt::Display for LoadError {
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    let bytes = fs::read(path).map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
+    let unreadable = |error| match refused(&error, path) {
+        Some(refused) => LoadError::Memory { path: path.to_owned(), refused },
+        None => LoadError::Unreadable { path: path.to_owned(), error },
+    };
+    let bytes = fs::read(path).map_err(unreadable)?;
     let text = decode(path, bytes)?;
     let source = Source { path: path.to_owned(), text };
     match parse_with_meshes(&source) {
@@ -114,12 +128,24 @@ fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
     for place in places(name, scene_directory) {
         match fs::read(&place) {
             Ok(bytes) => {
-                return parse_obj(&bytes).map_err(|error| Problem::BadMesh { file: lossy(&place), error });
+                return parse_obj(&bytes).map_err(|error| match error {
+                    MeshError::Memory(refused) => Problem::Memory(refused),
+                    error => Problem::BadMesh { file: lossy(&place), error },
+                });
             }
-            Err(error) => tried.push((lossy(&place), error.to_string())),
+            Err(error) => match refused(&error, &place) {
+                Some(refused) => return Err(Problem::Memory(refused)),
+                None => tried.push((lossy(&place), error.to_string())),
+            },
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
+}
+
+/// The refusal behind an error of reading a file, if that is what it is.
+fn refused(error: &io::Error, path: &Path) -> Option<NoMemory> {
+    let bytes = || fs::metadata(path).map_or(0, |found| found.len());
+    (error.kind() == io::ErrorKind::OutOfMemory).then(|| NoMemory { bytes: bytes() })
 }
 
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then

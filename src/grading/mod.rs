@@ -6,6 +6,7 @@ mod references;
 use crate::failed;
 use crate::job::Outcome;
 use crate::progress::Progress;
+use crate::threads::{self, Place};
 use folder::Folder;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
@@ -20,8 +21,7 @@ use std::sync::Arc;
 
 /// Compares everything with its reference. Warnings go to `tell`; an error is the message that ends the program.
 pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
-    let threads: Arc<ThreadPool> = Arc::new(threads.use_current_thread().build().map_err(failed)?);
+    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
     // A file that cannot be written is no reason to wait for the comparison.

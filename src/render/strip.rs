@@ -11,6 +11,7 @@ use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
 use super::spare::Spare;
 use super::{Stopped, TakeRow, Watch};
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::sampling::film::Film;
@@ -65,14 +66,30 @@ pub struct Strip<'a, M> {
     pub rows: Range<usize>,
 }
 
-/// Does some work for each row; none if that of any row is none.
+/// Why rows are not traced.
+enum Untraced {
+    /// The watch has cancelled the render.
+    Cancelled,
+    Memory(NoMemory),
+}
+
+impl From<NoMemory> for Untraced {
+    fn from(refused: NoMemory) -> Self {
+        Self::Memory(refused)
+    }
+}
+
+/// Does some work for each row, unless that of any row fails.
 fn in_parallel<T: Send>(
     rows: Range<usize>,
-    work: impl Fn(usize) -> Option<T> + Sync + Send,
-) -> Option<Vec<T>> {
+    work: impl Fn(usize) -> Result<T, Untraced> + Sync + Send,
+) -> Result<Vec<T>, Untraced> {
+    let mut done = memory::with_room(rows.len())?;
+    let mut all = memory::with_room(rows.len())?;
     // By default the thread pool would split the rows into a few large parts, and wait for the slowest of them.
-    let done: Vec<Option<T>> = rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(work).collect();
-    done.into_iter().collect()
+    rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(work).collect_into_vec(&mut done);
+    done.into_iter().try_for_each(|row| row.map(|row| all.push(row)))?;
+    Ok(all)
 }
 
 /// Rows that are ready to be handed out.
@@ -99,8 +116,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
         let request = self.setting.request;
         if request.support() > 0 || request.adaptive.is_some() {
-            let cancelled = self.cancelled_above(self.rows.end);
-            let finished = self.finish::<P>(tally).ok_or(cancelled)?;
+            let finished = self.finish::<P>(tally).map_err(|why| self.stopped_above(self.rows.end, why))?;
             return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
         }
         let visibility = self.visibility::<P>(self.rows.clone());
@@ -109,21 +125,25 @@ impl<'a, M: Mode> Strip<'a, M> {
             let first = end.saturating_sub(ROWS_PER_THREAD * rayon::current_num_threads());
             let rows = first.max(self.rows.start)..end;
             let part = Strip { setting: self.setting, rows: rows.clone() };
-            let mut finished = Finished { probe, rows: vec![vec![]; rows.len()] };
+            let mut finished = Finished { probe, rows: memory::filled(vec![], rows.len())? };
             let mut film = Film::starting_at(request.filter, request.size, rows.start);
-            let cancelled = self.cancelled_above(end);
+            let stopped = |why| self.stopped_above(end, why);
+            let traced = part.trace(rows.clone(), visibility.as_ref(), tally).map_err(stopped)?;
             end = rows.start;
-            for row in part.trace(rows, visibility.as_ref(), tally).ok_or(cancelled)? {
-                finished.take(row, &part, &mut film);
+            for row in traced {
+                finished.take(row, &part, &mut film)?;
             }
             probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
         }
         Ok(probe)
     }
 
-    /// The render is cancelled when the rows from `end` on have been handed out.
-    fn cancelled_above<E>(&self, end: usize) -> Stopped<E> {
-        Stopped::Cancelled { rows: self.setting.request.rows().end - end }
+    /// The render stops when the rows from `end` on have been handed out.
+    fn stopped_above<E>(&self, end: usize, why: Untraced) -> Stopped<E> {
+        match why {
+            Untraced::Cancelled => Stopped::Cancelled { rows: self.setting.request.rows().end - end },
+            Untraced::Memory(refused) => Stopped::Memory(refused),
+        }
     }
 
     /// The first hits of the rays through the centres of these rows, as far as they are known.
@@ -132,22 +152,22 @@ impl<'a, M: Mode> Strip<'a, M> {
         request.visibility::<M, P>(camera, caster, view, rows)
     }
 
-    /// Traces the strip; none if the watch cancels the render.
-    fn finish<P: Observer>(&self, tally: &Tally) -> Option<Finished<P>> {
+    /// Traces the strip.
+    fn finish<P: Observer>(&self, tally: &Tally) -> Result<Finished<P>, Untraced> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished = Finished { probe: P::default(), rows: vec![vec![]; self.rows.len()] };
+        let mut finished = Finished { probe: P::default(), rows: memory::filled(vec![], self.rows.len())? };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
             let visibility = self.visibility::<P>(rows.clone());
             for row in self.trace(rows, visibility.as_ref(), tally)? {
-                finished.take(row, self, &mut film);
+                finished.take(row, self, &mut film)?;
             }
         }
-        Some(finished)
+        Ok(finished)
     }
 
     /// The number of rows that are traced before they are added to the film: at least one for each thread.
@@ -163,7 +183,7 @@ impl<'a, M: Mode> Strip<'a, M> {
         rows: Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Option<Vec<Row<P>>> {
+    ) -> Result<Vec<Row<P>>, Untraced> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
             Some(_) if request.traces_colors::<P>() => self.trace_first::<P>(&rows, tally)?,
@@ -173,29 +193,39 @@ impl<'a, M: Mode> Strip<'a, M> {
         let trace = |j: usize| {
             let is_shown = self.rows.contains(&j);
             let refinement = self.refinement(&first, first_row, j);
-            let row = (!tally.is_cancelled())
-                .then(|| self.setting.row::<P>(visibility, j, is_shown, refinement))?;
+            if tally.is_cancelled() {
+                return Err(Untraced::Cancelled);
+            }
+            let row = self.setting.row::<P>(visibility, j, is_shown, refinement)?;
             if is_shown {
                 tally.row_is_done();
             }
-            Some(row)
+            Ok(row)
         };
         let mut traced = in_parallel(rows.clone(), trace)?;
         for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
             row.probe = std::mem::take(&mut row.probe).merge(probe);
         }
-        Some(traced)
+        Ok(traced)
     }
 
-    /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
+    /// Traces the first samples of these rows and of those beside them.
     fn trace_first<P: Observer>(
         &self,
         rows: &Range<usize>,
         tally: &Tally,
-    ) -> Option<(Vec<FirstSamples>, Vec<P>)> {
+    ) -> Result<(Vec<FirstSamples>, Vec<P>), Untraced> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let trace = |j| (!tally.is_cancelled()).then(|| self.setting.first_samples(j));
-        in_parallel(all, trace).map(|rows| rows.into_iter().unzip())
+        let trace = |j| match tally.is_cancelled() {
+            true => Err(Untraced::Cancelled),
+            false => Ok(self.setting.first_samples(j)?),
+        };
+        let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
+        for (samples, probe) in in_parallel(all, trace)? {
+            first.push(samples);
+            probes.push(probe);
+        }
+        Ok((first, probes))
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
@@ -214,7 +244,7 @@ impl<'a, M: Mode> Strip<'a, M> {
 }
 
 impl<P: Observer> Finished<P> {
-    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) {
+    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) -> Result<(), NoMemory> {
         let Setting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
@@ -222,19 +252,17 @@ impl<P: Observer> Finished<P> {
             self.rows[i] = row.layers;
         }
         match row.colors {
-            Colors::Unwanted => {}
-            Colors::Finished(colors) => {
-                if let Some(i) = index(row.j) {
-                    set_colors(&mut self.rows[i], request, colors);
-                }
-            }
+            Colors::Unwanted => Ok(()),
+            Colors::Finished(colors) => match index(row.j) {
+                Some(i) => set_colors(&mut self.rows[i], request, colors),
+                None => Ok(()),
+            },
             Colors::Spread(spread) => film.add(spread, |j, colors| {
-                if let Some(i) = index(j) {
-                    let columns = request.columns();
-                    let mut list = strip.setting.spare.list(columns.len());
-                    list.extend(colors.skip(columns.start).take(columns.len()));
-                    set_colors(&mut self.rows[i], request, list);
-                }
+                let Some(i) = index(j) else { return Ok(()) };
+                let columns = request.columns();
+                let mut list = strip.setting.spare.list(columns.len())?;
+                list.extend(colors.skip(columns.start).take(columns.len()));
+                set_colors(&mut self.rows[i], request, list)
             }),
         }
     }
@@ -257,12 +285,15 @@ impl<P: Observer> Finished<P> {
 }
 
 /// Sets the colours of a row in all its layers of colours.
-fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) {
+fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) -> Result<(), NoMemory> {
     let mut wanted = request.layers.iter().zip(layers).filter(|(layer, _)| matches!(layer, Layer::Color));
     if let Some((_, first)) = wanted.next() {
-        wanted.for_each(|(_, other)| other.clone_from(&colors));
+        for (_, other) in wanted {
+            *other = memory::copied(&colors)?;
+        }
         *first = colors;
     }
+    Ok(())
 }
 
 #[cfg(test)]

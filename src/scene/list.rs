@@ -2,6 +2,7 @@
 
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
+use crate::memory;
 
 /// Reads the rest of a block `name { field N item^N }` from `field` on, up to its closing brace.
 ///
@@ -20,7 +21,7 @@ pub fn counted_list<T>(
     let mut items = Vec::new();
     while (items.len() as u64) < announced && !reader.is_at("}") {
         let next = item(reader, &items)?;
-        items.push(next);
+        memory::push(&mut items, next)?;
     }
     end_of_list(reader, field, kinds, announced, items.len())?;
     reader.close(name)?;

@@ -8,6 +8,7 @@ use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
+use crate::memory::{self, NoMemory};
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -51,9 +52,11 @@ enum Step {
 
 impl ObjectTree {
     /// Replaces the declared materials.
-    pub fn declare(&mut self, materials: Vec<(Material, Position)>) {
+    pub fn declare(&mut self, materials: Vec<(Material, Position)>) -> Result<(), NoMemory> {
         self.declared = materials.len();
-        (self.materials, self.material_positions) = materials.into_iter().unzip();
+        self.material_positions = memory::collected(materials.iter().map(|&(_, at)| at))?;
+        self.materials = memory::collected(materials.into_iter().map(|(material, _)| material))?;
+        Ok(())
     }
 
     /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
@@ -68,22 +71,27 @@ impl ObjectTree {
         let mut ancestors = Vec::new();
         loop {
             match self.step(reader, &mut innermost)? {
-                Step::Opened(inner) => ancestors.push(std::mem::replace(&mut innermost, inner)),
-                Step::Finished(object, at) => innermost.add_child(self.add(object, at)),
+                Step::Opened(inner) => {
+                    memory::push(&mut ancestors, std::mem::replace(&mut innermost, inner))?;
+                }
+                Step::Finished(object, at) => {
+                    let id = self.add(object, at)?;
+                    innermost.add_child(id)?;
+                }
                 Step::Closed(object, at) => {
-                    let id = self.add(object, at);
+                    let id = self.add(object, at)?;
                     let Some(parent) = ancestors.pop() else { return Ok(id) };
                     innermost = parent;
-                    innermost.add_child(id);
+                    innermost.add_child(id)?;
                 }
             }
         }
     }
 
-    fn add(&mut self, object: Object, at: Position) -> ObjectId {
-        self.objects.push(object);
-        self.positions.push(at);
-        self.objects.len() - 1
+    fn add(&mut self, object: Object, at: Position) -> Result<ObjectId, NoMemory> {
+        memory::push(&mut self.objects, object)?;
+        memory::push(&mut self.positions, at)?;
+        Ok(self.objects.len() - 1)
     }
 
     fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
@@ -121,13 +129,19 @@ impl ObjectTree {
             if reader.is_at("MaterialIndex") {
                 self.current_material = Some(self.parse_material_index(reader)?);
             } else if reader.is_at_any(&PHONG_KINDS) {
-                self.material_positions.push(reader.peek().at);
-                self.materials.push(Material::Phong(parse_phong(reader)?));
+                let at = reader.peek().at;
+                let material = Material::Phong(parse_phong(reader)?);
+                self.add_material(material, at)?;
                 self.current_material = Some(self.materials.len() - 1);
             } else {
                 return Ok(());
             }
         }
+    }
+
+    fn add_material(&mut self, material: Material, at: Position) -> Result<(), NoMemory> {
+        memory::push(&mut self.materials, material)?;
+        memory::push(&mut self.material_positions, at)
     }
 
     fn parse_material_index(&self, reader: &mut Reader<'_>) -> Parsed<MaterialId> {
@@ -193,26 +207,29 @@ impl ObjectTree {
             return Err(bad_value(word, "obj_file", "must end in `.obj`"));
         }
         reader.take();
-        Ok(self.mesh_index(word.text, word.at))
+        Ok(self.mesh_index(word.text, word.at)?)
     }
 
-    fn mesh_index(&mut self, name: &str, at: Position) -> usize {
+    fn mesh_index(&mut self, name: &str, at: Position) -> Result<usize, NoMemory> {
         if let Some(&index) = self.mesh_indices.get(name) {
-            return index;
+            return Ok(index);
         }
         let index = self.meshes.len();
-        self.meshes.push(MeshFile { name: name.to_owned(), at });
+        let count = self.mesh_indices.capacity().saturating_mul(2);
+        self.mesh_indices.try_reserve(1).map_err(|_| NoMemory::for_list::<(String, usize)>(count))?;
+        memory::push(&mut self.meshes, MeshFile { name: name.to_owned(), at })?;
         self.mesh_indices.insert(name.to_owned(), index);
-        index
+        Ok(index)
     }
 }
 
 impl Open {
-    fn add_child(&mut self, id: ObjectId) {
+    fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
         match self {
-            Self::Group { children, .. } => children.push(id),
+            Self::Group { children, .. } => memory::push(children, id)?,
             Self::Transform { child, .. } => *child = Some(id),
         }
+        Ok(())
     }
 }
 

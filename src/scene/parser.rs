@@ -56,8 +56,7 @@ impl Blocks {
         if self.root.is_some() {
             return Err(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
         }
-        self.tree.declare(parse_materials(reader)?);
-        Ok(())
+        Ok(self.tree.declare(parse_materials(reader)?)?)
     }
 
     fn into_scene(self, reader: &Reader<'_>) -> Parsed<Scene> {
