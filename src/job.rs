@@ -10,6 +10,7 @@ use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile, read_picture};
+use raytracer::memory;
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -60,15 +61,15 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
-        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
     };
     Ok(Outcome { text, passes })
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
-fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> String {
-    let rendered = rendered.map(|rendered| rendered.text(options));
-    rendered.into_iter().chain(verdict.map(Verdict::text)).collect()
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> Result<String, String> {
+    let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
+    Ok(rendered.into_iter().chain(verdict.map(Verdict::text)).collect())
 }
 
 /// The pictures and files of a comparison.
@@ -122,6 +123,10 @@ impl<'o> Compared<'o> {
     }
 }
 
+/// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
+/// wrong ones, with something to spare.
+const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
+
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
@@ -130,6 +135,8 @@ fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Op
     if options.visualize_grid || options.adaptive.is_some() || !fits {
         return None;
     }
+    let pixels = options.size.iter().map(|&n| n as u64).product::<u64>();
+    memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
     let request = Request { layers: vec![Layer::Color], ..options.request() };
     Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }

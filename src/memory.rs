@@ -3,7 +3,7 @@
 //! Rust's own lists end the program when the system refuses them memory. Every list that grows with the input
 //! grows by one of these functions instead.
 
-use std::fmt;
+use std::{fmt, io};
 
 /// The system refuses memory. The error is displayed as a part of a line that says how much was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,9 +100,39 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     Ok(())
 }
 
+/// Text under construction, which asks for its memory.
+#[derive(Debug, Default)]
+pub struct Text(Vec<u8>);
+
+impl Text {
+    /// The finished text. Bytes that are no text are an error.
+    pub fn into_string(self) -> io::Result<String> {
+        String::from_utf8(self.0).map_err(io::Error::other)
+    }
+}
+
+impl io::Write for Text {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        make_room(&mut self.0, bytes.len())?;
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl From<NoMemory> for io::Error {
+    fn from(refused: NoMemory) -> Self {
+        Self::new(io::ErrorKind::OutOfMemory, refused)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
 
     #[test]
     fn a_refusal_says_how_much_was_asked_for() {
@@ -126,6 +156,9 @@ mod tests {
             (Ok(vec![7, 7]), Ok(list), Ok(vec![2, 3]))
         );
         assert_eq!(ask(1 << 20), Ok(()));
+        let mut text = Text::default();
+        write!(text, "{} and {}", 1, 2).unwrap();
+        assert_eq!(text.into_string().unwrap(), "1 and 2");
     }
 
     #[test]

@@ -140,7 +140,7 @@ const WORKING_MEMORY: u64 = 1 << 20;
 /// A new file in the target's folder, with the permissions of any new file. It is removed when it is dropped.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     // A program that ends for want of memory removes nothing.
-    memory::ask(WORKING_MEMORY).map_err(|refused| io::Error::new(io::ErrorKind::OutOfMemory, refused))?;
+    memory::ask(WORKING_MEMORY)?;
     let open = |path: &Path| OpenOptions::new().write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(target), open)
 }

@@ -91,8 +91,9 @@ impl VisibilityBuffer {
         let planes = memory::collected(planes).ok()?;
         let stride = width + tile::LANES;
         let mut visible_ids = memory::filled(NOTHING, stride * rows.len()).ok()?;
-        visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate().for_each(|(k, visible_ids)| {
-            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids);
+        let tiles = visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate();
+        let drawn = tiles.try_for_each(|(k, visible_ids)| {
+            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids)?;
             for side in [FRONTS, BACKS] {
                 let bounds = bins.iter().flat_map(|bins| &bins[k].sides[side]);
                 bounds.for_each(|triangle_bounds| tile.draw(triangle_bounds, world));
@@ -100,7 +101,9 @@ impl VisibilityBuffer {
             for (plane, id) in planes.iter().zip(world.first_plane()..) {
                 tile.fill(plane, id);
             }
+            Ok::<(), NoMemory>(())
         });
+        drawn.ok()?;
         Some(Self { stride, first_row: rows.start, visible_ids })
     }
 

@@ -233,7 +233,7 @@ impl fmt::Display for Problem {
 
 /// A message about a file: its path, the `position` in it (`:line:column` or nothing), and the description.
 pub fn located(path: &Path, position: &str, message: &str) -> String {
-    format!("{}{position}: error: {message}", escape(&path.to_string_lossy()))
+    format!("{}{position}: error: {message}", escape::truncated(path))
 }
 
 fn declared_materials(count: usize) -> String {

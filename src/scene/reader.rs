@@ -116,16 +116,16 @@ impl<'a> Reader<'a> {
         Ok(number)
     }
 
-    /// Takes a non-negative integer. One that is too large for the type becomes the largest of the type,
-    /// which no list is long enough to match.
+    /// Takes a non-negative integer below 2^64.
     pub fn whole(&mut self, field: &str) -> Parsed<u64> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
         if !is_digits(digits) {
             return Err(self.not_whole(field));
         }
+        let number = digits.parse().map_err(|_| bad_value(word, field, "must be below 2^64"))?;
         self.take();
-        Ok(digits.parse().unwrap_or(u64::MAX))
+        Ok(number)
     }
 
     /// Takes three numbers.
@@ -272,12 +272,15 @@ mod tests {
 
     #[test]
     fn whole_numbers() {
-        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("99999999999999999999999", u64::MAX)] {
+        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
             assert_eq!(Reader::new(word).whole("x").unwrap(), value, "{word}");
         }
-        for (word, message) in
-            [("2.5", "must be a whole"), ("-1", "must not be negative"), ("x", "expected a whole")]
-        {
+        for (word, message) in [
+            ("2.5", "must be a whole"),
+            ("-1", "must not be negative"),
+            ("x", "expected a whole"),
+            ("18446744073709551616", "must be below 2^64"),
+        ] {
             let error = Reader::new(word).whole("x").unwrap_err().to_string();
             assert!(error.contains(message), "{error}");
         }

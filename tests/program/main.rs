@@ -2,6 +2,7 @@
 //! commands of the README.
 
 mod broken_rules;
+mod cases;
 mod causes;
 mod check_your_own;
 mod command_line;
@@ -15,6 +16,7 @@ mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
+mod little_memory;
 mod malformed_scenes;
 mod partial_causes;
 mod pixel;
