@@ -1,9 +1,10 @@
 //! A run that reports speed against error: settings are measured, and the page and the table are written.
 
-use crate::failed;
 use crate::job::Outcome;
 use crate::progress::Progress as Line;
+use crate::signals::Signals;
 use crate::threads::{self, Place};
+use crate::{End, failed};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
@@ -12,35 +13,35 @@ use raytracer::escape::{escape, quoted, shell_word};
 use raytracer::image_io::TextFile;
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
-use signal_hook::consts::SIGINT;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// The time between two lines of progress.
-const INTERVAL: Duration = Duration::from_millis(200);
-
-/// Measures and writes. Warnings go to `tell`; an error is the message that ends the program.
-pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+/// Measures and writes. Warnings go to `tell`.
+pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let mut signals = Signals::hold().map_err(failed)?;
     let ErrorReporting { options, folder, target } = reporting;
     let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
-    let ends = end_of_interrupt()?;
     // A file that cannot be written is no reason to wait for the measurements.
     let [page_file, csv_file] = prepare(folder)?;
+    signals.end_at_once()?;
 
     let start = Instant::now();
     let renderer = open(options, &many, tell)?;
     let reading = start.elapsed();
     let request = options.request();
     let clock = || ProcessTime::now().as_duration();
-    let watcher = Watcher { line: Line::new(), start: Instant::now(), shown: Mutex::default(), ends: &ends };
-    let watch = |progress: Progress| watcher.watch(progress);
+    signals.end_at_second()?;
+    let line = Line::new(options.progress);
+    let watch = |progress: Progress| {
+        line.show(|passed| told(progress, passed));
+        if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
     let report = Sweep::new(&renderer, &request, options.structure, bench).run();
-    watcher.line.end();
+    line.end();
+    signals.hold_again();
     let mut report = report.map_err(failed)?;
     report.stages.insert(0, ("reading the scene", reading));
 
@@ -62,15 +63,6 @@ fn prepare(folder: &Path) -> Result<[TextFile; 2], String> {
     Ok([page.map_err(failed)?, table.map_err(failed)?])
 }
 
-/// Is set by Ctrl-C. A second one ends the program at once.
-fn end_of_interrupt() -> Result<Arc<AtomicBool>, String> {
-    let ends = Arc::new(AtomicBool::new(false));
-    // The handlers run in this order.
-    signal_hook::flag::register_conditional_default(SIGINT, ends.clone()).map_err(failed)?;
-    signal_hook::flag::register(SIGINT, ends.clone()).map_err(failed)?;
-    Ok(ends)
-}
-
 fn open(options: &Options, threads: &ThreadPool, tell: &dyn Fn(&str)) -> Result<Renderer, String> {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
     let loaded = threads.install(|| scene_io::load(input)).map_err(|error| error.to_string())?;
@@ -79,30 +71,6 @@ fn open(options: &Options, threads: &ThreadPool, tell: &dyn Fn(&str)) -> Result<
     }
     // Other octaves are other scenes with the same meshes.
     threads.install(|| Renderer::new(loaded, Meshes::Kept)).map_err(|error| error.to_string())
-}
-
-/// Shows the progress, and ends the sweep after an interrupt.
-struct Watcher<'a> {
-    line: Line,
-    start: Instant,
-    /// When the line was last shown.
-    shown: Mutex<Option<Instant>>,
-    ends: &'a AtomicBool,
-}
-
-impl Watcher<'_> {
-    fn watch(&self, progress: Progress) -> ControlFlow<()> {
-        if self.ends.load(Ordering::Relaxed) {
-            return ControlFlow::Break(());
-        }
-        if let Ok(mut shown) = self.shown.try_lock()
-            && shown.is_none_or(|last| last.elapsed() >= INTERVAL)
-        {
-            *shown = Some(Instant::now());
-            self.line.show(&told(progress, self.start.elapsed()));
-        }
-        ControlFlow::Continue(())
-    }
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.
@@ -137,7 +105,7 @@ fn asked_for(options: &Options) -> String {
 fn start_of_command(options: &Options) -> String {
     let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
     let [width, height] = options.size;
-    format!("raytracer -input {} -size {width} {height}", shell_word(&input))
+    format!("raytracer -input {} -size {width} {height}", shell_word(&*input))
 }
 
 fn seed(options: &Options) -> String {

@@ -55,12 +55,26 @@ pub fn html(text: &str) -> String {
     shown
 }
 
-/// A word as a shell reads it: between single quotes if it has other characters than those of plain names.
-pub fn shell_word(word: &str) -> String {
+/// A word as a shell reads it: between single quotes if it has other characters than those of plain names, and with
+/// escape sequences between `$'` and `'` if it has bytes that do not print, which the plainest shells do not read.
+pub fn shell_word<W: AsRef<OsStr>>(word: W) -> String {
+    let word = word.as_ref();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=@%,".contains(c);
-    match !word.is_empty() && word.chars().all(is_plain) {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
+    match word.to_str() {
+        Some(word) if !word.is_empty() && word.chars().all(is_plain) => word.to_owned(),
+        Some(word) if word.chars().all(prints) => format!("'{}'", word.replace('\'', "'\\''")),
+        _ => format!(
+            "$'{}'",
+            word.as_encoded_bytes().iter().map(|&byte| escaped_byte(byte)).collect::<String>()
+        ),
+    }
+}
+
+fn escaped_byte(byte: u8) -> String {
+    match byte {
+        b'\'' | b'\\' => format!("\\{}", byte as char),
+        b' '..=b'~' => (byte as char).to_string(),
+        _ => format!("\\x{byte:02x}"),
     }
 }
 

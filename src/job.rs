@@ -1,35 +1,42 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
+use crate::distinct_files::{check_input, check_outputs};
 use crate::document::{Document, Verdict};
-use crate::failed;
+use crate::products::unless_reader_is_gone;
+use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
+use crate::signals::Signals;
+use crate::standard_output;
 use crate::threads::{self, Place};
+use crate::{End, failed};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, TextFile, read_picture};
+use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
 use raytracer::memory;
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::{Counts, Quiet, RayCount};
 use std::cell::RefCell;
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a run has to say.
 pub struct Outcome {
-    /// What goes to standard output.
+    /// What goes to standard output, or to standard error if a picture goes there.
     pub text: String,
     /// Whether the pictures that were compared differ by no more than the tolerance.
     pub passes: bool,
 }
 
-/// Does what the options ask for. Notes and warnings go to `tell`; an error is the message that ends the program.
-pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+/// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
+pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let mut signals = Signals::hold().map_err(failed)?;
     let threads = Arc::new(threads::pool(options.threads, Place::Here)?);
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
@@ -39,15 +46,26 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
     if options.preview {
         tell("note: this build has no preview; the picture is rendered directly");
     }
+    if options.needs_standard_output() {
+        standard_output::check()?;
+    }
+    check_outputs(options)?;
+    options.input.iter().try_for_each(|scene| check_input(options, "scene", scene))?;
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
-    let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options)).transpose()?;
+    let compared =
+        options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell)).transpose()?;
     let file = match &options.json {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
         Some(JsonTarget::StandardOutput) | None => None,
     };
-    let render = if options.counts() { render::<Course, Counts> } else { render::<Fast, Quiet> };
-    let rendered = options.input.as_ref().map(|input| render(options, input, &threads, &tell)).transpose()?;
-    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads);
+    let render = match options.counts() {
+        true => render::<Course, Counts>,
+        false if Progress::is_wanted(options.progress) => render::<Fast, RayCount>,
+        false => render::<Fast, Quiet>,
+    };
+    let mut from = |input: &PathBuf| render(options, argv, input, &threads, &mut signals, &tell);
+    let rendered = options.input.as_ref().map(&mut from).transpose()?;
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads, &mut signals);
     let verdict = compared.map(finish).transpose()?.flatten();
 
     let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
@@ -57,7 +75,7 @@ pub fn run(options: &Options, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
         document.to_json().map_err(failed)
     };
     if let Some(file) = file {
-        file.write(&json()?).map_err(failed)?;
+        unless_reader_is_gone(file.write(&json()?))?;
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
@@ -84,8 +102,8 @@ struct Compared<'o> {
 
 impl<'o> Compared<'o> {
     /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
-    fn open(wanted: &'o cli::Comparison, options: &Options) -> Result<Self, String> {
-        let read = |path: &Option<_>| path.as_deref().map(read_picture).transpose().map_err(failed);
+    fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
+        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
@@ -105,18 +123,21 @@ impl<'o> Compared<'o> {
         options: &Options,
         rendered: Option<&Rendered>,
         threads: &ThreadPool,
-    ) -> Result<Option<Verdict>, String> {
+        signals: &mut Signals,
+    ) -> Result<Option<Verdict>, End> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
             return Ok(None);
         };
+        signals.end_at_once()?;
         let comparison = threads.install(|| Comparison::new(a, b));
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
+        signals.hold_again();
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            file.write(&shown.picture).map_err(failed)?;
+            unless_reader_is_gone(file.write(&shown.picture))?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(Some(Verdict { comparison, cause, passes }))
@@ -126,6 +147,15 @@ impl<'o> Compared<'o> {
 /// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
 /// wrong ones, with something to spare.
 const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
+/// Reads a picture to compare.
+fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    if clamped > 0 {
+        let shown = quoted(path);
+        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are compared clamped"));
+    }
+    Ok(picture)
+}
 
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.

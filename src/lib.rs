@@ -30,8 +30,8 @@
 //! ```
 //!
 //! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
-//! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA and
-//! PNG files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out why,
+//! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
+//! PNG, PFM and OpenEXR files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out why,
 //! [`grade`] does both for many pictures of many people, and [`error_report`] measures what settings cost and buy.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
@@ -39,6 +39,7 @@
 #[doc(hidden)]
 pub mod escape;
 pub mod memory;
+mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;
@@ -63,6 +64,8 @@ pub mod image_io;
 pub mod compare;
 pub mod scene_io;
 pub mod renderer;
+pub mod warnings;
+pub mod fingerprint;
 pub mod explain;
 pub mod causes;
 pub mod grade;

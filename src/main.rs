@@ -1,18 +1,27 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
+mod distinct_files;
 mod document;
 mod error_reporting;
 mod grading;
 mod job;
+mod merging;
 #[cfg(target_os = "linux")]
 mod pages;
 mod products;
 mod progress;
 mod rendering;
+mod signals;
+mod standard_output;
+mod stopping;
 mod threads;
+mod warn;
 
 use job::Outcome;
 use raytracer::cli::{self, Command};
+use signals::Interrupted;
+use standard_output::print;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
@@ -21,10 +30,17 @@ use std::process::ExitCode;
 const DIFFERENT: u8 = 3;
 
 fn main() -> ExitCode {
-    match cli::parse(std::env::args_os()) {
-        Ok(Command::Help(text) | Command::Version(text)) => print(&text),
-        Ok(Command::Render(options)) => report(job::run(&options, &tell)),
+    outlive_file_limit();
+    let argv: Vec<OsString> = std::env::args_os().collect();
+    match cli::parse(argv.iter().cloned()) {
+        Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
+        Ok(Command::Render(options)) if options.has_standard_output() => {
+            let outcome = job::run(&options, &argv, &tell);
+            report(outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }))
+        }
+        Ok(Command::Render(options)) => report(job::run(&options, &argv, &tell)),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
+        Ok(Command::Merge(options)) => report(merging::run(&options)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
@@ -33,32 +49,54 @@ fn main() -> ExitCode {
     }
 }
 
-/// Says what a run has to say.
-fn report(outcome: Result<Outcome, String>) -> ExitCode {
-    match outcome {
-        Ok(outcome) if outcome.passes => print(&outcome.text),
-        Ok(outcome) => {
-            print(&outcome.text);
-            ExitCode::from(DIFFERENT)
-        }
-        Err(message) => {
-            tell(&message);
-            ExitCode::FAILURE
-        }
+/// Why a run ends before it is complete.
+pub enum End {
+    /// The message that tells what has failed.
+    Failed(String),
+    /// A signal has come.
+    Interrupted(Interrupted),
+}
+
+impl From<String> for End {
+    fn from(message: String) -> Self {
+        Self::Failed(message)
     }
 }
 
-/// Prints to standard output. A reader that went away is no reason to panic.
-fn print(text: &str) -> ExitCode {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(_) => ExitCode::FAILURE,
+impl From<Interrupted> for End {
+    fn from(interrupted: Interrupted) -> Self {
+        Self::Interrupted(interrupted)
     }
+}
+
+/// Says what a run has to say.
+fn report(outcome: Result<Outcome, End>) -> ExitCode {
+    match outcome.and_then(|outcome| Ok(print(&outcome.text).map(|()| outcome.passes)?)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(DIFFERENT),
+        Err(End::Failed(message)) => {
+            tell(&message);
+            ExitCode::FAILURE
+        }
+        Err(End::Interrupted(Interrupted(status))) => ExitCode::from(status),
+    }
+}
+
+/// A file that grows beyond the limit of `ulimit -f` is an error of the write, and not the end of the program.
+fn outlive_file_limit() {
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
 /// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
 fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints the text of a run whose standard output has a picture to standard error, and leaves nothing to print.
+fn told(text: String) -> String {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+    String::new()
 }
 
 fn failed(error: impl Display) -> String {

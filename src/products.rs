@@ -2,11 +2,12 @@
 
 use crate::failed;
 use raytracer::explain::CostMap;
-use raytracer::image_io::{ImageError, OutputFile, PictureWriter};
+use raytracer::image_io::{Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
 use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Takes the rows of a render.
@@ -15,6 +16,10 @@ pub struct Products {
     layers: Vec<Product>,
     /// The time that taking the rows has taken.
     pub encoding: Duration,
+    /// For each layer the colour where nothing is hit, unless the layer shows something else.
+    blank: Vec<Option<Color>>,
+    /// Whether all rows so far have only that colour.
+    is_blank: bool,
 }
 
 enum Product {
@@ -26,27 +31,44 @@ enum Product {
     Costs(OutputFile, Cost, Vec<u64>),
 }
 
+/// The file with the complete rows of a picture, if there is one.
+pub type KeptPart = Option<PathBuf>;
+
 /// What is left of a render when all files are written.
 #[derive(Default)]
 pub struct Finished {
     pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
-    /// How many of the colours in the files are not numbers.
-    pub nans: u64,
 }
 
 impl Products {
-    /// The files of the first layers of a request.
-    pub fn begin(files: Vec<OutputFile>, request: &Request) -> Result<Self, String> {
+    /// The files of the first layers of a request. `part` tells of each layer's picture which part of the whole it is.
+    pub fn begin(
+        files: Vec<OutputFile>,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
             Layer::Cost(cost) => {
                 let [width, height] = request.window_size();
                 Ok(Product::Costs(file, cost, with_room(width * height).map_err(failed)?))
             }
-            _ => Ok(Product::File(Box::new(file.begin(layer.size(request.window_size())).map_err(failed)?))),
+            layer => {
+                let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
+                let part = part(layer);
+                let writer = file.begin_with(layer.size(request.window_size()), content, part.as_ref());
+                Ok(Product::File(Box::new(writer.map_err(failed)?)))
+            }
         };
         let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
-        Ok(Self { layers, encoding: Duration::ZERO })
+        Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
+    }
+
+    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing.
+    pub fn watch_for_blank(&mut self, request: &Request, background: Color) {
+        self.blank = request.layers.iter().map(|layer| blank(layer, background)).collect();
+        // A part of a picture may well show nothing.
+        self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
     }
 
     /// Keeps the colours of one more layer. `size` is the width and height of the picture in pixels.
@@ -57,6 +79,11 @@ impl Products {
 
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {
         let start = Instant::now();
+        if self.is_blank
+            && let Some(blank) = self.blank[layer]
+        {
+            self.is_blank = row.iter().all(|&color| color == blank);
+        }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
             Product::Kept(bytes) => {
@@ -70,23 +97,73 @@ impl Products {
         Ok(())
     }
 
+    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which part of
+    /// the whole they are.
+    pub fn keep_parts(
+        self,
+        request: &Request,
+        part: &dyn Fn(Layer) -> Option<Part>,
+    ) -> Result<Vec<KeptPart>, String> {
+        let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
+            (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            // The picture of a filter is complete before the first row is rendered.
+            (Product::File(writer), None) => writer.finish().map(|_| None).map_err(failed),
+            (Product::Kept(_) | Product::Costs(..), _) => Ok(None),
+        };
+        self.layers.into_iter().zip(&request.layers).map(keep).collect()
+    }
+
+    /// Whether a picture of the scene was taken in which every pixel is as if nothing had been hit.
+    pub fn shows_nothing(&self) -> bool {
+        self.is_blank
+    }
+
+    /// The colours so far that the files do not show as they are.
+    pub fn exceptional(&self) -> Exceptional {
+        let mut all = Exceptional::default();
+        for product in &self.layers {
+            if let Product::File(writer) = product {
+                all += writer.exceptional();
+            }
+        }
+        all
+    }
+
     /// Completes the files. `size` is the width and height of the picture in pixels.
     pub fn finish(self, size: [usize; 2]) -> Result<Finished, String> {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => finished.nans += writer.finish().map_err(failed)?,
+                Product::File(writer) => unless_reader_is_gone(writer.finish())?,
                 Product::Kept(bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }
                 Product::Costs(file, cost, counts) => {
                     let map = CostMap { cost, size, counts };
-                    file.write(&map.draw().map_err(failed)?).map_err(failed)?;
+                    unless_reader_is_gone(file.write(&map.draw().map_err(failed)?))?;
                     finished.costs = Some(map);
                 }
             }
         }
         Ok(finished)
+    }
+}
+
+/// The colour that a layer shows where nothing is hit.
+fn blank(layer: &Layer, background: Color) -> Option<Color> {
+    match layer {
+        Layer::Color => Some(background),
+        Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
+        Layer::Distance => Some(Color::INFINITY),
+        Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
+    }
+}
+
+/// A pipe that nobody reads any more is no error: the reader has seen enough.
+pub fn unless_reader_is_gone<T: Default>(written: Result<T, ImageError>) -> Result<T, String> {
+    match written {
+        Err(error) if error.is_reader_gone() => Ok(T::default()),
+        written => written.map_err(failed),
     }
 }

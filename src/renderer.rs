@@ -53,7 +53,7 @@ impl Renderer {
     /// A renderer of a scene that has been read. An object that cannot be placed in world space
     /// is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
-        let LoadedScene { scene, meshes, source } = loaded;
+        let LoadedScene { scene, meshes, source, .. } = loaded;
         let copied = match kept {
             Meshes::Moved => Ok(vec![]),
             Meshes::Kept => meshes.iter().map(Mesh::copied).collect(),
@@ -63,7 +63,7 @@ impl Renderer {
             .and_then(|copied| Ok((World::of_meshes(&scene, meshes)?, copied)));
         match world {
             Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
-            Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+            Err(error) => Err(LoadError::Scene { source, errors: vec![error] }),
         }
     }
 
@@ -205,6 +205,11 @@ impl<'r, M: Mode> Prepared<'r, M> {
         let camera = self.camera(request);
         self.renderer
             .on_own_threads(|| render::render(&camera, &self.caster, self.view(), request, watch, take_row))
+    }
+
+    /// The cells of the grid along each axis, if they are drawn in place of the scene.
+    pub(crate) fn drawn_cells(&self) -> Option<[usize; 3]> {
+        self.occupancy.as_ref().and(self.cells)
     }
 
     pub(crate) fn renderer(&self) -> &Renderer {

@@ -1,21 +1,29 @@
 //! The rendering of a scene, with everything that is written and printed of it.
 
-use crate::failed;
+use crate::distinct_files::check_input;
 use crate::products::Products;
+use crate::progress::{Progress, rows_text};
+use crate::signals::Signals;
+use crate::stopping::{self, upper};
+use crate::warn;
+use crate::{End, failed};
 use rayon::ThreadPool;
-use raytracer::cli::{Comparison, Options};
+use raytracer::cli::{Comparison, Options, Output};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
+use raytracer::fingerprint;
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::image_io::OutputFile;
+use raytracer::image_io::{Exceptional, ImageError, OutputFile};
 use raytracer::memory::{Bytes, Text};
 use raytracer::mode::{Course, Mode};
 use raytracer::picture::Picture;
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Stopped};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Report, Timings};
 use raytracer::trace::Observer;
+use raytracer::warnings::{Warning, lights_without_effect, nothing_visible};
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -38,21 +46,30 @@ pub struct Rendered {
 /// Reads, prepares, renders and writes.
 pub fn render<M: Mode, P: Observer>(
     options: &Options,
+    argv: &[OsString],
     input: &Path,
     threads: &Arc<ThreadPool>,
+    signals: &mut Signals,
     tell: &dyn Fn(&str),
-) -> Result<Rendered, String> {
-    let files = options.outputs.iter().map(|output| OutputFile::prepare(&output.file));
+) -> Result<Rendered, End> {
+    let files = options.outputs.iter().map(prepare_file);
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
+    signals.end_at_once()?;
 
     let mut clock = Clock(Instant::now());
-    let loaded = scene_io::load(input).map_err(|error| error.to_string())?;
-    if loaded.scene.lights.is_empty() {
-        tell("WARNING:  No lights specified");
-    }
+    let mut loaded = scene_io::load(input).map_err(|error| error.to_string())?;
+    loaded.mesh_files.iter().try_for_each(|mesh| check_input(options, "mesh", mesh))?;
     let reading = clock.lap();
+    let mut warnings = warn::about_scene(&mut loaded, options);
+    let places = std::mem::take(&mut loaded.places);
     let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     let renderer = renderer.on_threads(threads.clone());
+    let (scene, effects) = (&renderer.scene, &options.effects);
+    if !options.visualize_grid {
+        warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
+    }
+    let say = |warnings: &[Warning]| warn::say(warnings, options, &renderer.source, tell);
+    say(&warnings)?;
     let mut request = options.request();
     let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
     if keeps {
@@ -61,22 +78,47 @@ pub fn render<M: Mode, P: Observer>(
     let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
 
-    let mut products = Products::begin(files, &request)?;
+    let part_in = |window, layer| fingerprint::part(&prepared, &request, window, layer);
+    let part = |layer| request.window.and_then(|window| part_in(window, layer));
+    let mut products = Products::begin(files, &request, &part)?;
     if keeps {
         products.keep(options.size)?;
     }
+    products.watch_for_blank(&request, renderer.scene.background.color);
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
-    let goes_on = |_| ControlFlow::Continue(());
-    let probe: P = prepared.render_rows(&request, &goes_on, &mut take_row).map_err(failed)?;
+    signals.end_at_second()?;
+    let progress = Progress::new(options.progress);
+    let watch = |rows| {
+        progress.show(|passed| rows_text("rendering", rows, passed));
+        if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let rendered: Result<P, _> = prepared.render_rows(&request, &watch, &mut take_row);
+    progress.end();
+    signals.hold_again();
+    let probe = match rendered {
+        Err(Stopped::Cancelled { rows }) => {
+            let kept = products.keep_parts(&request, &|layer| part_in(upper(&request, rows), layer))?;
+            stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
+            return signals
+                .received()
+                .map_or(Err(failed("the rendering was stopped").into()), |end| Err(end.into()));
+        }
+        probe => probe.map_err(failed)?,
+    };
     let encoding = products.encoding;
     let rendering = clock.lap() - encoding;
 
+    let shows_nothing = products.shows_nothing() && !options.visualize_grid;
+    let goes_on = |_| match signals.received() {
+        Some(_) => ControlFlow::Break(()),
+        None => ControlFlow::Continue(()),
+    };
+    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places, &goes_on) } else { None };
+    say(nothing.as_slice())?;
+    say(&not_shown(&products.exceptional()))?;
     let finished = products.finish(options.size)?;
-    if finished.nans > 0 {
-        tell(&format!("warning: the colours of {} pixels are not numbers; they are black", finished.nans));
-    }
     let report = Report {
-        size: options.size,
+        size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
         counts: probe.counts(),
@@ -84,8 +126,12 @@ pub fn render<M: Mode, P: Observer>(
         threads: threads.current_num_threads(),
     };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
+    if options.pixel.is_some() {
+        signals.end_at_once()?;
+    }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
+    signals.hold_again();
     Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept })
 }
 
@@ -101,6 +147,25 @@ impl Rendered {
         blocks.into_iter().flatten().try_for_each(|block| write!(text, "{block}"))?;
         text.into_string()
     }
+}
+
+/// Checks that a picture can be written.
+pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
+    match output.is_standard_output() {
+        true => Ok(OutputFile::standard_output(output.format)),
+        false => OutputFile::prepare_as(&output.file, output.format),
+    }
+}
+
+/// What is to be said of pixels that the files do not show as they are.
+fn not_shown(exceptional: &Exceptional) -> Vec<Warning> {
+    let Exceptional { black, nan, out_of_range } = *exceptional;
+    let all = [
+        (black, Warning::NotNumbers { pixels: black }),
+        (nan, Warning::NanInFile { pixels: nan }),
+        (out_of_range, Warning::BeyondSingle { pixels: out_of_range }),
+    ];
+    all.into_iter().filter(|&(pixels, _)| pixels > 0).map(|(_, warning)| warning).collect()
 }
 
 /// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the

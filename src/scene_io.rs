@@ -1,13 +1,17 @@
 //! Reads a scene and its meshes from files.
 
+use crate::escape::{escape, quoted};
 use crate::memory::NoMemory;
-use crate::scene::Scene;
+use crate::near_names::nearest_file;
 use crate::scene::error::{Problem, SceneError, located};
 use crate::scene::mesh::{Mesh, MeshError, parse_obj};
-use crate::scene::parser::parse;
+use crate::scene::parser::{self, Places, Reading};
+use crate::scene::recovery::MAX_ERRORS;
+use crate::scene::warning::SceneWarning;
+use crate::scene::{Scene, mesh_fault};
 use std::fmt;
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// A scene with everything that it names.
@@ -17,8 +21,14 @@ pub struct LoadedScene {
     pub scene: Scene,
     /// By the index in [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
+    /// Where each mesh was found.
+    pub mesh_files: Vec<PathBuf>,
     /// What the scene was read from, to show where a later error lies.
     pub source: Source,
+    /// What its text says without an error, but hardly on purpose.
+    pub warnings: Vec<SceneWarning>,
+    /// Where its text says what.
+    pub places: Places,
 }
 
 /// A scene's text, without a byte order mark, and the file that it comes from.
@@ -65,12 +75,12 @@ pub enum LoadError {
         /// Whether the file looks like UTF-16.
         is_utf16: bool,
     },
-    /// Something is wrong with what the scene or one of its meshes says.
+    /// Something is wrong with what the scene or its meshes say.
     Scene {
         /// The text.
         source: Source,
-        /// What is wrong, and where.
-        error: Box<SceneError>,
+        /// What is wrong, and where: at least one error.
+        errors: Vec<SceneError>,
     },
 }
 
@@ -80,7 +90,11 @@ impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { path, error } => {
-                f.write_str(&located(path, "", &format!("cannot read the scene: {error}")))
+                let is_missing = error.kind() == std::io::ErrorKind::NotFound;
+                let near = if is_missing { nearest_file(path) } else { None };
+                let hint =
+                    near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
+                f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
             }
             Self::Memory { path, refused } => f.write_str(&located(path, "", &refused.to_string())),
             Self::NotUtf8 { path, line, column, is_utf16 } => {
@@ -89,63 +103,139 @@ impl fmt::Display for LoadError {
                 let message = format!("the scene is not UTF-8 text{hint}");
                 f.write_str(&located(path, &format!(":{line}:{column}"), &message))
             }
-            Self::Scene { source, error } => f.write_str(&source.render(error)),
+            Self::Scene { source, errors } => {
+                for (index, error) in errors.iter().enumerate() {
+                    let end = if index == 0 { "" } else { "\n" };
+                    write!(f, "{end}{}", source.render(error))?;
+                }
+                match errors.len() {
+                    MAX_ERRORS.. => write!(f, "\n{MAX_ERRORS} errors are shown; there may be more"),
+                    _ => Ok(()),
+                }
+            }
         }
     }
 }
 
-/// Reads the scene at `path` and every mesh that it names.
+/// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
+const LONGEST_STREAM: u64 = 1 << 28;
+
+/// Reads the scene at `path` and every mesh that it names. `-` is standard input.
 ///
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    let unreadable = |error| match refused(&error, path) {
+    let is_standard_input = path == Path::new("-");
+    let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
+    let path = if is_standard_input { Path::new("standard input") } else { path };
+    let bytes = bytes.map_err(|error| match refused(&error, path) {
         Some(refused) => LoadError::Memory { path: path.to_owned(), refused },
         None => LoadError::Unreadable { path: path.to_owned(), error },
-    };
-    let bytes = fs::read(path).map_err(unreadable)?;
+    })?;
     let text = decode(path, bytes)?;
     let source = Source { path: path.to_owned(), text };
-    match parse_with_meshes(&source) {
-        Ok((scene, meshes)) => Ok(LoadedScene { scene, meshes, source }),
-        Err(error) => Err(LoadError::Scene { source, error: Box::new(error) }),
+    match read_with_meshes(&source) {
+        Ok((Reading { scene, warnings, places }, found)) => {
+            let (meshes, mesh_files) = found.into_iter().unzip();
+            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places })
+        }
+        Err(errors) => Err(LoadError::Scene { source, errors }),
     }
 }
 
-fn parse_with_meshes(source: &Source) -> Result<(Scene, Vec<Mesh>), SceneError> {
-    let scene = parse(&source.text)?;
-    let directory = source.path.parent().unwrap_or(Path::new(""));
-    let read = |file: &crate::scene::MeshFile| {
-        read_mesh(&file.name, directory).map_err(|problem| SceneError::new(file.at, problem))
-    };
-    let meshes = scene.meshes.iter().map(read).collect::<Result<_, _>>()?;
-    Ok((scene, meshes))
+fn read_scene(path: &Path) -> io::Result<Vec<u8>> {
+    if fs::metadata(path)?.is_file() { fs::read(path) } else { read_stream(File::open(path)?) }
 }
 
-/// Reads the mesh called `name` from the first place where it can be read.
-fn read_mesh(name: &str, scene_directory: &Path) -> Result<Mesh, Problem> {
+fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    match stream.take(LONGEST_STREAM + 1).read_to_end(&mut bytes)? as u64 {
+        0..=LONGEST_STREAM => Ok(bytes),
+        _ => Err(io::Error::other("it does not end after 256 MiB")),
+    }
+}
+
+/// A mesh and its file.
+type FoundMesh = (Mesh, PathBuf);
+
+fn read_with_meshes(source: &Source) -> Result<(Reading, Vec<FoundMesh>), Vec<SceneError>> {
+    let reading = parser::read(&source.text)?;
+    let directory = source.path.parent().unwrap_or(Path::new(""));
+    let (mut meshes, mut errors) = (vec![], vec![]);
+    for file in &reading.scene.meshes {
+        match read_mesh(&file.name, directory) {
+            Ok(mesh) => meshes.push(mesh),
+            Err(problem) => errors.push(SceneError {
+                at: file.at,
+                hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
+                problem,
+            }),
+        }
+        if errors.len() == MAX_ERRORS {
+            break;
+        }
+    }
+    if errors.is_empty() { Ok((reading, meshes)) } else { Err(errors) }
+}
+
+/// The name of a mesh that is there, in place of one that is not.
+fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
+    let Problem::MeshUnreadable { name, .. } = problem else { return None };
+    let near = places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
+    let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
+    Some(escape(&lossy(from_scene)))
+}
+
+/// Reads the mesh called `name` from the first place where it can be read, and returns the place too.
+fn read_mesh(name: &str, scene_directory: &Path) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in places(name, scene_directory) {
-        match fs::read(&place) {
+        match read_mesh_file(&place) {
             Ok(bytes) => {
-                return parse_obj(&bytes).map_err(|error| match error {
+                let mesh = parse_obj(&bytes).map_err(|error| match error {
                     MeshError::Memory(refused) => Problem::Memory(refused),
-                    error => Problem::BadMesh { file: lossy(&place), error },
-                });
+                    error => Problem::BadMesh {
+                        file: lossy(&place),
+                        excerpt: mesh_fault::excerpt(&error, &bytes),
+                        error,
+                    },
+                })?;
+                return Ok((mesh, place));
             }
-            Err(error) => match refused(&error, &place) {
-                Some(refused) => return Err(Problem::Memory(refused)),
-                None => tried.push((lossy(&place), error.to_string())),
-            },
+            Err(Unread::Memory(refused)) => return Err(Problem::Memory(refused)),
+            Err(Unread::Other(reason)) => tried.push((lossy(&place), reason)),
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
+}
+
+/// Why a mesh's file was not read.
+enum Unread {
+    Memory(NoMemory),
+    Other(String),
 }
 
 /// The refusal behind an error of reading a file, if that is what it is.
 fn refused(error: &io::Error, path: &Path) -> Option<NoMemory> {
     let bytes = || fs::metadata(path).map_or(0, |found| found.len());
     (error.kind() == io::ErrorKind::OutOfMemory).then(|| NoMemory { bytes: bytes() })
+}
+
+/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the program
+/// and a device may have no end.
+fn read_mesh_file(place: &Path) -> Result<Vec<u8>, Unread> {
+    let unread = |error: io::Error| match refused(&error, place) {
+        Some(refused) => Unread::Memory(refused),
+        None => Unread::Other(error.to_string()),
+    };
+    let found = fs::metadata(place).map_err(unread)?;
+    if found.is_dir() {
+        return Err(Unread::Other("it is a folder".into()));
+    }
+    if !found.is_file() {
+        return Err(Unread::Other("it is a pipe or a device, not a regular file".into()));
+    }
+    fs::read(place).map_err(unread)
 }
 
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then

@@ -46,6 +46,29 @@ impl Probe for Quiet {
     }
 }
 
+/// Counts rays alone, to tell how many are cast in a second. The tracer works as for [`Quiet`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RayCount(u64);
+
+impl Probe for RayCount {
+    const COUNTS: bool = false;
+    fn non_shadow_ray(&mut self) {
+        self.0 += 1;
+    }
+    fn shadow_ray(&mut self) {
+        self.0 += 1;
+    }
+    fn intersections(&mut self, _: usize) {}
+    fn cell(&mut self) {}
+    fn merge(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+    /// The rays are not told apart.
+    fn counts(&self) -> Counts {
+        Counts { non_shadow_rays: self.0, ..Counts::default() }
+    }
+}
+
 /// The events that the course's program counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
@@ -60,6 +83,11 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Rays of every kind.
+    pub fn rays(&self) -> u64 {
+        self.non_shadow_rays + self.shadow_rays
+    }
+
     /// What has been counted since.
     pub fn since(self, before: Self) -> Self {
         Self {
@@ -142,7 +170,7 @@ pub(crate) const RULE: &str = "********************************************";
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let line = |f: &mut fmt::Formatter, label: &str, value: String| writeln!(f, "  {label:<27}{value}");
-        let rays = self.counts.non_shadow_rays + self.counts.shadow_rays;
+        let rays = self.counts.rays();
         let [width, height] = self.size;
         let pixels = width * height;
         writeln!(f, "{RULE}\nRAY TRACING STATISTICS")?;

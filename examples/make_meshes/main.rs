@@ -1,18 +1,22 @@
-//! Makes the meshes of `scenes/`: a cube, and a rabbit at four levels of detail.
+//! Makes the meshes of `scenes/`: a cube, a rabbit at four levels of detail, letters, a gem, a vase and hollow glass.
 //!
 //! `cargo run --release --example make_meshes -- scenes` writes them; with `--check` it compares them with
 //! the existing files instead.
 //!
 //! The rabbit is modelled as an implicit surface ([`rabbit`]), polygonised ([`polygonise`]) and simplified
-//! ([`simplify`]). Each mesh is checked to be the boundary of one solid ([`topology`]). The bytes are the
-//! same on every machine: all arithmetic is IEEE basic operations and `libm`, in a fixed order.
+//! ([`simplify`]), and so are the [`letters`]; the others are [`cut`]. Each mesh is checked to be the boundary of
+//! solids ([`topology`]). The bytes are the same on every machine: all arithmetic is IEEE basic operations and
+//! `libm`, in a fixed order.
 
+mod cut;
+mod letters;
 mod polygonise;
 mod rabbit;
 mod simplify;
 mod topology;
 
 use glam::{DVec3, dvec3};
+use letters::Letter;
 use polygonise::{Lattice, polygonise, relax};
 use rabbit::Rabbit;
 use simplify::Simplifier;
@@ -20,7 +24,7 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use topology::{Mesh, check_closed_sphere};
+use topology::{Mesh, check_closed};
 
 /// The rabbits, the finest first, because each is made from the one before.
 const RABBITS: [(&str, usize); 4] =
@@ -88,7 +92,13 @@ fn compare(path: &Path, text: &str) -> Result<(), String> {
 
 /// The names and contents of all files.
 fn make_all() -> Result<Vec<(&'static str, String)>, String> {
-    let mut files = vec![("cube.obj", checked_obj("cube.obj", &cube())?)];
+    let mut files = vec![
+        ("cube.obj", checked_obj("cube.obj", &cube())?),
+        ("gem.obj", checked_obj("gem.obj", &cut::gem())?),
+        ("vase.obj", checked_obj("vase.obj", &cut::vase())?),
+        ("glass_shell.obj", obj_text(&glass_shell()?)),
+        ("letters.obj", obj_text(&word()?)),
+    ];
     let rabbit = Rabbit::new();
     let field = |point| rabbit.distance(point);
     let mut sculpture = polygonise(&rabbit_lattice(), &field);
@@ -131,13 +141,59 @@ fn placed(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The text of a mesh, after all checks of the mesh with the positions as rounded in the text.
+/// The letters side by side, the middle of the word at the origin.
+fn word() -> Result<Mesh, String> {
+    /// The distance between the middle lines of neighbouring letters.
+    const GAP: f64 = 0.3;
+    const FACES: usize = 900;
+    let letters = Letter::all();
+    let width = letters.iter().map(|letter| letter.width + GAP).sum::<f64>() - GAP;
+    let mut left = -0.5 * width;
+    let mut meshes = Vec::new();
+    for letter in letters {
+        let mut mesh = letter_mesh(&letter, FACES).map_err(|error| format!("letters.obj: {error}"))?;
+        mesh.positions.iter_mut().for_each(|position| position.x += left);
+        meshes.push(checked(&mesh, letter.holes).map_err(|error| format!("letters.obj: {error}"))?);
+        left += letter.width + GAP;
+    }
+    Ok(Mesh::join(meshes))
+}
+
+fn letter_mesh(letter: &Letter, faces: usize) -> Result<Mesh, String> {
+    /// The distance between the points at which a letter is sampled.
+    const STEP: f64 = 1.0 / 61.0;
+    let [min, max] = letter.bounds();
+    let counts = ((max - min) / STEP).to_array().map(|count| count as usize + 1);
+    let field = |point| letter.distance(point);
+    let mut mesh = polygonise(&Lattice { origin: min, step: STEP, counts }, &field);
+    relax(&mut mesh, &field, RELAX_ROUNDS);
+    let mut simplifier = Simplifier::new(mesh, &|_| 1.0);
+    simplifier.reduce_to(faces)?;
+    Ok(simplifier.compacted())
+}
+
+/// A hollow ball of cut glass. The inner side of its wall is a surface that faces the hollow, so that a ray which
+/// crosses it leaves the glass.
+fn glass_shell() -> Result<Mesh, String> {
+    const WALL: f64 = 0.04;
+    let ball = |radius| {
+        checked(&cut::cut_ball(radius, 12, 7), 0).map_err(|error| format!("glass_shell.obj: {error}"))
+    };
+    Ok(Mesh::join([ball(1.0)?, ball(1.0 - WALL)?.inside_out()]))
+}
+
+/// The text of a mesh without holes, after all checks.
 fn checked_obj(name: &str, mesh: &Mesh) -> Result<String, String> {
+    checked(mesh, 0).map(|mesh| obj_text(&mesh)).map_err(|error| format!("{name}: {error}"))
+}
+
+/// The mesh with its positions as they are rounded in the text, after all checks.
+fn checked(mesh: &Mesh, holes: i64) -> Result<Mesh, String> {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     let positions = mesh.positions.iter().map(|p| DVec3::from(p.to_array().map(rounded))).collect();
     let mesh = Mesh { positions, faces: mesh.faces.clone() };
-    check_closed_sphere(&mesh).map_err(|error| format!("{name}: {error}"))?;
-    Ok(obj_text(&mesh))
+    check_closed(&mesh, holes)?;
+    Ok(mesh)
 }
 
 fn obj_text(mesh: &Mesh) -> String {

@@ -14,6 +14,23 @@ impl Mesh {
     pub fn corners(&self, face: [u32; 3]) -> [DVec3; 3] {
         face.map(|vertex| self.positions[vertex as usize])
     }
+
+    /// The same surface around its outside: what was inside is outside.
+    pub fn inside_out(mut self) -> Self {
+        self.faces.iter_mut().for_each(|face| face.swap(1, 2));
+        self
+    }
+
+    /// All meshes as one.
+    pub fn join(meshes: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self { positions: Vec::new(), faces: Vec::new() };
+        for mesh in meshes {
+            let first = all.positions.len() as u32;
+            all.faces.extend(mesh.faces.iter().map(|face| face.map(|vertex| first + vertex)));
+            all.positions.extend(mesh.positions);
+        }
+        all
+    }
 }
 
 /// Twice the area of a triangle times its unit outward normal.
@@ -26,20 +43,20 @@ pub fn directed_edges([a, b, c]: [u32; 3]) -> [(u32, u32); 3] {
     [(a, b), (b, c), (c, a)]
 }
 
-/// Checks that the mesh is one closed, outward-facing surface of genus 0 whose
-/// faces all have an area and whose vertices are all distinct and used.
+/// Checks that the mesh is one closed, outward-facing surface with so many holes
+/// through it, whose faces all have an area and whose vertices are all distinct and used.
 ///
 /// Faces are connected through edges here, not through vertices, so a vertex
 /// where two sheets merely touch cannot hide: pulling it apart would leave a
-/// connected closed surface with V - E + F = 3, and there is none.
-pub fn check_closed_sphere(mesh: &Mesh) -> Result<(), String> {
+/// connected closed surface with one vertex more, so that V - E + F is odd, and there is none.
+pub fn check_closed(mesh: &Mesh, holes: i64) -> Result<(), String> {
     let twins = TwinTable::new(mesh)?;
     twins.check_connected(mesh)?;
     check_vertices(mesh)?;
     check_areas(mesh)?;
     let euler = mesh.positions.len() as i64 - twins.edge_count() as i64 + mesh.faces.len() as i64;
-    if euler != 2 {
-        return Err(format!("V - E + F is {euler}, not the 2 of a sphere"));
+    if euler != 2 - 2 * holes {
+        return Err(format!("V - E + F is {euler}, not that of a surface with {holes} holes"));
     }
     if enclosed_volume(mesh) <= 0.0 {
         return Err("the faces turn their backs outwards".to_string());

@@ -6,6 +6,7 @@ use super::{Command, parse};
 use crate::render::Layer;
 use std::ffi::OsString;
 use std::fmt;
+use std::path::Path;
 
 /// A command line that renders a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +33,12 @@ pub enum CommandsProblem {
     Invalid(CliError),
     /// It does something else than to render a scene.
     NotRendering,
+    /// It reads or writes a standard stream.
+    Stream,
     /// It draws a map of costs, which no other program can be asked for.
     CostMap,
+    /// It renders a part of a picture.
+    Region,
 }
 
 /// The command lines of a text. Each starts with the name of the program, which may be any; words are separated by
@@ -55,6 +60,12 @@ fn rendering(line: &str) -> Result<Options, CommandsProblem> {
         Ok(Command::Render(options)) if options.outputs.iter().any(|output| is_cost(output.layer)) => {
             Err(CommandsProblem::CostMap)
         }
+        Ok(Command::Render(options)) if options.region.is_some() => Err(CommandsProblem::Region),
+        Ok(Command::Render(options))
+            if options.has_standard_output() || options.input.as_deref() == Some(Path::new("-")) =>
+        {
+            Err(CommandsProblem::Stream)
+        }
         Ok(Command::Render(options)) => Ok(*options),
         Ok(_) => Err(CommandsProblem::NotRendering),
         Err(error) => Err(CommandsProblem::Invalid(error)),
@@ -71,6 +82,8 @@ impl fmt::Display for CommandsError {
         match &self.problem {
             CommandsProblem::Invalid(error) => error.fmt(f),
             CommandsProblem::NotRendering => f.write_str("the command does not render a scene"),
+            CommandsProblem::Region => f.write_str("a part of a picture is nothing to grade by"),
+            CommandsProblem::Stream => f.write_str("`-` is no file to grade by"),
             CommandsProblem::CostMap => f.write_str("a cost map is nothing to grade by"),
         }
     }
@@ -97,6 +110,12 @@ mod tests {
             ("rt -help", "line 2: the command does not render a scene"),
             ("rt -compare a.tga -reference b.tga", "line 2: the command does not render a scene"),
             ("rt -grade a -reference b", "line 2: the command does not render a scene"),
+            (
+                "rt -input a.txt -region 0 0 9 9 -output a.tga",
+                "line 2: a part of a picture is nothing to grade by",
+            ),
+            ("rt -input - -output a.tga", "line 2: `-` is no file to grade by"),
+            ("rt -input a.txt -output - tga", "line 2: `-` is no file to grade by"),
             ("rt -input a.txt -cost_map rays a.tga", "line 2: a cost map is nothing to grade by"),
         ] {
             assert_eq!(parse_commands(&format!("\n{line}")).unwrap_err().to_string(), message);

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::flags;
 use super::raw::Raw;
-use super::values::{bad, lossy_or_null, picture_name, whole};
+use super::values::{bad, byte_picture_name, lossy_or_null, picture_name, whole};
 use crate::compare::Tolerance;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -29,7 +29,9 @@ impl Comparison {
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let file = |flag| raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose();
         let (picture, reference) = (file(&flags::COMPARE)?, file(&flags::REFERENCE)?);
-        let (difference, tolerance) = (file(&flags::DIFFERENCE)?, tolerance(raw)?);
+        let difference = |[word]: [_; 1]| byte_picture_name(&flags::DIFFERENCE, word);
+        let (difference, tolerance) =
+            (raw.values(&flags::DIFFERENCE)?.map(difference).transpose()?, tolerance(raw)?);
         if picture.is_some() || reference.is_some() {
             return Ok(Some(Self { picture, reference, difference, tolerance }));
         }

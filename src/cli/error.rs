@@ -1,6 +1,6 @@
 //! The errors of the command line, and their messages.
 
-use super::flags;
+use super::flags::{self, Flag};
 use crate::escape::quoted;
 use std::ffi::OsString;
 use std::fmt;
@@ -21,6 +21,8 @@ pub enum CliError {
     UnexpectedWord {
         /// The word as given.
         word: OsString,
+        /// The flag that may be missing before it.
+        meant: Option<&'static str>,
     },
     /// A flag and its value written as `-flag=value`.
     EqualsForm {
@@ -78,6 +80,13 @@ pub enum CliError {
         /// The last column and the last row of the picture.
         last: [usize; 2],
     },
+    /// `-region` with pixels outside the picture.
+    RegionOutside {
+        /// Width and height of the picture.
+        size: [usize; 2],
+    },
+    /// `-merge` without `-output`.
+    OutputNeeded,
     /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
@@ -111,6 +120,13 @@ pub enum CliError {
         /// The file that both name.
         file: PathBuf,
     },
+    /// Two flags that write to standard output.
+    SameStream {
+        /// The flag.
+        flag: &'static str,
+        /// The other flag.
+        other: &'static str,
+    },
     /// An error that clap reports and that this program does not expect.
     Unreadable {
         /// Clap's description.
@@ -134,10 +150,14 @@ pub enum Problem {
     NotFinite,
     /// It is negative.
     Negative,
-    /// It does not have the file extension of a scene.
-    NotScene,
     /// It does not have the file extension of a picture.
     NotPicture,
+    /// It does not have the file extension of a picture of bytes.
+    NotBytes,
+    /// It is not the name of a format.
+    NotFormat,
+    /// It is standard output, and no format follows.
+    NoFormat,
     /// It is neither a dash nor does it have the file extension of a JSON document.
     NotJson,
     /// It does not have the file extension of a page.
@@ -146,6 +166,8 @@ pub enum Problem {
     NotFilterSize,
     /// It is no kind of cost.
     NotCost,
+    /// It stands beside other values.
+    NotAlone,
 }
 
 impl fmt::Display for Problem {
@@ -155,12 +177,15 @@ impl fmt::Display for Problem {
             Self::Outside { min, max } => write!(f, "is not between {min} and {max}"),
             Self::NotFinite => f.write_str("is not a finite number"),
             Self::Negative => f.write_str("is negative"),
-            Self::NotScene => f.write_str("does not end in .txt"),
             Self::NotPage => f.write_str("does not end in .html"),
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
             Self::NotJson => f.write_str("is neither - nor ends in .json"),
+            Self::NotAlone => f.write_str("stands alone, in place of the three numbers"),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
-            Self::NotPicture => f.write_str("ends in neither .tga nor .png"),
+            Self::NotPicture => f.write_str("ends in none of .tga, .png, .pfm and .exr"),
+            Self::NotBytes => f.write_str("ends in neither .tga nor .png"),
+            Self::NotFormat => f.write_str("is none of the formats tga, png, pfm and exr"),
+            Self::NoFormat => f.write_str("needs its format as the next word, as in `- png`"),
         }
     }
 }
@@ -175,7 +200,7 @@ impl CliError {
     fn message(&self) -> String {
         match self {
             Self::UnknownFlag { flag, nearest } => unknown_flag(flag, nearest.as_deref()),
-            Self::UnexpectedWord { word } => unexpected_word(word),
+            Self::UnexpectedWord { word, meant } => unexpected_word(word, *meant),
             Self::EqualsForm { flag } => format!("`-{flag}` takes its values as separate words, without `=`"),
             Self::GivenTwice { flag } => format!("`-{flag}` given twice"),
             Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
@@ -190,6 +215,10 @@ impl CliError {
             Self::PixelOutside { last: [x, y] } => {
                 format!("`-pixel`: outside the picture, whose columns are 0 to {x} and rows 0 to {y}")
             }
+            Self::RegionOutside { size: [w, h] } => {
+                format!("`-region`: not within the picture of {w} x {h} pixels")
+            }
+            Self::OutputNeeded => "`-merge` needs `-output file`".into(),
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
@@ -202,6 +231,9 @@ impl CliError {
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
+            }
+            Self::SameStream { flag, other } => {
+                format!("`-{flag}` and `-{other}` both write to standard output")
             }
             Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
         }
@@ -218,17 +250,25 @@ fn unknown_flag(flag: &str, nearest: Option<&str>) -> String {
     }
 }
 
-fn unexpected_word(word: &OsString) -> String {
+fn unexpected_word(word: &OsString, meant: Option<&str>) -> String {
     let shown = quoted(word);
-    match word.to_str().and_then(flags::find) {
-        Some(flag) => format!("unexpected word {shown}; did you mean `-{}`?", flag.name),
-        None => format!("unexpected word {shown} (not the value of any flag)"),
+    match (word.to_str().and_then(flags::find), meant) {
+        (Some(flag), _) => format!("unexpected word {shown}; did you mean `-{}`?", flag.name),
+        (None, Some(flag)) => {
+            let line = format!("-{flag} {}", word.to_string_lossy());
+            format!("unexpected word {shown}; did you mean {}?", quoted(line))
+        }
+        (None, None) => format!("unexpected word {shown} (not the value of any flag)"),
     }
 }
 
 fn wrong_count(flag: &str, expected: usize, given: usize) -> String {
-    match expected {
-        1 => format!("`-{flag}` needs a value"),
-        _ => format!("`-{flag}` takes {expected} values, {given} given"),
+    let example = flags::find(flag).map_or_else(String::new, Flag::example);
+    match (flag, expected) {
+        (_, 1) => format!("`-{flag}` needs a value, as in `{example}`"),
+        ("grid", _) => format!(
+            "`-{flag}` takes {expected} values, as in `{example}`, or one, which is `auto` or `none`; {given} given"
+        ),
+        _ => format!("`-{flag}` takes {expected} values, as in `{example}`; {given} given"),
     }
 }

@@ -19,7 +19,7 @@ pub struct ErrorReporting {
 }
 
 /// The flags that a report understands.
-const UNDERSTOOD: [&Flag; 21] = [
+const UNDERSTOOD: [&Flag; 23] = [
     &flags::ERROR_REPORT,
     &flags::TARGET,
     &flags::INPUT,
@@ -41,6 +41,8 @@ const UNDERSTOOD: [&Flag; 21] = [
     &flags::MITCHELL_FILTER,
     &flags::GRID,
     &flags::THREADS,
+    &flags::PROGRESS,
+    &flags::QUIET,
 ];
 
 impl ErrorReporting {

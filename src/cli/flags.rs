@@ -3,53 +3,8 @@
 //! A new flag needs one constant here, one entry in [`FLAGS`], and the code in `options.rs` that interprets
 //! it. The parser and the help text are generated from the table.
 
+pub(super) use super::flag::Flag;
 use super::section::Section;
-
-/// A flag. Names are without the dash.
-#[derive(Debug)]
-pub(super) struct Flag {
-    pub name: &'static str,
-    /// Other spellings, which the help does not list.
-    pub aliases: &'static [&'static str],
-    /// The names of the values, which the help shows.
-    pub values: &'static [&'static str],
-    /// The names of flags that cannot be combined with this one.
-    pub conflicts: &'static [&'static str],
-    pub section: Section,
-    pub doc: &'static str,
-}
-
-impl Flag {
-    const fn new(
-        section: Section,
-        name: &'static str,
-        values: &'static [&'static str],
-        doc: &'static str,
-    ) -> Self {
-        Self { name, aliases: &[], values, conflicts: &[], section, doc }
-    }
-
-    const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
-        self.aliases = aliases;
-        self
-    }
-
-    const fn conflicts(mut self, conflicts: &'static [&'static str]) -> Self {
-        self.conflicts = conflicts;
-        self
-    }
-
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`.
-    pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
-        let min = if self.name == GRID.name { 1 } else { self.values.len() };
-        min..=self.values.len()
-    }
-
-    /// The flag with the names of its values, as in `-size w h`.
-    pub fn usage(&self) -> String {
-        self.values.iter().fold(format!("-{}", self.name), |line, value| line + " " + value)
-    }
-}
 
 /// The flag called `name`, by any of its spellings.
 pub(super) fn find(name: &str) -> Option<&'static Flag> {
@@ -61,6 +16,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &INPUT,
     &OUTPUT,
     &SIZE,
+    &REGION,
+    &MERGE,
     &DEPTH,
     &NORMALS,
     &SHADE_BACK,
@@ -96,6 +53,9 @@ pub(super) const FLAGS: &[&Flag] = &[
     &PIXEL,
     &JSON,
     &THREADS,
+    &PROGRESS,
+    &QUIET,
+    &STRICT,
     &GUI,
     &TESSELLATION,
     &GOURAUD,
@@ -107,28 +67,48 @@ pub(super) const INPUT: Flag = Flag::new(
     Section::Pictures,
     "input",
     &["file"],
-    "The scene, a file that ends in .txt. Required, unless two pictures are compared.",
+    "The scene; - reads it from standard input. Required, unless two pictures are compared.",
 );
-pub(super) const OUTPUT: Flag =
-    Flag::new(Section::Pictures, "output", &["file"], "Writes the picture as .tga or .png.");
+pub(super) const OUTPUT: Flag = Flag::new(
+    Section::Pictures,
+    "output",
+    &["file"],
+    "Writes the picture as .tga, .png or, in floating point, .pfm or .exr; - png writes it to standard output.",
+)
+.picture(0);
 pub(super) const SIZE: Flag = Flag::new(
     Section::Pictures,
     "size",
     &["w", "h"],
-    "Width and height of every picture in pixels, 1 to 65535. Default: 100 100.",
+    "Width and height of every picture in pixels, 1 to 65535.",
+);
+pub(super) const REGION: Flag = Flag::new(
+    Section::Pictures,
+    "region",
+    &["x", "y", "w", "h"],
+    "Renders only this part of every picture, whose bytes are those of the whole. The top left pixel is 0 0.",
+)
+.conflicts(&["render_filter", "cost_map", "compare", "reference"]);
+pub(super) const MERGE: Flag = Flag::new(
+    Section::Pictures,
+    "merge",
+    &["files..."],
+    "Puts these parts of a picture together in -output. They come from -region, in any order.",
 );
 pub(super) const DEPTH: Flag = Flag::new(
     Section::Pictures,
     "depth",
     &["t0", "t1", "file"],
-    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1.",
-);
+    "Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the distances themselves.",
+)
+.picture(2);
 pub(super) const NORMALS: Flag = Flag::new(
     Section::Pictures,
     "normals",
     &["file"],
-    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue. Also -normal.",
+    "Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves. Also -normal.",
 )
+.picture(0)
 .aliases(&["normal"]);
 
 pub(super) const SHADE_BACK: Flag = Flag::new(
@@ -137,7 +117,7 @@ pub(super) const SHADE_BACK: Flag = Flag::new(
     &[],
     "Lights surfaces seen from behind; without it they are black.",
 );
-pub(super) const SHADOWS: Flag = Flag::new(Section::Shading, "shadows", &[], "Casts shadows. Default: none.");
+pub(super) const SHADOWS: Flag = Flag::new(Section::Shading, "shadows", &[], "Casts shadows.");
 pub(super) const NO_SHADOWS: Flag = Flag::new(
     Section::Shading,
     "no_shadows",
@@ -151,22 +131,14 @@ pub(super) const TRANSPARENT_SHADOWS: Flag = Flag::new(
     &[],
     "Casts shadows that transparent objects tint. Implies -shadows.",
 );
-pub(super) const BOUNCES: Flag = Flag::new(
-    Section::Shading,
-    "bounces",
-    &["n"],
-    "Traces reflected and refracted rays to this depth. Default: 0.",
-);
+pub(super) const BOUNCES: Flag =
+    Flag::new(Section::Shading, "bounces", &["n"], "Traces reflected and refracted rays to this depth.");
 pub(super) const WEIGHT: Flag =
-    Flag::new(Section::Shading, "weight", &["w"], "Traces no ray whose weight is w or less. Default: 0.");
+    Flag::new(Section::Shading, "weight", &["w"], "Traces no ray whose weight is w or less.");
 
-pub(super) const RANDOM_SAMPLES: Flag = Flag::new(
-    Section::Sampling,
-    "random_samples",
-    &["n"],
-    "Takes n random samples per pixel, 1 to 65536. Default: one at the centre.",
-)
-.conflicts(&["uniform_samples", "jittered_samples"]);
+pub(super) const RANDOM_SAMPLES: Flag =
+    Flag::new(Section::Sampling, "random_samples", &["n"], "Takes n random samples per pixel, 1 to 65536.")
+        .conflicts(&["uniform_samples", "jittered_samples"]);
 pub(super) const UNIFORM_SAMPLES: Flag = Flag::new(
     Section::Sampling,
     "uniform_samples",
@@ -187,17 +159,13 @@ pub(super) const ADAPTIVE_SAMPLES: Flag = Flag::new(
     "Takes 4 jittered samples per pixel and, where they disagree, up to most, 4 to 1024, until the error of the pixel is about this many levels.",
 )
 .conflicts(&["random_samples", "uniform_samples", "jittered_samples"]);
-pub(super) const SEED: Flag = Flag::new(
-    Section::Sampling,
-    "seed",
-    &["n"],
-    "Seeds the random numbers as srand48(n) does. Default: the course's sequence.",
-);
+pub(super) const SEED: Flag =
+    Flag::new(Section::Sampling, "seed", &["n"], "Seeds the random numbers as srand48(n) does.");
 pub(super) const BOX_FILTER: Flag = Flag::new(
     Section::Sampling,
     "box_filter",
     &["r"],
-    "Averages the samples within r pixels along both axes. Default: a radius of 0.5.",
+    "Averages the samples within r pixels along both axes.",
 )
 .conflicts(&["tent_filter", "gaussian_filter", "mitchell_filter"]);
 pub(super) const TENT_FILTER: Flag = Flag::new(
@@ -225,19 +193,21 @@ pub(super) const RENDER_SAMPLES: Flag = Flag::new(
     "render_samples",
     &["file", "zoom"],
     "Writes a picture of the sample positions, with each pixel enlarged.",
-);
+)
+.picture(0);
 pub(super) const RENDER_FILTER: Flag = Flag::new(
     Section::Sampling,
     "render_filter",
     &["file", "zoom"],
     "Writes a picture of the filter's weights, with each pixel enlarged.",
-);
+)
+.picture(0);
 
 pub(super) const GRID: Flag = Flag::new(
     Section::Grid,
     "grid",
     &["nx", "ny", "nz"],
-    "Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The picture stays the same. Default: what is fastest; with -stats, none.",
+    "Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The picture stays the same.",
 );
 pub(super) const VISUALIZE_GRID: Flag = Flag::new(
     Section::Grid,
@@ -250,13 +220,13 @@ pub(super) const COMPARE: Flag = Flag::new(
     Section::Comparison,
     "compare",
     &["file"],
-    "Compares this picture, .tga or .png, with the reference. Default: the rendered picture.",
+    "Compares this picture, .tga, .png, .pfm or .exr, with the reference.",
 );
 pub(super) const REFERENCE: Flag = Flag::new(
     Section::Comparison,
     "reference",
     &["file"],
-    "The picture to compare with, or the folder of pictures for -grade. Default: the rendered picture.",
+    "The picture to compare with, or the folder of pictures for -grade.",
 );
 pub(super) const DIFFERENCE: Flag = Flag::new(
     Section::Comparison,
@@ -318,7 +288,8 @@ pub(super) const COST_MAP: Flag = Flag::new(
     "cost_map",
     &["kind", "file"],
     "Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.",
-);
+)
+.picture(1);
 
 pub(super) const PIXEL: Flag = Flag::new(
     Section::Statistics,
@@ -339,7 +310,23 @@ pub(super) const THREADS: Flag = Flag::new(
     Section::Other,
     "threads",
     &["n"],
-    "Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.",
+    "Renders with n threads, 1 to 4096. The picture stays the same.",
 );
-pub(super) const HELP: Flag = Flag::new(Section::Other, "help", &[], "Prints this text.").aliases(&["h"]);
+pub(super) const PROGRESS: Flag = Flag::new(
+    Section::Other,
+    "progress",
+    &[],
+    "Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.",
+)
+.conflicts(&["quiet"]);
+pub(super) const QUIET: Flag =
+    Flag::new(Section::Other, "quiet", &[], "Does not tell how far the run has come.");
+pub(super) const STRICT: Flag = Flag::new(
+    Section::Other,
+    "strict",
+    &[],
+    "Takes warnings as errors: the run ends with status 1 and writes no picture.",
+);
+pub(super) const HELP: Flag =
+    Flag::new(Section::Other, "help", &["flag"], "Prints this text, or all about one flag.").aliases(&["h"]);
 pub(super) const VERSION: Flag = Flag::new(Section::Other, "version", &[], "Prints the version.");

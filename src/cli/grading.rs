@@ -3,7 +3,7 @@
 use super::comparison::tolerance;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
-use super::options::THREAD_RANGE;
+use super::options::{ShowProgress, THREAD_RANGE};
 use super::raw::Raw;
 use super::values::{bad, ends_in, wholes};
 use crate::compare::Tolerance;
@@ -22,6 +22,8 @@ pub struct Grading {
     pub tolerance: Option<Tolerance>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
+    /// Where progress is shown.
+    pub progress: ShowProgress,
 }
 
 /// Where the reference pictures come from.
@@ -34,8 +36,16 @@ pub enum References {
 }
 
 /// The flags that a grading understands.
-const UNDERSTOOD: [&Flag; 6] =
-    [&flags::GRADE, &flags::REFERENCE, &flags::COMMANDS, &flags::REPORT, &flags::TOLERANCE, &flags::THREADS];
+const UNDERSTOOD: [&Flag; 8] = [
+    &flags::GRADE,
+    &flags::REFERENCE,
+    &flags::COMMANDS,
+    &flags::REPORT,
+    &flags::TOLERANCE,
+    &flags::THREADS,
+    &flags::PROGRESS,
+    &flags::QUIET,
+];
 
 impl Grading {
     /// The grading that the flags ask for, if they do.
@@ -49,7 +59,8 @@ impl Grading {
             (None, None) => return Err(CliError::ReferencesNeeded),
         };
         let threads = wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize);
-        Ok(Some(Self { folder, references, report: report(raw)?, tolerance: tolerance(raw)?, threads }))
+        let (report, tolerance, progress) = (report(raw)?, tolerance(raw)?, ShowProgress::from_raw(raw));
+        Ok(Some(Self { folder, references, report, tolerance, threads, progress }))
     }
 }
 

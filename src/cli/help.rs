@@ -1,7 +1,10 @@
-//! The help text, generated from the table of flags.
+//! The help texts, generated from the table of flags.
 
-use super::flags::{FLAGS, Flag};
+use super::error::CliError;
+use super::flags::{self, FLAGS, Flag};
+use super::notes;
 use super::section::Section;
+use std::ffi::OsStr;
 
 /// The column at which the descriptions start.
 const INDENT: usize = 32;
@@ -13,6 +16,7 @@ Renders a scene of MIT's 6.837 ray tracing assignments and writes the requested
 pictures.
 
 Usage: raytracer -input scene.txt [flags, in any order]
+       raytracer -help flag        all about one flag
 ";
 
 const TAIL: &str = "
@@ -22,15 +26,27 @@ Examples:
   raytracer -input plane.txt -size 200 200 -output plane.png
             -depth 8 20 depth.tga -normals normals.tga
 
-The exit status is 1 for a file that cannot be read or written and for an error
-in the scene, 2 for an error in the command line, and 3 for a difference above
-the tolerance.
 ";
+
+/// What the exit status means.
+pub(super) const STATUS: &str = "\
+The exit status is 1 for a file that cannot be read or written and for an error in the scene, 2 for an error in the \
+command line, 3 for a difference above the tolerance, and 130 or 143 for a run that was stopped by Ctrl-C or SIGTERM.";
 
 /// The text that `-help` prints.
 pub(super) fn text() -> String {
     let sections: String = Section::ALL.into_iter().map(section).collect();
-    format!("{HEAD}{sections}{TAIL}")
+    format!("{HEAD}{sections}{TAIL}{}", paragraph(STATUS, 0))
+}
+
+/// The text that `-help` prints for one flag, which may be named with or without dashes.
+pub(super) fn about(word: &OsStr) -> Result<String, CliError> {
+    let name = word.to_string_lossy();
+    let name = name.trim_start_matches('-');
+    match flags::find(name) {
+        Some(flag) => Ok(in_full(flag)),
+        None => Err(CliError::UnknownFlag { flag: name.to_owned(), nearest: nearest(name) }),
+    }
 }
 
 /// The text that `-version` prints.
@@ -46,11 +62,57 @@ fn section(section: Section) -> String {
 fn entry(flag: &Flag) -> String {
     let mut left = format!("  {}", flag.usage());
     let mut text = String::new();
-    for line in wrap(flag.doc, WIDTH - INDENT) {
+    for line in wrap(flag.doc, WIDTH - INDENT).into_iter().chain(default_and_example(flag)) {
         text += &format!("{left:<INDENT$}{line}\n");
         left.clear();
     }
     text
+}
+
+/// The default and an example, in one line if they fit.
+fn default_and_example(flag: &Flag) -> Vec<String> {
+    let notes = notes::of(flag);
+    let default = (!notes.default.is_empty()).then(|| format!("Default: {}", notes.default));
+    let example = (!notes.example.is_empty()).then(|| format!("Example: {}", notes.example));
+    let parts: Vec<String> = default.into_iter().chain(example).collect();
+    let line = parts.join("   ");
+    if line.chars().count() <= WIDTH - INDENT && !line.is_empty() { vec![line] } else { parts }
+}
+
+/// Everything about a flag.
+fn in_full(flag: &Flag) -> String {
+    let notes = notes::of(flag);
+    let mut text = format!("{}\n{}", flag.usage(), paragraph(flag.doc, 2));
+    if !notes.details.is_empty() {
+        text += &paragraph(notes.details, 2);
+    }
+    text += "\n";
+    let excluded: Vec<String> = flag.excluded().map(|other| format!("-{}", other.name)).collect();
+    let aliases: Vec<String> = flag.aliases.iter().map(|alias| format!("-{alias}")).collect();
+    for (label, value) in [
+        ("Default", notes.default.to_owned()),
+        ("Not with", excluded.join(" ")),
+        ("Also", aliases.join(" ")),
+        ("Example", flag.command()),
+    ] {
+        if !value.is_empty() {
+            text += &format!("  {:<10}{value}\n", format!("{label}:"));
+        }
+    }
+    text
+}
+
+fn nearest(name: &str) -> Option<String> {
+    const LONGEST: usize = 40;
+    let distance = |flag: &&Flag| strsim::levenshtein(name, flag.name);
+    let near = |flag: &&Flag| distance(flag) <= (name.chars().count() + 1) / 3;
+    let all = FLAGS.iter().copied().filter(|_| name.len() <= LONGEST);
+    all.filter(near).min_by_key(distance).map(|flag| flag.name.to_owned())
+}
+
+/// A text in lines that start with this number of blanks.
+fn paragraph(text: &str, indent: usize) -> String {
+    wrap(text, WIDTH - indent).into_iter().map(|line| format!("{:indent$}{line}\n", "")).collect()
 }
 
 /// Breaks `text` between words into lines of at most `width` characters.
@@ -87,5 +149,30 @@ mod tests {
     #[test]
     fn usage_leaves_room_for_the_description() {
         assert!(FLAGS.iter().all(|flag| flag.usage().len() + 3 <= INDENT));
+    }
+
+    #[test]
+    fn a_flag_is_explained_in_full() {
+        let expected = "\
+-box_filter r
+  Averages the samples within r pixels along both axes.
+
+  Default:  0.5
+  Not with: -tent_filter -gaussian_filter -mitchell_filter
+  Example:  raytracer -input scene.txt -output picture.png -jittered_samples 16 -box_filter 1
+";
+        for word in ["box_filter", "-box_filter", "--box_filter"] {
+            assert_eq!(about(OsStr::new(word)), Ok(expected.to_owned()));
+        }
+    }
+
+    #[test]
+    fn a_flag_that_is_none_is_corrected() {
+        let nearest = |word| match about(OsStr::new(word)) {
+            Err(CliError::UnknownFlag { nearest, .. }) => nearest,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(nearest("shadow"), Some("shadows".into()));
+        assert_eq!((nearest("teapot"), nearest(&"s".repeat(1000))), (None, None));
     }
 }

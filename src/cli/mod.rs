@@ -8,13 +8,22 @@
 
 mod commands;
 mod comparison;
+mod completion;
+pub mod completions;
 mod error;
 mod error_report;
+mod flag;
 mod flags;
 mod grading;
 mod help;
+pub mod man_page;
+mod notes;
 mod options;
+mod outputs;
+mod parts;
 mod raw;
+mod sampling;
+mod rest;
 mod section;
 mod values;
 
@@ -23,8 +32,11 @@ pub use comparison::Comparison;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
-pub use options::{JsonTarget, Options, Output};
+pub use options::{JsonTarget, Options, ShowProgress};
+pub use outputs::Output;
+pub use parts::Merging;
 use raw::{Raw, Stop};
+pub use rest::{command_of_merge, command_of_rest};
 use std::ffi::OsString;
 
 /// The action that the command line requests.
@@ -34,6 +46,8 @@ pub enum Command {
     Render(Box<Options>),
     /// Grade a folder with these options.
     Grade(Grading),
+    /// Put parts of a picture together with these options.
+    Merge(Merging),
     /// Measure speed against error with these options.
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -49,7 +63,8 @@ pub enum Command {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => command(&raw),
-        Err(Stop::Help) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
+        Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),
     }
@@ -58,6 +73,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
 fn command(raw: &Raw) -> Result<Command, CliError> {
     if let Some(grading) = Grading::from_raw(raw)? {
         return Ok(Command::Grade(grading));
+    }
+    if let Some(merging) = Merging::from_raw(raw)? {
+        return Ok(Command::Merge(merging));
     }
     match ErrorReporting::from_raw(raw)? {
         Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),

@@ -6,10 +6,13 @@
 
 use super::error::CliError;
 use super::flags::{self, FLAGS, Flag};
+use super::values::ends_in;
+use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 /// Flags with their values as words. Only the number of values has been checked.
 pub(super) struct Raw {
@@ -19,7 +22,8 @@ pub(super) struct Raw {
 
 /// The reason why parsing ends without flags.
 pub(super) enum Stop {
-    Help,
+    /// The help, or that of the flag with this name.
+    Help(Option<OsString>),
     Version,
     Error(CliError),
 }
@@ -61,20 +65,44 @@ impl Raw {
         self.values::<1>(flag).ok().flatten().map(|[word]| word)
     }
 
+    /// All values of a flag; `None` if it is not given.
+    pub fn all_values(&self, flag: &Flag) -> Option<Vec<&OsStr>> {
+        let indices = self.matches.try_get_raw(flag.name).ok()??;
+        Some(indices.filter_map(|index| word_at(&self.words, index.to_str()?)).collect())
+    }
+
     /// The values of a flag that takes `N` of them; `None` if the flag is not given.
     pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
-        let Ok(Some(indices)) = self.matches.try_get_raw(flag.name) else { return Ok(None) };
-        let words: Vec<&OsStr> = indices.filter_map(|index| word_at(&self.words, index.to_str()?)).collect();
-        let given = words.len();
-        match words.try_into() {
-            Ok(array) => Ok(Some(array)),
-            Err(_) => Err(CliError::WrongCount { flag: flag.name.into(), expected: N, given }),
+        self.all_values(flag).map(|words| exactly(flag, words)).transpose()
+    }
+
+    /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if there is
+    /// one. No word may follow a name that tells it.
+    pub fn picture_values<const N: usize>(&self, flag: &Flag) -> Result<Option<Picture<'_, N>>, CliError> {
+        let Some(mut words) = self.all_values(flag) else { return Ok(None) };
+        let Some(place) = flag.picture.filter(|_| words.len() > N) else {
+            return exactly(flag, words).map(|words| Some((words, None)));
+        };
+        if Format::of(Path::new(words[place])).is_some() {
+            let meant = meant(words[N], &self.words);
+            return Err(CliError::UnexpectedWord { word: words[N].into(), meant });
         }
+        let format = words.remove(place + 1);
+        exactly(flag, words).map(|words| Some((words, Some(format))))
     }
 }
 
+/// The values of a flag that writes a picture, and the name of the format where it stands by itself.
+pub(super) type Picture<'a, const N: usize> = ([&'a OsStr; N], Option<&'a OsStr>);
+
+fn exactly<'a, const N: usize>(flag: &Flag, words: Vec<&'a OsStr>) -> Result<[&'a OsStr; N], CliError> {
+    let given = words.len();
+    let wrong = |_| CliError::WrongCount { flag: flag.name.into(), expected: N, given };
+    words.try_into().map_err(wrong)
+}
+
 /// Whether a word is a flag: one or two dashes and a letter. Everything else is a value.
-fn is_flag(word: &[u8]) -> bool {
+pub(super) fn is_flag(word: &[u8]) -> bool {
     matches!(word, [b'-', letter, ..] | [b'-', b'-', letter, ..] if letter.is_ascii_alphabetic())
 }
 
@@ -125,7 +153,7 @@ fn word_at<'a>(words: &'a [OsString], index: &str) -> Option<&'a OsStr> {
 fn translate(error: &clap::Error, words: &[OsString]) -> Stop {
     let flag = flag_name(error, ContextKind::InvalidArg).unwrap_or_default();
     match error.kind() {
-        ErrorKind::DisplayHelp => Stop::Help,
+        ErrorKind::DisplayHelp => Stop::Help(help_topic(words)),
         ErrorKind::DisplayVersion => Stop::Version,
         ErrorKind::UnknownArgument => unknown(error, words).into(),
         ErrorKind::ArgumentConflict => conflict(flag, flag_name(error, ContextKind::PriorArg)).into(),
@@ -137,14 +165,42 @@ fn translate(error: &clap::Error, words: &[OsString]) -> Stop {
     }
 }
 
+/// The word after the flag for help, unless it is a flag that does not exist.
+fn help_topic(words: &[OsString]) -> Option<OsString> {
+    fn named(word: &OsString) -> Option<&'static Flag> {
+        let name = word.to_str().filter(|_| is_flag(word.as_encoded_bytes()))?;
+        flags::find(name.trim_start_matches('-'))
+    }
+    let is_help = |word: &OsString| named(word).is_some_and(|flag| flag.name == flags::HELP.name);
+    let topic = words.get(words.iter().position(is_help)? + 1)?;
+    let is_topic = !is_flag(topic.as_encoded_bytes()) || named(topic).is_some();
+    is_topic.then(|| topic.clone())
+}
+
 fn unknown(error: &clap::Error, words: &[OsString]) -> CliError {
     let shown = text(error, ContextKind::InvalidArg).unwrap_or_default();
     match shown.strip_prefix("--") {
         Some(name) => {
             CliError::UnknownFlag { flag: name.into(), nearest: flag_name(error, ContextKind::SuggestedArg) }
         }
-        None => CliError::UnexpectedWord { word: word_at(words, shown).unwrap_or_default().into() },
+        None => {
+            let word = word_at(words, shown).unwrap_or_default();
+            CliError::UnexpectedWord { word: word.into(), meant: meant(word, words) }
+        }
     }
+}
+
+/// The flag that is missing before a word, as its ending tells.
+fn meant(word: &OsStr, words: &[OsString]) -> Option<&'static str> {
+    let flag = if ends_in(word, ".txt") {
+        &flags::INPUT
+    } else if Format::of(Path::new(word)).is_some() {
+        &flags::OUTPUT
+    } else {
+        return None;
+    };
+    let is_it = |word: &OsString| word.to_str().is_some_and(|word| word.trim_start_matches('-') == flag.name);
+    (!words.iter().any(is_it)).then_some(flag.name)
 }
 
 fn conflict(flag: String, other: Option<String>) -> CliError {

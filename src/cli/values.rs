@@ -39,6 +39,33 @@ pub(super) fn picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliErro
     }
 }
 
+/// The name of a picture that has bytes and not floating-point numbers.
+pub(super) fn byte_picture_name(flag: &Flag, word: &OsStr) -> Result<PathBuf, CliError> {
+    match Format::of(Path::new(word)) {
+        Some(format) if !format.is_float() => Ok(word.into()),
+        _ => Err(bad(flag, word, Problem::NotBytes)),
+    }
+}
+
+/// The name of a picture to write and its format, which stands in the word after the name if the name does not tell it.
+/// `-` means standard output, which on most systems is also called `/dev/stdout`.
+pub(super) fn picture_file(
+    flag: &Flag,
+    name: &OsStr,
+    format: Option<&OsStr>,
+) -> Result<(PathBuf, Format), CliError> {
+    let is_standard_output = name == "-" || name == "/dev/stdout";
+    let problem = if is_standard_output { Problem::NoFormat } else { Problem::NotPicture };
+    let format = match format {
+        None => Format::of(Path::new(name)).ok_or_else(|| bad(flag, name, problem))?,
+        Some(word) => {
+            let named = word.to_str().and_then(Format::named);
+            named.ok_or_else(|| bad(flag, word, Problem::NotFormat))?
+        }
+    };
+    Ok((if is_standard_output { "-".into() } else { name.into() }, format))
+}
+
 /// The integer values of a flag, each from `range.0` to `range.1`.
 pub(super) fn wholes<const N: usize>(
     raw: &Raw,

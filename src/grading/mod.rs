@@ -3,10 +3,11 @@
 mod folder;
 mod references;
 
-use crate::failed;
 use crate::job::Outcome;
 use crate::progress::Progress;
+use crate::signals::Signals;
 use crate::threads::{self, Place};
+use crate::{End, failed};
 use folder::Folder;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
@@ -19,24 +20,27 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Compares everything with its reference. Warnings go to `tell`; an error is the message that ends the program.
-pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, String> {
+/// Compares everything with its reference. Warnings go to `tell`.
+pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let mut signals = Signals::hold().map_err(failed)?;
     let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
     // A file that cannot be written is no reason to wait for the comparison.
     let files = options.report.as_deref().map(prepare).transpose()?;
 
+    signals.end_at_once()?;
     let page = files.is_some().then(Page::default);
     let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
-    let progress = Progress::new();
+    let progress = Progress::new(options.progress);
     let mut columns = Vec::with_capacity(references.len());
     for (index, name) in references.names().enumerate() {
         let (number, all, name_shown) = (index + 1, references.len(), escape(&name.to_string_lossy()));
-        progress.show(&format!("grading {number} of {all}: {name_shown}"));
+        progress.show(|_| format!("grading {number} of {all}: {name_shown}"));
         columns.push(references.with(index, |reference| grader.column(name, reference)));
     }
     progress.end();
+    signals.hold_again();
 
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems

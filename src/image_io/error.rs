@@ -9,7 +9,7 @@ use std::{fmt, io};
 /// the file.
 #[derive(Debug)]
 pub enum ImageError {
-    /// The name ends in neither `.tga` nor `.png`.
+    /// The name ends in none of `.tga`, `.png`, `.pfm` and `.exr`.
     Ending {
         /// The path of the file.
         path: PathBuf,
@@ -81,6 +81,28 @@ pub enum ImageError {
         /// The third byte of the file.
         image_type: u8,
     },
+    /// A picture that says nothing of a whole that it is a part of, or what cannot be true.
+    NoPart {
+        /// The path of the file.
+        path: PathBuf,
+    },
+    /// A file of floating-point numbers that cannot be read.
+    BadFloats {
+        /// The path of the file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A picture of bytes is to be written as floating-point numbers.
+    OnlyBytes {
+        /// The path of the file.
+        path: PathBuf,
+    },
+    /// A part whose encoding is not that of this program.
+    OtherEncoding {
+        /// The path of the file.
+        path: PathBuf,
+    },
     /// A picture to read is larger than there is memory for.
     Memory {
         /// The path of the file.
@@ -95,6 +117,11 @@ impl ImageError {
         Self::Io { action, path: path.to_owned(), error }
     }
 
+    /// Whether nobody reads what is written.
+    pub fn is_reader_gone(&self) -> bool {
+        matches!(self, Self::Io { error, .. } if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+
     /// Unwraps the input and output errors that the image crate passes on.
     pub(super) fn coding(action: &'static str, path: &Path, error: image::ImageError) -> Self {
         match error {
@@ -107,7 +134,7 @@ impl ImageError {
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Ending { path } => write!(f, "{} ends in neither .tga nor .png", shown(path)),
+            Self::Ending { path } => write!(f, "{} ends in none of .tga, .png, .pfm and .exr", shown(path)),
             Self::Folder { path } => write!(f, "cannot write {}: it is a folder", shown(path)),
             Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
             Self::Coding { action, path, error } => {
@@ -127,6 +154,16 @@ impl fmt::Display for ImageError {
             }
             Self::TgaType { path, image_type } => {
                 write!(f, "cannot read {}: TGA of type {image_type} is not supported", shown(path))
+            }
+            Self::NoPart { path } => {
+                write!(f, "{} is no part of a picture, as `-region` makes it", shown(path))
+            }
+            Self::OtherEncoding { path } => {
+                write!(f, "{} is no part of a picture as this program encodes it", shown(path))
+            }
+            Self::BadFloats { path, reason } => write!(f, "cannot read {}: {reason}", shown(path)),
+            Self::OnlyBytes { path } => {
+                write!(f, "cannot write {}: a picture of bytes has no floating-point numbers", shown(path))
             }
             Self::Memory { path, size } => write!(f, "cannot read {}: {size}", shown(path)),
         }

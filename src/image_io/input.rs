@@ -2,7 +2,8 @@
 
 use super::Format;
 use super::error::ImageError;
-use crate::picture::{BadSize, Picture};
+use super::writer::TGA_HEADER;
+use crate::picture::{BadSize, CHANNELS, Picture};
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
@@ -20,29 +21,36 @@ const MAX_PNG_EXTRA_BYTES: u64 = 1 << 26;
 const MAX_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// Upper bound on the pixels in a packet of run-length encoding.
 const MAX_PIXELS_PER_PACKET: u64 = 128;
-/// The length of the header of a TGA file, in bytes.
-const TGA_HEADER: usize = 18;
 
-/// Reads a picture of any common variant of TGA or PNG. The format is determined by the end of the name.
+/// Reads a picture of any common variant of TGA or PNG, or of floating-point numbers. The format is determined by the end of the name.
 ///
 /// The result is 8-bit RGB. Alpha is ignored: a transparent pixel keeps its colour and is not blended with a
 /// background. Grey becomes three equal channels. 16-bit channels are reduced to their high byte, and 5-bit
 /// channels are scaled by 255/31 and rounded, as in most viewers.
 ///
+/// Numbers of PFM and OpenEXR files become bytes as the colours of a rendering do: 255 times each, cut to whole numbers
+/// and clamped. OpenEXR files are read if they have one part of scan lines, without compression or with ZIP.
+///
 /// Only regular files are read, because a pipe could block the program. The size in a header is checked
 /// against the file's length before memory is allocated for it, and a picture of more than 512 MiB is an
 /// error.
 pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
+    read(path, None).map(|(picture, _)| picture)
+}
+
+/// Reads a picture like [`read_picture`], and counts the pixels whose numbers a byte does not show, because they are below 0,
+/// above 1 or not numbers.
+pub fn read_clamped_picture(path: &Path) -> Result<(Picture, u64), ImageError> {
     read(path, None)
 }
 
 /// Reads a picture like [`read_picture`], of this width and height in pixels. One of another size is an error, for which
 /// no memory is allocated.
 pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, ImageError> {
-    read(path, Some(size))
+    read(path, Some(size)).map(|(picture, _)| picture)
 }
 
-fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<Picture, ImageError> {
+fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<(Picture, u64), ImageError> {
     let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
     let failed = |error| ImageError::io("read", path, error);
     let found = fs::metadata(path).map_err(failed)?;
@@ -52,17 +60,19 @@ fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<Picture, ImageError> 
     let file = InputFile { path, length: found.len(), expected };
     let reader = BufReader::new(File::open(path).map_err(failed)?);
     match format {
-        Format::Tga => file.read_tga(reader),
-        Format::Png => file.read_png(reader),
+        Format::Tga => file.read_tga(reader).map(|picture| (picture, 0)),
+        Format::Png => file.read_png(reader).map(|picture| (picture, 0)),
+        Format::Pfm => file.read_pfm(reader),
+        Format::Exr => file.read_exr(reader),
     }
 }
 
 /// A file that is to be read.
-struct InputFile<'a> {
+pub(super) struct InputFile<'a> {
     /// For messages.
-    path: &'a Path,
+    pub path: &'a Path,
     /// In bytes.
-    length: u64,
+    pub length: u64,
     /// The only size that is accepted, if not all are.
     expected: Option<[u32; 2]>,
 }
@@ -90,21 +100,9 @@ impl InputFile<'_> {
     /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
     fn decode(&self, decoder: impl ImageDecoder, max_pixels: u64) -> Result<Picture, ImageError> {
         let ((width, height), color_type) = (decoder.dimensions(), decoder.color_type());
-        if u64::from(width) * u64::from(height) > max_pixels {
-            return Err(self.short(width, height));
-        }
-        if let Some(expected) = self.expected.filter(|&expected| expected != [width, height]) {
-            return Err(ImageError::OtherSize {
-                path: self.path.to_owned(),
-                size: [width, height],
-                expected,
-            });
-        }
+        self.check_size([width, height], max_pixels)?;
         let bytes = Some(decoder.total_bytes()).filter(|&bytes| bytes <= MAX_BYTES);
-        let too_large = || ImageError::Memory {
-            path: self.path.to_owned(),
-            size: BadSize { width: width as usize, height: height as usize },
-        };
+        let too_large = || self.too_large([width, height]);
         let mut samples = bytes.and_then(zeros).ok_or_else(too_large)?;
         decoder.read_image(&mut samples).map_err(|error| match is_end_of_file(&error) {
             true => self.short(width, height),
@@ -114,11 +112,44 @@ impl InputFile<'_> {
         Ok(Picture::from_rgb(width, height, pixels))
     }
 
-    fn short(&self, width: u32, height: u32) -> ImageError {
+    /// An error if the file is too short for this width and height, or if another size is expected.
+    fn check_size(&self, size: [u32; 2], max_pixels: u64) -> Result<(), ImageError> {
+        let [width, height] = size;
+        if u64::from(width) * u64::from(height) > max_pixels {
+            return Err(self.short(width, height));
+        }
+        match self.expected {
+            Some(expected) if expected != size => {
+                Err(ImageError::OtherSize { path: self.path.to_owned(), size, expected })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A black picture of this width and height, to be filled from the file.
+    pub fn black(&self, size: [u32; 2], max_pixels: u64) -> Result<Picture, ImageError> {
+        self.check_size(size, max_pixels)?;
+        let [width, height] = size;
+        let fits = u64::from(width) * u64::from(height) * CHANNELS as u64 <= MAX_BYTES;
+        let picture = fits.then(|| Picture::new(width, height).ok()).flatten();
+        picture.ok_or_else(|| self.too_large(size))
+    }
+
+    fn too_large(&self, size: [u32; 2]) -> ImageError {
+        let [width, height] = size.map(|n| n as usize);
+        ImageError::Memory { path: self.path.to_owned(), size: BadSize { width, height } }
+    }
+
+    /// The error of a file of floating-point numbers that cannot be read for this reason.
+    pub fn bad(&self, reason: &'static str) -> ImageError {
+        ImageError::BadFloats { path: self.path.to_owned(), reason }
+    }
+
+    pub fn short(&self, width: u32, height: u32) -> ImageError {
         ImageError::Short { path: self.path.to_owned(), width, height }
     }
 
-    fn coding(&self, error: image::ImageError) -> ImageError {
+    pub fn coding(&self, error: image::ImageError) -> ImageError {
         match is_end_of_file(&error) {
             true => ImageError::NoHeader { path: self.path.to_owned() },
             false => ImageError::coding("read", self.path, error),

@@ -1,28 +1,50 @@
-//! Reading and writing of TGA and PNG files, pictures embedded in pages, and writing of text files.
+//! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing of
+//! text files.
 
 pub(crate) mod embedded;
 mod error;
+mod exr;
+mod exr_input;
+mod file_id;
+mod float_rows;
 mod input;
+mod merge;
+mod mosaic;
 mod output;
+mod part;
+mod part_file;
+mod pfm_input;
 mod spool;
 mod text;
 mod writer;
 
 pub use error::ImageError;
-pub use input::{read_picture, read_picture_of_size};
+pub use file_id::FileId;
+pub use float_rows::{Content, Exceptional};
+pub use input::{read_clamped_picture, read_picture, read_picture_of_size};
+pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
+pub use part::{NotPart, Part};
+pub use part_file::{PartFile, Rows};
 pub use text::TextFile;
 pub use writer::PictureWriter;
 
-use std::path::Path;
+use serde::Serialize;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// The format of a picture file, which is determined by the end of its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Format {
     /// `.tga`, byte for byte as the course's program writes it.
     Tga,
     /// `.png`, 8 bits per channel, without alpha.
     Png,
+    /// `.pfm`, single precision, without clamping.
+    Pfm,
+    /// `.exr`, OpenEXR in single precision, without clamping.
+    Exr,
 }
 
 impl Format {
@@ -32,7 +54,30 @@ impl Format {
         match end.to_ascii_lowercase().as_slice() {
             b".tga" => Some(Self::Tga),
             b".png" => Some(Self::Png),
+            b".pfm" => Some(Self::Pfm),
+            b".exr" => Some(Self::Exr),
             _ => None,
         }
     }
+
+    /// The format with this name, as in an ending without the dot.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::of(Path::new(&format!(".{name}"))).filter(|_| name.len() == 3)
+    }
+
+    /// Whether it holds numbers as they were rendered, and not bytes.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Pfm | Self::Exr)
+    }
+}
+
+/// The name of a file beside another: `o.rest.tga` beside `o.tga` for the word `rest`.
+pub fn beside(path: &Path, word: &str) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.push(".");
+    name.push(word);
+    if let Some(extension) = path.extension() {
+        name.extend([".".as_ref(), extension]);
+    }
+    path.with_file_name(name)
 }

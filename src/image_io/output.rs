@@ -2,6 +2,8 @@
 
 use super::Format;
 use super::error::ImageError;
+use super::float_rows::Content;
+use super::part::Part;
 use super::spool::Spool;
 use super::writer::PictureWriter;
 use crate::memory;
@@ -33,6 +35,8 @@ pub(super) enum Target {
     Replace { file: PathBuf, permissions: Option<Permissions> },
     /// A pipe or a device, which is written to and not replaced by a file.
     Direct(File),
+    /// Standard output.
+    StandardOutput,
 }
 
 impl OutputFile {
@@ -41,20 +45,41 @@ impl OutputFile {
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
+        Self::prepare_as(path, format)
+    }
+
+    /// Checks like [`prepare`](Self::prepare) that a picture can be written to `path`, whatever the name ends in.
+    pub fn prepare_as(path: &Path, format: Format) -> Result<Self, ImageError> {
         Ok(Self { path: path.to_owned(), format, target: Target::prepare(path)? })
     }
 
-    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished.
-    pub fn begin(self, size: [usize; 2]) -> Result<PictureWriter, ImageError> {
-        PictureWriter::new(self.path, self.format, self.target, size)
+    /// A picture that is written to standard output when it is finished.
+    pub fn standard_output(format: Format) -> Self {
+        Self { path: "standard output".into(), format, target: Target::StandardOutput }
+    }
+
+    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished, and says
+    /// which part of a larger picture it is, if it is one.
+    pub fn begin(self, size: [usize; 2], part: Option<&Part>) -> Result<PictureWriter, ImageError> {
+        self.begin_with(size, Content::Colors, part)
+    }
+
+    /// Starts a picture like [`begin`](Self::begin), whose colours mean this.
+    pub fn begin_with(
+        self,
+        size: [usize; 2],
+        content: Content,
+        part: Option<&Part>,
+    ) -> Result<PictureWriter, ImageError> {
+        PictureWriter::new(self.path, self.format, self.target, size, content, part)
     }
 
     /// Writes a picture. If this fails and the target is a regular file, nothing is written.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        let mut writer = self.begin([picture.width() as usize, picture.height() as usize])?;
+        let mut writer = self.begin([picture.width() as usize, picture.height() as usize], None)?;
         let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
         rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
-        writer.finish().map(drop)
+        writer.finish()
     }
 }
 
@@ -78,7 +103,7 @@ impl Target {
     pub(super) fn folder(&self) -> PathBuf {
         match self {
             Self::Replace { file, .. } => folder_of(file).to_owned(),
-            Self::Direct(_) => std::env::temp_dir(),
+            Self::Direct(_) | Self::StandardOutput => std::env::temp_dir(),
         }
     }
 
@@ -86,6 +111,7 @@ impl Target {
     pub(super) fn fill(self, content: Spool) -> io::Result<()> {
         match self {
             Self::Direct(file) => content.copy_to(&file),
+            Self::StandardOutput => content.copy_to(io::stdout().lock()),
             Self::Replace { file, permissions } => {
                 let temporary = temporary_beside(&file)?;
                 content.copy_to(temporary.as_file())?;
@@ -98,7 +124,7 @@ impl Target {
     fn probe(&self) -> io::Result<()> {
         match self {
             Self::Replace { file, .. } => temporary_beside(file).map(drop),
-            Self::Direct(_) => Ok(()),
+            Self::Direct(_) | Self::StandardOutput => Ok(()),
         }
     }
 }
@@ -114,7 +140,7 @@ fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
 }
 
 /// The target of a symbolic link to a file that does not exist yet; the path itself if it is no link.
-fn follow_links(path: &Path) -> io::Result<PathBuf> {
+pub(super) fn follow_links(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -127,7 +153,7 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links"))
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != OsStr::new("") => folder,
         _ => Path::new("."),

@@ -2,16 +2,23 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
-use super::Format;
 use super::error::ImageError;
+use super::float_rows::{Content, Exceptional, FloatRows};
 use super::output::Target;
+use super::part::{MAX_TEXT, Part};
+use super::part_file::Rows;
 use super::spool::Spool;
+use super::{Format, OutputFile, beside};
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// The length of the header of a TGA file, in bytes.
+pub(super) const TGA_HEADER: usize = 18;
+/// The keyword of the text in a PNG file that says which part of a larger picture it is.
+pub(super) const PNG_COMMENT: &str = "Comment";
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const CHUNK: usize = 1 << 16;
 
@@ -20,17 +27,24 @@ pub struct PictureWriter {
     /// The path as the user gave it, for messages.
     path: PathBuf,
     target: Target,
+    format: Format,
+    size: [usize; 2],
     spool: Shared,
     encoder: Encoder,
+    /// The number of rows so far.
+    rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
-    nans: u64,
+    /// How many colours have become black because they have a NaN.
+    black: u64,
 }
 
 enum Encoder {
     /// The rows follow the header uncompressed, with blue first.
     Tga,
     Png(Box<png::StreamWriter<'static, Shared>>),
+    /// PFM or OpenEXR.
+    Floats(FloatRows),
 }
 
 /// The spool. It is shared, because the PNG encoder owns what it writes to.
@@ -61,37 +75,67 @@ impl PictureWriter {
         format: Format,
         target: Target,
         size: [usize; 2],
+        content: Content,
+        part: Option<&Part>,
     ) -> Result<Self, ImageError> {
-        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS);
-        let spool =
-            Shared(Arc::new(Mutex::new(Spool::new(target.folder(), uncompressed.saturating_add(18)))));
+        let bytes = if format.is_float() { size_of::<f32>() } else { 1 };
+        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS * bytes);
+        let spool = Shared(Arc::new(Mutex::new(Spool::new(
+            target.folder(),
+            uncompressed.saturating_add(TGA_HEADER + MAX_TEXT),
+        ))));
         let encoder = match format {
             Format::Tga => {
                 let [width, height] = size;
                 let header =
-                    tga_header(size).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                    tga_header(size, part).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
                 let written = spool.clone().write_all(&header);
                 written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
             }
-            Format::Png => png_encoder(spool.clone(), size)
+            Format::Png => png_encoder(spool.clone(), size, part)
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
+            Format::Pfm | Format::Exr => {
+                let [width, height] = size;
+                let rows = FloatRows::new(format == Format::Pfm, content, size, part);
+                let rows = rows.ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                let header = rows.header();
+                if format == Format::Pfm {
+                    spool.spool().reverse_rows(header.len(), rows.row_length());
+                }
+                let written = spool.clone().write_all(&header);
+                written.map_err(|error| ImageError::io("write", &path, error))?;
+                Encoder::Floats(rows)
+            }
         };
-        Ok(Self { path, target, spool, encoder, bytes: Vec::new(), nans: 0 })
+        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), black: 0 })
+    }
+
+    /// The colours so far that are not shown as they are.
+    pub fn exceptional(&self) -> Exceptional {
+        match &self.encoder {
+            Encoder::Floats(rows) => rows.exceptional,
+            Encoder::Tga | Encoder::Png(_) => Exceptional { black: self.black, ..Exceptional::default() },
+        }
     }
 
     /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
         self.bytes.resize(colors.len() * CHANNELS, 0);
-        self.nans += match self.encoder {
-            Encoder::Tga => truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
-            Encoder::Png(_) => truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
-        };
+        match &mut self.encoder {
+            Encoder::Tga => self.black += truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
+            Encoder::Png(_) => self.black += truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+            Encoder::Floats(rows) => rows.encode(colors, &mut self.bytes),
+        }
         self.encode()
     }
 
-    /// Adds the next row from the top, given as bytes of red, green and blue.
+    /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of floating-point
+    /// numbers.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
+        if let Encoder::Floats(_) = self.encoder {
+            return Err(ImageError::OnlyBytes { path: self.path.clone() });
+        }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
         if let Encoder::Tga = self.encoder {
@@ -101,38 +145,82 @@ impl PictureWriter {
     }
 
     fn encode(&mut self) -> Result<(), ImageError> {
+        self.rows += 1;
         let written = match &mut self.encoder {
-            Encoder::Tga => self.spool.write_all(&self.bytes),
+            Encoder::Tga | Encoder::Floats(_) => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
         };
         written.map_err(|error| ImageError::io("write", &self.path, error))
     }
 
+    /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
+    /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or if it
+    /// has floating-point numbers, which are not put together.
+    pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
+        let has_parts = !self.format.is_float() && Format::of(&self.path) == Some(self.format);
+        if self.rows == 0 || !has_parts || !matches!(self.target, Target::Replace { .. }) {
+            return Ok(None);
+        }
+        let failed = |path: &Path, error| ImageError::io("write", path, error);
+        let ([width, height], rows, path) = (self.size, self.rows, beside(&self.path, "partial"));
+        if let Encoder::Png(_) = self.encoder {
+            // The encoder ends only with all rows.
+            let black = vec![0; width * CHANNELS];
+            (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
+        }
+        let (format, own_path) = (self.format, self.path.clone());
+        let source = self.end().and_then(|(spool, _)| spool.into_source());
+        let source = source.map_err(|error| failed(&own_path, error))?;
+        let (mut from, _) = Rows::read(&own_path, format, source)?;
+        let mut to = OutputFile::prepare(&path)?.begin([width, rows], Some(part))?;
+        let mut row = Vec::new();
+        for _ in 0..rows {
+            from.next(&mut row)?;
+            to.row_of_bytes(&row)?;
+        }
+        to.finish().map(|_| Some(path))
+    }
+
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
-    /// Returns the number of colours with a NaN.
-    pub fn finish(self) -> Result<u64, ImageError> {
-        let failed = |error| ImageError::io("write", &self.path, error);
+    pub fn finish(self) -> Result<(), ImageError> {
+        let path = self.path.clone();
+        let written = self.end().and_then(|(spool, target)| target.fill(spool));
+        written.map_err(|error| ImageError::io("write", &path, error))
+    }
+
+    /// Ends the encoding.
+    fn end(self) -> io::Result<(Spool, Target)> {
         if let Encoder::Png(encoder) = self.encoder {
-            encoder.finish().map_err(|error| failed(error.into()))?;
+            encoder.finish()?;
         }
         let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
-        self.target.fill(spool).map_err(failed)?;
-        Ok(self.nans)
+        Ok((spool, self.target))
     }
 }
 
-/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top.
-/// None if a side is longer than 65535 pixels.
-fn tga_header([width, height]: [usize; 2]) -> Option<[u8; 18]> {
+/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a
+/// part has an origin, which is its lower left corner from that of the whole, and an image ID. None if a side is longer
+/// than 65535 pixels.
+fn tga_header([width, height]: [usize; 2], part: Option<&Part>) -> Option<Vec<u8>> {
     let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
-    let [h0, h1] = u16::try_from(height).ok()?.to_le_bytes();
-    Some([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, w0, w1, h0, h1, 24, 32])
+    let height = u16::try_from(height).ok()?;
+    let [h0, h1] = height.to_le_bytes();
+    let origin = |part: &Part| {
+        let below = part.whole[1].checked_sub(part.at[1])?.checked_sub(height.into())?;
+        Some([u16::try_from(part.at[0]).ok()?.to_le_bytes(), u16::try_from(below).ok()?.to_le_bytes()])
+    };
+    let [[x0, x1], [y0, y1]] = part.map_or(Some([[0; 2]; 2]), origin)?;
+    let id = part.map_or(String::new(), Part::to_string);
+    let length = u8::try_from(id.len()).ok()?;
+    let header = [length, 0, 2, 0, 0, 0, 0, 0, x0, x1, y0, y1, w0, w1, h0, h1, 24, 32];
+    Some([&header, id.as_bytes()].concat())
 }
 
 /// An encoder for three channels of eight bits, with the fastest compression that the crate has.
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],
+    part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
     let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     let mut encoder = png::Encoder::new(spool, width, height);
@@ -140,5 +228,14 @@ fn png_encoder(
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
-    encoder.write_header()?.into_stream_writer_with_size(CHUNK)
+    if let Some(part) = part {
+        encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
+    }
+    let mut writer = encoder.write_header()?;
+    if let Some(Part { at: [x, y], .. }) = part {
+        const UNIT_PIXEL: u8 = 0;
+        let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
+        writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
+    }
+    writer.into_stream_writer_with_size(CHUNK)
 }

@@ -17,8 +17,12 @@ pub enum Layer {
         /// The t that is shown black.
         far: f64,
     },
+    /// The t of the hit of the ray through each pixel's centre, in all three channels; infinity if the ray hits nothing.
+    Distance,
     /// The absolute coordinates of the unit normal at the hit of the ray through each pixel's centre.
     Normals,
+    /// The coordinates of that normal; zeros if the ray hits nothing.
+    SignedNormals,
     /// The samples of each pixel with their colours, on a chequered background.
     Samples {
         /// The side of the square that shows one pixel, at least 1.
@@ -49,7 +53,7 @@ impl Cost {
     /// How much of it has been counted.
     pub fn of(self, counts: &Counts) -> u64 {
         match self {
-            Self::Rays => counts.non_shadow_rays + counts.shadow_rays,
+            Self::Rays => counts.rays(),
             Self::Tests => counts.intersections,
             Self::Cells => counts.cells_traversed,
         }
@@ -57,21 +61,36 @@ impl Cost {
 }
 
 impl Layer {
+    /// Whether its colours are distances.
+    pub fn is_distance(self) -> bool {
+        self == Self::Distance
+    }
+
+    /// Whether it shows the t of hits.
+    pub(super) fn has_depth(self) -> bool {
+        matches!(self, Self::Depth { .. } | Self::Distance)
+    }
+
+    /// Whether it shows normals.
+    pub(super) fn has_normals(self) -> bool {
+        matches!(self, Self::Normals | Self::SignedNormals)
+    }
+
     /// Width and height of the layer's picture, for a window of this width and height in pixels.
     pub fn size(self, window: [usize; 2]) -> [usize; 2] {
         match self {
-            Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => window,
             Self::Samples { zoom } => window.map(|n| n * zoom),
             Self::Filter { zoom } => window.map(|n| n * zoom + 1),
+            _ => window,
         }
     }
 
     /// The number of colours that a row of pixels has in this layer.
     pub(super) fn colors_per_row(self, width: usize) -> usize {
         match self {
-            Self::Color | Self::Depth { .. } | Self::Normals | Self::Cost(_) => width,
             Self::Samples { zoom } => width * zoom * zoom,
             Self::Filter { .. } => 0,
+            _ => width,
         }
     }
 }

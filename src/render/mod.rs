@@ -8,6 +8,7 @@ mod row;
 mod sample_packet;
 mod spare;
 mod strip;
+mod tally;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
@@ -27,7 +28,8 @@ use spare::Spare;
 use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
-use strip::{Strip, Tally};
+use strip::Strip;
+use tally::Tally;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,9 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
+    /// The rays that have been cast for them; 0 if the probe does not count them. Those of the first samples of adaptive
+    /// sampling are not among them.
+    pub rays: u64,
 }
 
 /// A callback that is told the progress of a render, and may cancel it. It is called from any of the render's

@@ -14,6 +14,7 @@ use crate::scene::material::Material;
 use crate::stats::{Probe, Quiet};
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
+use serde::Serialize;
 use std::ops::Range;
 
 /// What is drawn in the layers of colours.
@@ -26,7 +27,7 @@ pub enum View<'a> {
 }
 
 /// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Window {
     /// The leftmost column.
     pub x: usize,
@@ -117,12 +118,12 @@ impl Request {
 
     /// Whether depths or normals at the pixels' centres are needed, whatever the positions of the samples.
     pub(super) fn measures(&self) -> bool {
-        self.layers.iter().any(|layer| matches!(layer, Layer::Depth { .. } | Layer::Normals))
+        self.layers.iter().any(|layer| layer.has_depth() || layer.has_normals())
     }
 
     /// Whether the surfaces at the pixels' centres are needed for a layer.
     pub(super) fn has_normals(&self) -> bool {
-        self.layers.contains(&Layer::Normals)
+        self.layers.iter().any(|layer| layer.has_normals())
     }
 
     /// Whether colours are traced along the rays through the pixels' centres.

@@ -287,15 +287,17 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             return;
         }
         let Setting { caster, request, .. } = self.setting;
+        let t = || center.visible.map(|visible| caster.world.hit(&center.ray, visible).t);
+        let normal = || center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
-                    let t = center.visible.map(|visible| caster.world.hit(&center.ray, visible).t);
-                    colors.push(Color::splat(t.map_or(0.0, |t| (far - t.clamp(near, far)) / (far - near))));
+                    let grey = |t: f64| (far - t.clamp(near, far)) / (far - near);
+                    colors.push(Color::splat(t().map_or(0.0, grey)));
                 }
-                Layer::Normals => {
-                    colors.push(center.surface.map_or(DVec3::ZERO, |surface| surface.normal).abs());
-                }
+                Layer::Distance => colors.push(Color::splat(t().unwrap_or(f64::INFINITY))),
+                Layer::Normals => colors.push(normal().abs()),
+                Layer::SignedNormals => colors.push(normal()),
                 Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
             }
         }

@@ -4,13 +4,13 @@
 //! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced
 //! as well, so that the strip's pixels are those of the whole picture.
 
-use super::Progress;
 use super::layer::Layer;
 use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
 use super::spare::Spare;
-use super::{Stopped, TakeRow, Watch};
+use super::tally::{Tally, in_parallel};
+use super::{Stopped, TakeRow};
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
@@ -18,9 +18,7 @@ use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use crate::trace::Observer;
-use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
 const MEMORY: usize = 48 << 20;
@@ -28,68 +26,22 @@ const MEMORY: usize = 48 << 20;
 /// Upper bound on the memory of a strip's rows in progress, in bytes.
 const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
-/// Upper bound on the number of rows that a thread traces before it takes more.
-const ROWS_AT_ONCE: usize = 4;
+/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is lost
+/// when the render is cancelled: a few seconds' work.
+const SAMPLES: usize = 1 << 24;
+
+/// A strip is not made shorter than this many times the rows beside it that are traced for it, which cost a thirtieth
+/// then.
+const ROWS_PER_SUPPORT: usize = 64;
 
 /// The number of rows, per thread, that are handed out together where no sample contributes to another row: so few that
 /// their colours, whose memory is used again, stay in the cache, and so many that threads seldom wait for each other.
 const ROWS_PER_THREAD: usize = 64;
 
-/// Counts the rows that have been traced, and records whether the watch has cancelled the render.
-pub struct Tally<'a> {
-    rows: usize,
-    done: AtomicUsize,
-    is_cancelled: AtomicBool,
-    watch: Watch<'a>,
-}
-
-impl<'a> Tally<'a> {
-    pub fn new(rows: usize, watch: Watch<'a>) -> Self {
-        Self { rows, done: AtomicUsize::new(0), is_cancelled: AtomicBool::new(false), watch }
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
-    }
-
-    fn row_is_done(&self) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if (self.watch)(Progress { done, rows: self.rows }).is_break() {
-            self.is_cancelled.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a, M> {
     setting: &'a Setting<'a, M>,
     pub rows: Range<usize>,
-}
-
-/// Why rows are not traced.
-enum Untraced {
-    /// The watch has cancelled the render.
-    Cancelled,
-    Memory(NoMemory),
-}
-
-impl From<NoMemory> for Untraced {
-    fn from(refused: NoMemory) -> Self {
-        Self::Memory(refused)
-    }
-}
-
-/// Does some work for each row, unless that of any row fails.
-fn in_parallel<T: Send>(
-    rows: Range<usize>,
-    work: impl Fn(usize) -> Result<T, Untraced> + Sync + Send,
-) -> Result<Vec<T>, Untraced> {
-    let mut done = memory::with_room(rows.len())?;
-    let mut all = memory::with_room(rows.len())?;
-    // By default the thread pool would split the rows into a few large parts, and wait for the slowest of them.
-    rows.into_par_iter().with_max_len(ROWS_AT_ONCE).map(work).collect_into_vec(&mut done);
-    done.into_iter().try_for_each(|row| row.map(|row| all.push(row)))?;
-    Ok(all)
 }
 
 /// Rows that are ready to be handed out.
@@ -102,21 +54,31 @@ struct Finished<P> {
 impl<'a, M: Mode> Strip<'a, M> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
-        let Request { layers, .. } = setting.request;
+        let Request { layers, sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
         let rows = MEMORY / (colors * size_of::<Color>()).max(1);
         // There are more if rows around the strip are traced and discarded, so that they are a small part of
         // the work.
-        let rows = rows.max(8 * setting.request.support()).max(rayon::current_num_threads());
+        let support = setting.request.support();
+        // The number of adaptive samples is not known; they seldom are the most.
+        let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
+        let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
+        let rows = if Self::hands_out_at_once(setting.request) { rows.min(few) } else { rows };
+        let rows = rows.max(8 * support).max(rayon::current_num_threads());
         Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+    }
+
+    /// Whether rows depend on each other, so that all of a strip are handed out at once.
+    fn hands_out_at_once(request: &Request) -> bool {
+        request.support() > 0 || request.adaptive.is_some()
     }
 
     /// Traces the strip and hands it out, and returns the probe.
     pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
         let request = self.setting.request;
-        if request.support() > 0 || request.adaptive.is_some() {
-            let finished = self.finish::<P>(tally).map_err(|why| self.stopped_above(self.rows.end, why))?;
+        if Self::hands_out_at_once(request) {
+            let finished = self.finish::<P>(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
             return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
         }
         let visibility = self.visibility::<P>(self.rows.clone());
@@ -127,23 +89,23 @@ impl<'a, M: Mode> Strip<'a, M> {
             let part = Strip { setting: self.setting, rows: rows.clone() };
             let mut finished = Finished { probe, rows: memory::filled(vec![], rows.len())? };
             let mut film = Film::starting_at(request.filter, request.size, rows.start);
-            let stopped = |why| self.stopped_above(end, why);
-            let traced = part.trace(rows.clone(), visibility.as_ref(), tally).map_err(stopped)?;
-            end = rows.start;
-            for row in traced {
+            let traced = part.trace(rows.clone(), visibility.as_ref(), tally)?;
+            let complete = traced.iter().rev().take_while(|row| row.is_some()).count();
+            for row in traced.into_iter().skip(rows.len() - complete).flatten() {
                 finished.take(row, &part, &mut film)?;
             }
             probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
+            if complete < rows.len() {
+                return Err(self.cancelled_above(end - complete));
+            }
+            end = rows.start;
         }
         Ok(probe)
     }
 
-    /// The render stops when the rows from `end` on have been handed out.
-    fn stopped_above<E>(&self, end: usize, why: Untraced) -> Stopped<E> {
-        match why {
-            Untraced::Cancelled => Stopped::Cancelled { rows: self.setting.request.rows().end - end },
-            Untraced::Memory(refused) => Stopped::Memory(refused),
-        }
+    /// The render is cancelled when the rows from `end` on have been handed out.
+    fn cancelled_above<E>(&self, end: usize) -> Stopped<E> {
+        Stopped::Cancelled { rows: self.setting.request.rows().end - end }
     }
 
     /// The first hits of the rays through the centres of these rows, as far as they are known.
@@ -152,8 +114,8 @@ impl<'a, M: Mode> Strip<'a, M> {
         request.visibility::<M, P>(camera, caster, view, rows)
     }
 
-    /// Traces the strip.
-    fn finish<P: Observer>(&self, tally: &Tally) -> Result<Finished<P>, Untraced> {
+    /// Traces the strip; none if the watch cancels the render.
+    fn finish<P: Observer>(&self, tally: &Tally) -> Result<Option<Finished<P>>, NoMemory> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
@@ -164,10 +126,11 @@ impl<'a, M: Mode> Strip<'a, M> {
             let rows = first..traced.end.min(first + self.rows_in_flight());
             let visibility = self.visibility::<P>(rows.clone());
             for row in self.trace(rows, visibility.as_ref(), tally)? {
+                let Some(row) = row else { return Ok(None) };
                 finished.take(row, self, &mut film)?;
             }
         }
-        Ok(finished)
+        Ok(Some(finished))
     }
 
     /// The number of rows that are traced before they are added to the film: at least one for each thread.
@@ -178,54 +141,55 @@ impl<'a, M: Mode> Strip<'a, M> {
         (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).max(rayon::current_num_threads()).max(1)
     }
 
+    /// Traces these rows; those are none that the watch cancels.
     fn trace<P: Observer>(
         &self,
         rows: Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Result<Vec<Row<P>>, Untraced> {
+    ) -> Result<Vec<Option<Row<P>>>, NoMemory> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<P>() => self.trace_first::<P>(&rows, tally)?,
+            Some(_) if request.traces_colors::<P>() => match self.trace_first::<P>(&rows, tally)? {
+                Some(first) => first,
+                None => return memory::collected(rows.map(|_| None)),
+            },
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
         let trace = |j: usize| {
             let is_shown = self.rows.contains(&j);
             let refinement = self.refinement(&first, first_row, j);
-            if tally.is_cancelled() {
-                return Err(Untraced::Cancelled);
-            }
             let row = self.setting.row::<P>(visibility, j, is_shown, refinement)?;
             if is_shown {
-                tally.row_is_done();
+                tally.row_is_done(row.probe.counts().rays());
             }
             Ok(row)
         };
-        let mut traced = in_parallel(rows.clone(), trace)?;
+        let mut traced = in_parallel(rows.clone(), tally, trace)?;
         for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
-            row.probe = std::mem::take(&mut row.probe).merge(probe);
+            if let Some(row) = row {
+                row.probe = std::mem::take(&mut row.probe).merge(probe);
+            }
         }
         Ok(traced)
     }
 
-    /// Traces the first samples of these rows and of those beside them.
+    /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
     fn trace_first<P: Observer>(
         &self,
         rows: &Range<usize>,
         tally: &Tally,
-    ) -> Result<(Vec<FirstSamples>, Vec<P>), Untraced> {
+    ) -> Result<Option<(Vec<FirstSamples>, Vec<P>)>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let trace = |j| match tally.is_cancelled() {
-            true => Err(Untraced::Cancelled),
-            false => Ok(self.setting.first_samples(j)?),
-        };
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(j))?;
         let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
-        for (samples, probe) in in_parallel(all, trace)? {
+        for row in traced {
+            let Some((samples, probe)) = row else { return Ok(None) };
             first.push(samples);
             probes.push(probe);
         }
-        Ok((first, probes))
+        Ok(Some((first, probes)))
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if

@@ -7,7 +7,7 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
-use crate::stats::{Counts, Probe, Quiet};
+use crate::stats::{Counts, Probe, Quiet, RayCount};
 use crate::world::World;
 use std::sync::Mutex;
 
@@ -202,7 +202,7 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
         layers: vec![LARGE, Layer::Color],
         ..Request::new(LARGE_SIZE)
     };
-    for (last, handed_out) in [(1, 0), (7, 0), (9, STRIP_ROWS), (17, 2 * STRIP_ROWS), (20, 16), (21, 20)] {
+    for (last, handed_out) in [(1, 0), (7, 0), (9, STRIP_ROWS), (17, 2 * STRIP_ROWS), (20, 20), (21, 20)] {
         let told = Mutex::new(vec![]);
         let watch = |progress: Progress| {
             told.lock().unwrap().push(progress);
@@ -216,15 +216,16 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
         let result = render_scene::<Quiet, _>(&scene(""), &request, &watch, &mut take_row);
         let expected = (handed_out < LARGE_SIZE[1]).then_some(Stopped::Cancelled { rows: handed_out });
         assert_eq!((result.err(), taken), (expected, handed_out), "{last}");
-        let expected: Vec<_> =
-            (1..=last.min(LARGE_SIZE[1])).map(|done| Progress { done, rows: LARGE_SIZE[1] }).collect();
+        let expected: Vec<_> = (1..=last.min(LARGE_SIZE[1]))
+            .map(|done| Progress { done, rows: LARGE_SIZE[1], rays: 0 })
+            .collect();
         assert_eq!(*told.lock().unwrap(), expected);
     }
 }
 
 /// The rows of a picture whose samples contribute to their own rows only, and those of windows of one row.
 #[test]
-fn rows_that_need_no_others_are_handed_out_64_at_a_time() {
+fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
     let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
     let (result, whole) = rows::<Counts>(&scene(SPHERE), &request, usize::MAX);
     assert_eq!(result.map(|counts| counts.non_shadow_rays), Ok(450));
@@ -233,7 +234,7 @@ fn rows_that_need_no_others_are_handed_out_64_at_a_time() {
         let alone = rows::<Counts>(&scene(SPHERE), &Request { window, ..request.clone() }, usize::MAX);
         assert_eq!(alone.1, std::slice::from_ref(row), "{y}");
     }
-    for (last, handed_out) in [(1, 0), (63, 0), (65, 64), (129, 128)] {
+    for last in [1, 63, 64, 65, 129] {
         let watch = |progress: Progress| {
             if progress.done >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
@@ -243,12 +244,24 @@ fn rows_that_need_no_others_are_handed_out_64_at_a_time() {
             Ok(())
         };
         let result = render_scene::<Quiet, _>(&scene(""), &request, &watch, &mut take_row);
-        assert_eq!(
-            (result.err(), taken),
-            (Some(Stopped::Cancelled { rows: handed_out }), handed_out),
-            "{last}"
-        );
+        // Rows in flight are finished.
+        assert!((last..last + rayon::current_num_threads()).contains(&taken), "{last} {taken}");
+        assert_eq!(result.err(), Some(Stopped::Cancelled { rows: taken }), "{last}");
     }
+}
+
+#[test]
+fn the_progress_tells_the_rays_that_are_counted() {
+    let request = Request { sampler: jittered(3), layers: vec![Layer::Color], ..Request::new([5, 40]) };
+    let told = Mutex::new(vec![]);
+    let watch = |progress: Progress| {
+        told.lock().unwrap().push((progress.done, progress.rays));
+        ControlFlow::Continue(())
+    };
+    let mut take_row = |_: usize, _: &[Color]| -> Result<(), Infallible> { Ok(()) };
+    render_scene::<RayCount, _>(&scene(""), &request, &watch, &mut take_row).unwrap();
+    let last = told.into_inner().unwrap().into_iter().max();
+    assert_eq!(last, Some((40, 5 * 40 * 3)));
 }
 
 #[test]
@@ -286,6 +299,8 @@ fn the_counts_of_every_strip_are_added_up_once() {
         let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
         let (result, _) = rows::<Counts>(&scene(""), &request, usize::MAX);
         assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 30 * samples);
+        let (rays, _) = rows::<RayCount>(&scene(""), &request, usize::MAX);
+        assert_eq!(rays.unwrap().counts().rays(), 40 * 30 * samples);
         // Where the filter reaches beyond a window, samples around it are traced but only its rows count.
         let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
         let (result, _) = rows::<Counts>(&scene(""), &Request { window, ..request }, usize::MAX);

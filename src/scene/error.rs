@@ -65,6 +65,8 @@ pub enum Problem {
         field: &'static str,
         /// The length that the text announces.
         announced: u64,
+        /// The actual length of the list; none if an error hides its end.
+        found: Option<u64>,
     },
     /// A material index beyond the declared materials.
     NoSuchMaterial {
@@ -134,6 +136,9 @@ pub enum Problem {
         file: String,
         /// The error in it.
         error: MeshError,
+        /// The position of the error in the file, and the line with a caret; none for an error of the whole
+        /// file.
+        excerpt: Option<(Position, String)>,
     },
 }
 
@@ -160,9 +165,20 @@ impl SceneError {
             return located(path, "", &self.problem.to_string());
         }
         let shown = excerpt::with_caret(text, self.at);
+        let in_mesh = self.problem.in_mesh().unwrap_or_default();
         let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
-        let message = format!("{}\n{shown}{hint}", self.problem);
+        let message = format!("{}\n{shown}{in_mesh}{hint}", self.problem);
         located(path, &format!(":{line}:{column}"), &message)
+    }
+}
+
+impl Problem {
+    /// The line of a mesh file that is in error, with a caret, after a line with the position.
+    fn in_mesh(&self) -> Option<String> {
+        let Self::BadMesh { file, excerpt: Some((Position { line, column }, shown)), .. } = self else {
+            return None;
+        };
+        Some(format!("\n  {}:{line}:{column}:\n{shown}", escape(file)))
     }
 }
 
@@ -194,12 +210,12 @@ impl fmt::Display for Problem {
             Self::TooFew { field, announced, found } => {
                 write!(f, "`{field}` announces {announced}, but only {found} found")
             }
-            Self::TooMany { field, announced } => {
-                write!(
-                    f,
-                    "`{field}` announces {announced}, but at least {} found",
-                    announced.saturating_add(1)
-                )
+            Self::TooMany { field, announced, found: Some(found) } => {
+                write!(f, "`{field}` announces {announced}, but {found} found")
+            }
+            Self::TooMany { field, announced, found: None } => {
+                let more = announced.saturating_add(1);
+                write!(f, "`{field}` announces {announced}, but at least {more} found")
             }
             Self::NoSuchMaterial { index, declared } => {
                 write!(f, "there is no material {index}: {}", declared_materials(*declared))
@@ -226,14 +242,19 @@ impl fmt::Display for Problem {
             Self::TooManyPrimitives => write!(f, "the scene has too many primitives for 32-bit ids"),
             Self::Memory(refused) => refused.fmt(f),
             Self::MeshUnreadable { name, tried } => write_unreadable(f, name, tried),
-            Self::BadMesh { file, error } => write!(f, "in the mesh {}: {error}", quoted(file)),
+            Self::BadMesh { file, error, .. } => write!(f, "in the mesh {}: {error}", quoted(file)),
         }
     }
 }
 
 /// A message about a file: its path, the `position` in it (`:line:column` or nothing), and the description.
 pub fn located(path: &Path, position: &str, message: &str) -> String {
-    format!("{}{position}: error: {message}", escape::truncated(path))
+    labelled(path, position, "error", message)
+}
+
+/// The same with another word than `error`.
+pub fn labelled(path: &Path, position: &str, label: &str, message: &str) -> String {
+    format!("{}{position}: {label}: {message}", escape::truncated(path))
 }
 
 fn declared_materials(count: usize) -> String {

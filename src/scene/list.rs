@@ -4,45 +4,93 @@ use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
 use crate::memory;
 
+/// The announced length of a list, to compare with the actual one.
+pub struct Announced {
+    field: &'static str,
+    /// None if the text gives no usable number, which has been recorded.
+    length: Option<u64>,
+    /// The first item that is too many, as an error without the final count.
+    first_surplus: Option<SceneError>,
+}
+
+impl Announced {
+    /// Reads `field` and the length.
+    pub fn parse(reader: &mut Reader<'_>, field: &'static str) -> Parsed<Self> {
+        reader.keyword(field)?;
+        Ok(Self { field, length: reader.whole(field)?, first_surplus: None })
+    }
+
+    /// Whether no further item is expected after `found` of them.
+    pub fn is_reached(&self, found: usize) -> bool {
+        self.length.is_some_and(|length| found as u64 >= length)
+    }
+
+    /// Notes that an item starts at the next word, of which there are `found` already.
+    pub fn next_item(&mut self, reader: &Reader<'_>, found: usize) {
+        if let Some(announced) = self.length
+            && found as u64 == announced
+            && self.first_surplus.is_none()
+        {
+            let problem = Problem::TooMany { field: self.field, announced, found: None };
+            self.first_surplus = Some(SceneError::new(reader.peek().at, problem));
+        }
+    }
+
+    /// Records that the list is longer than announced, where its end was not reached.
+    pub fn give_up(&mut self, reader: &mut Reader<'_>) {
+        if let Some(error) = self.first_surplus.take() {
+            reader.report(error);
+        }
+    }
+
+    /// Compares the length with the `found` items of a list that ends at the next word.
+    pub fn end(&mut self, reader: &mut Reader<'_>, found: usize) {
+        let Some(announced) = self.length else { return };
+        let (field, found) = (self.field, found as u64);
+        if let Some(error) = self.first_surplus.take() {
+            let problem = Problem::TooMany { field, announced, found: Some(found) };
+            reader.report(SceneError { problem, ..error });
+        } else if found < announced {
+            let problem = Problem::TooFew { field, announced, found };
+            reader.report(SceneError::new(reader.peek().at, problem));
+        }
+    }
+}
+
 /// Reads the rest of a block `name { field N item^N }` from `field` on, up to its closing brace.
 ///
-/// `item` reads one item, given those before it, and `kinds` are the words that start one. Errors: a length
-/// other than the announced one, and those of `item`. The list grows as items are read, so that an absurd
-/// announced length allocates nothing.
-pub fn counted_list<T>(
+/// `item` reads one item, given those before it, and `kinds` are the words that start one. An item with an
+/// error is recorded, and `instead` stands in its place. A length other than the announced one is recorded
+/// too. The list grows as items are read, so that an absurd announced length allocates nothing.
+pub fn counted_list<T: Clone>(
     reader: &mut Reader<'_>,
     name: &str,
     field: &'static str,
     kinds: &[&str],
+    instead: &T,
     mut item: impl FnMut(&mut Reader<'_>, &[T]) -> Parsed<T>,
 ) -> Parsed<Vec<T>> {
-    reader.keyword(field)?;
-    let announced = reader.whole(field)?;
+    let mut announced = Announced::parse(reader, field)?;
     let mut items = Vec::new();
-    while (items.len() as u64) < announced && !reader.is_at("}") {
-        let next = item(reader, &items)?;
+    while !reader.is_at("}") && (reader.is_at_any(kinds) || !announced.is_reached(items.len())) {
+        announced.next_item(reader, items.len());
+        let outer = reader.depth;
+        let next = item(reader, &items).or_else(|error| {
+            let recovered = reader.recover(error, outer);
+            if recovered.is_err() {
+                announced.give_up(reader);
+            }
+            recovered.map(|()| instead.clone())
+        })?;
         memory::push(&mut items, next)?;
     }
-    end_of_list(reader, field, kinds, announced, items.len())?;
+    if !reader.is_at("}") {
+        announced.give_up(reader);
+    }
+    let closed = reader.is_at("}");
+    if closed {
+        announced.end(reader, items.len());
+    }
     reader.close(name)?;
     Ok(items)
-}
-
-/// Checks that a list of `found` items ends at the next word, as its announced length requires.
-pub fn end_of_list(
-    reader: &Reader<'_>,
-    field: &'static str,
-    kinds: &[&str],
-    announced: u64,
-    found: usize,
-) -> Parsed<()> {
-    let found = found as u64;
-    let at = reader.peek().at;
-    if found < announced {
-        return Err(SceneError::new(at, Problem::TooFew { field, announced, found }));
-    }
-    if reader.is_at_any(kinds) {
-        return Err(SceneError::new(at, Problem::TooMany { field, announced }));
-    }
-    Ok(())
 }

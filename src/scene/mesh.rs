@@ -227,7 +227,7 @@ fn no_such_vertex(text: &[u8]) -> MeshError {
 }
 
 /// Whether a face's `corner` names one of the `all` vertices, of which `so_far` precede the face.
-fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
+pub(super) fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
     let index = corner.split(|&byte| byte == b'/').next().unwrap_or_default();
     match str::from_utf8(index).ok().and_then(|index| index.parse::<i64>().ok()) {
         Some(index) if index < 0 => index.unsigned_abs() <= so_far as u64,

@@ -22,7 +22,8 @@ const MAX_OCTAVES: u64 = 64;
 /// Reads a whole `Materials { ... }` block: each material with the position of its keyword.
 pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Position)>> {
     let name = reader.open()?.text;
-    counted_list(reader, name, "numMaterials", &KINDS, |reader, earlier: &[_]| {
+    let instead = (Material::Phong(Phong::default()), Position::default());
+    counted_list(reader, name, "numMaterials", &KINDS, &instead, |reader, earlier: &[_]| {
         let at = reader.peek().at;
         Ok((parse_material(reader, earlier.len())?, at))
     })
@@ -57,10 +58,10 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
 
 fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) -> Parsed<()> {
     match field {
-        "diffuseColor" => phong.diffuse = reader.color(field)?,
-        "specularColor" => phong.specular = reader.color(field)?,
-        "reflectiveColor" => phong.reflective = reader.color(field)?,
-        "transparentColor" => phong.transparent = reader.color(field)?,
+        "diffuseColor" => phong.diffuse = reader.shown_color(field)?,
+        "specularColor" => phong.specular = reader.shown_color(field)?,
+        "reflectiveColor" => phong.reflective = reader.shown_color(field)?,
+        "transparentColor" => phong.transparent = reader.shown_color(field)?,
         "exponent" => {
             phong.exponent = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
         }
@@ -116,9 +117,11 @@ fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
 fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
     reader.keyword("materialIndex")?;
     let at = reader.peek().at;
-    let index = reader.whole("materialIndex")?;
-    earlier_material(index, own)
-        .ok_or_else(|| SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }))
+    let Some(index) = reader.whole("materialIndex")? else { return Ok(0) };
+    Ok(earlier_material(index, own).unwrap_or_else(|| {
+        reader.report(SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }));
+        0
+    }))
 }
 
 fn earlier_material(index: u64, own: MaterialId) -> Option<MaterialId> {
@@ -140,9 +143,11 @@ fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
 fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
     reader.keyword("octaves")?;
     let word = reader.peek();
-    let octaves = reader.whole("octaves")?;
-    let allowed = u32::try_from(octaves).ok().filter(|_| octaves <= MAX_OCTAVES);
-    allowed.ok_or_else(|| bad_value(word, "octaves", "must be at most 64"))
+    let Some(octaves) = reader.whole("octaves")? else { return Ok(0) };
+    if octaves > MAX_OCTAVES {
+        reader.report(bad_value(word, "octaves", "must be at most 64"));
+    }
+    Ok(octaves.min(MAX_OCTAVES) as u32)
 }
 
 /// Reads the fields that `Marble` and `Wood` share: octaves, frequency and amplitude.

@@ -1,21 +1,21 @@
 //! Reads groups and the objects in them, without recursion, so that any depth of nesting works.
 
 use super::error::{Problem, SceneError};
-use super::limits::SMALLEST_RADIUS;
-use super::list::end_of_list;
-use super::material::Material;
+use super::list::Announced;
+use super::material::{Material, Phong};
 use super::parse_material::{PHONG_KINDS, parse_phong};
+use super::parse_primitive::{parse_box, parse_plane, parse_sphere, parse_triangle};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
 use crate::memory::{self, NoMemory};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use std::collections::HashMap;
 
-const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
+/// The keywords of objects.
+pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
 
 /// The objects of a scene that have been read so far, with the meshes and materials that they use.
-#[derive(Default)]
 pub struct ObjectTree {
     /// The arena, in which every object comes after its children.
     pub objects: Vec<Object>,
@@ -27,6 +27,8 @@ pub struct ObjectTree {
     pub materials: Vec<Material>,
     /// The position of each material's keyword.
     pub material_positions: Vec<Position>,
+    /// Whether the declared materials are all there are. They are not after an error among them.
+    pub knows_materials: bool,
     /// The number of declared materials. Only these can be chosen by their index.
     declared: usize,
     /// The material of the following objects. As in the course's program, it stays in effect after the group
@@ -36,7 +38,7 @@ pub struct ObjectTree {
 
 /// A group or transform whose closing brace has not been read yet.
 enum Open {
-    Group { announced: u64, children: Vec<ObjectId>, at: Position },
+    Group { announced: Announced, children: Vec<ObjectId>, at: Position },
     Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
 }
 
@@ -60,8 +62,8 @@ impl ObjectTree {
     }
 
     /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
-    /// Errors: the first error inside it. The time is linear in the length of the text, and the stack has
-    /// constant size.
+    /// Errors inside it are recorded; one is returned if nobody can tell where it ends. The time is linear in
+    /// the length of the text, and the stack has constant size.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
         self.objects.clear();
         self.positions.clear();
@@ -70,7 +72,9 @@ impl ObjectTree {
         let mut innermost = open_group(reader)?;
         let mut ancestors = Vec::new();
         loop {
-            match self.step(reader, &mut innermost)? {
+            let depth = reader.depth;
+            let step = self.step(reader, &mut innermost);
+            match step.or_else(|error| self.recover(reader, error, &mut innermost, depth))? {
                 Step::Opened(inner) => {
                     memory::push(&mut ancestors, std::mem::replace(&mut innermost, inner))?;
                 }
@@ -88,6 +92,39 @@ impl ObjectTree {
         }
     }
 
+    /// Records an error in the innermost open object, whose words stand at this depth. The object that it is
+    /// in, or else the rest of the innermost one, is skipped, and an empty group takes its place.
+    fn recover(
+        &self,
+        reader: &mut Reader<'_>,
+        error: SceneError,
+        innermost: &mut Open,
+        depth: usize,
+    ) -> Parsed<Step> {
+        if let Problem::Memory(_) = error.problem {
+            return Err(error);
+        }
+        let is_whole = reader.recover(error.clone(), depth).is_ok();
+        if let Open::Group { announced, .. } = innermost
+            && !is_whole
+        {
+            announced.give_up(reader);
+        }
+        let nothing = |at| (Object::Group(vec![]), at);
+        match (is_whole, reader.is_balanced()) {
+            (true, _) => {
+                let (object, at) = nothing(error.at);
+                Ok(Step::Finished(object, at))
+            }
+            (false, true) => {
+                reader.skip_to_depth(depth - 1);
+                let (object, at) = nothing(innermost.at());
+                Ok(Step::Closed(object, at))
+            }
+            (false, false) => Err(error),
+        }
+    }
+
     fn add(&mut self, object: Object, at: Position) -> Result<ObjectId, NoMemory> {
         memory::push(&mut self.objects, object)?;
         memory::push(&mut self.positions, at)?;
@@ -96,7 +133,7 @@ impl ObjectTree {
 
     fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
         match innermost {
-            Open::Group { announced, children, at } => self.step_in_group(reader, *announced, children, *at),
+            Open::Group { announced, children, at } => self.step_in_group(reader, announced, children, *at),
             Open::Transform { matrix, at, child: Some(child) } => {
                 close_transform(reader)?;
                 Ok(Step::Closed(Object::Transform { matrix: *matrix, child: *child, at: *at }, *at))
@@ -109,17 +146,25 @@ impl ObjectTree {
     fn step_in_group(
         &mut self,
         reader: &mut Reader<'_>,
-        announced: u64,
+        announced: &mut Announced,
         children: &mut Vec<ObjectId>,
         at: Position,
     ) -> Parsed<Step> {
-        if (children.len() as u64) < announced {
-            self.parse_material_choices(reader)?;
-            if !reader.is_at("}") {
-                return self.parse_object(reader, "an object", &OBJECTS);
-            }
+        let is_full = announced.is_reached(children.len());
+        let before = reader.peek();
+        self.parse_material_choices(reader)?;
+        if !reader.is_at("}") && (reader.is_at_any(&OBJECTS) || !is_full) {
+            announced.next_item(reader, children.len());
+            return self.parse_object(reader, "an object", &OBJECTS);
         }
-        close_group(reader, announced, children.len())?;
+        if is_full && before != reader.peek() {
+            let word = before.text.into();
+            reader.report(SceneError::new(before.at, Problem::MaterialAfterLastObject { word }));
+        }
+        if reader.is_at("}") {
+            announced.end(reader, children.len());
+        }
+        reader.close("Group")?;
         Ok(Step::Closed(Object::Group(std::mem::take(children)), at))
     }
 
@@ -129,28 +174,52 @@ impl ObjectTree {
             if reader.is_at("MaterialIndex") {
                 self.current_material = Some(self.parse_material_index(reader)?);
             } else if reader.is_at_any(&PHONG_KINDS) {
-                let at = reader.peek().at;
-                let material = Material::Phong(parse_phong(reader)?);
-                self.add_material(material, at)?;
-                self.current_material = Some(self.materials.len() - 1);
+                self.parse_own_material(reader)?;
             } else {
                 return Ok(());
             }
         }
     }
 
-    fn add_material(&mut self, material: Material, at: Position) -> Result<(), NoMemory> {
-        memory::push(&mut self.materials, material)?;
-        memory::push(&mut self.material_positions, at)
+    /// Reads a whole material. An error in it is recorded.
+    fn parse_own_material(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
+        let (at, outer) = (reader.peek().at, reader.depth);
+        let phong = match parse_phong(reader) {
+            Ok(phong) => phong,
+            Err(error) => {
+                reader.recover(error, outer)?;
+                Phong::default()
+            }
+        };
+        memory::push(&mut self.material_positions, at)?;
+        memory::push(&mut self.materials, Material::Phong(phong))?;
+        self.current_material = Some(self.materials.len() - 1);
+        Ok(())
     }
 
+    /// Reads `MaterialIndex` and the index, in place of which 0 stands if there is no such material.
     fn parse_material_index(&self, reader: &mut Reader<'_>) -> Parsed<MaterialId> {
         reader.keyword("MaterialIndex")?;
         let at = reader.peek().at;
-        let index = reader.whole("MaterialIndex")?;
+        let index = match reader.whole("MaterialIndex") {
+            Err(error) if reader.is_at_any(&["{", "}"]) || reader.is_at_any(&OBJECTS) => {
+                reader.report(error);
+                return Ok(0);
+            }
+            Err(error) => {
+                reader.report(error);
+                reader.take();
+                return Ok(0);
+            }
+            Ok(None) => return Ok(0),
+            Ok(Some(index)) => index,
+        };
         let declared = self.declared;
         let known = usize::try_from(index).ok().filter(|&index| index < declared);
-        known.ok_or_else(|| SceneError::new(at, Problem::NoSuchMaterial { index, declared }))
+        if known.is_none() && self.knows_materials {
+            reader.report(SceneError::new(at, Problem::NoSuchMaterial { index, declared }));
+        }
+        Ok(known.unwrap_or(0))
     }
 
     fn parse_transformed_object(&mut self, reader: &mut Reader<'_>) -> Parsed<Step> {
@@ -179,10 +248,12 @@ impl ObjectTree {
 
     fn parse_primitive(&mut self, reader: &mut Reader<'_>) -> Parsed<Object> {
         let word = reader.peek();
-        let material = self.current_material.ok_or_else(|| {
-            SceneError::new(word.at, Problem::NoMaterial { object: word.text.into() })
-                .with_hint("put a `MaterialIndex` before it")
-        })?;
+        // The next objects use the same material. That it is missing is said once.
+        let material = *self.current_material.get_or_insert_with(|| {
+            let problem = Problem::NoMaterial { object: word.text.into() };
+            reader.report(SceneError::new(word.at, problem).with_hint("put a `MaterialIndex` before it"));
+            0
+        });
         let name = reader.open()?.text;
         let object = match name {
             "Sphere" => parse_sphere(reader, material)?,
@@ -204,7 +275,7 @@ impl ObjectTree {
             return Err(reader.unexpected("a file name for `obj_file`", &[]));
         }
         if !word.text.ends_with(".obj") {
-            return Err(bad_value(word, "obj_file", "must end in `.obj`"));
+            reader.report(bad_value(word, "obj_file", "must end in `.obj`"));
         }
         reader.take();
         Ok(self.mesh_index(word.text, word.at)?)
@@ -223,7 +294,28 @@ impl ObjectTree {
     }
 }
 
+impl Default for ObjectTree {
+    fn default() -> Self {
+        Self {
+            objects: vec![],
+            positions: vec![],
+            meshes: vec![],
+            mesh_indices: HashMap::new(),
+            materials: vec![],
+            material_positions: vec![],
+            knows_materials: true,
+            declared: 0,
+            current_material: None,
+        }
+    }
+}
+
 impl Open {
+    fn at(&self) -> Position {
+        let (Self::Group { at, .. } | Self::Transform { at, .. }) = self;
+        *at
+    }
+
     fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
         match self {
             Self::Group { children, .. } => memory::push(children, id)?,
@@ -235,17 +327,7 @@ impl Open {
 
 fn open_group(reader: &mut Reader<'_>) -> Parsed<Open> {
     let at = reader.open()?.at;
-    reader.keyword("numObjects")?;
-    Ok(Open::Group { announced: reader.whole("numObjects")?, children: Vec::new(), at })
-}
-
-fn close_group(reader: &mut Reader<'_>, announced: u64, found: usize) -> Parsed<()> {
-    end_of_list(reader, "numObjects", &OBJECTS, announced, found)?;
-    if reader.is_at("MaterialIndex") || reader.is_at_any(&PHONG_KINDS) {
-        let word = reader.peek();
-        return Err(SceneError::new(word.at, Problem::MaterialAfterLastObject { word: word.text.into() }));
-    }
-    reader.close("Group")
+    Ok(Open::Group { announced: Announced::parse(reader, "numObjects")?, children: Vec::new(), at })
 }
 
 fn open_transform(reader: &mut Reader<'_>) -> Parsed<Open> {
@@ -269,32 +351,4 @@ fn unsupported_grid(reader: &Reader<'_>) -> SceneError {
     let word = reader.peek();
     SceneError::new(word.at, Problem::Unsupported { word: word.text.into() })
         .with_hint("the 2003 edition's voxel grid; the grid that speeds up rays is a command-line option")
-}
-
-fn parse_sphere(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let center = reader.vector_field("center")?;
-    reader.keyword("radius")?;
-    let rule = "must be positive, and at least 1e-100";
-    let radius = reader.number_that("radius", rule, |radius| radius >= SMALLEST_RADIUS)?;
-    Ok(Object::Sphere { center, radius, material })
-}
-
-fn parse_plane(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let normal = reader.direction_field("normal")?;
-    let offset = reader.number_field("offset")?;
-    Ok(Object::Plane { normal, offset, material })
-}
-
-fn parse_triangle(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let vertices =
-        [reader.vector_field("vertex0")?, reader.vector_field("vertex1")?, reader.vector_field("vertex2")?];
-    Ok(Object::Triangle { vertices, material })
-}
-
-fn parse_box(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
-    let min = reader.vector_field("min")?;
-    reader.keyword("max")?;
-    let mut number_from = |min| reader.number_that("max", "must not be below `min`", |number| number >= min);
-    let max = DVec3::new(number_from(min.x)?, number_from(min.y)?, number_from(min.z)?);
-    Ok(Object::Box { min, max, material })
 }

@@ -1,31 +1,103 @@
 //! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
 
 use super::error::{Problem, SceneError};
-use super::list::counted_list;
+use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
+use super::parse_light::parse_lights;
 use super::parse_material::parse_materials;
-use super::parse_object::ObjectTree;
+use super::parse_object::{self, ObjectTree};
 use super::reader::{Parsed, Reader};
-use super::{Background, Camera, Light, ObjectId, Scene};
-use crate::math::robust::unit;
-use glam::DVec3;
+use super::recovery::Findings;
+use super::warning::{self, Doubt, SceneWarning};
+use super::{Background, Camera, Light, ObjectId, Position, Scene};
 
 const BLOCKS: [&str; 6] =
     ["OrthographicCamera", "PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
-const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
+/// How the keywords of each kind of block end, and what a reader calls it.
+const KINDS: [&str; 5] = ["Camera", "Background", "Lights", "Materials", "Group"];
+const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of materials", "`Group`"];
 const BACKGROUND_FIELDS: [&str; 2] = ["color", "ambientLight"];
 
-/// Parses a scene. Its mesh files are named in the result, but not opened.
+/// A scene with what its text says beyond it.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// The scene. Its mesh files are named in it, but not opened.
+    pub scene: Scene,
+    /// What the text says without an error, but hardly on purpose.
+    pub warnings: Vec<SceneWarning>,
+    /// Where the text says it.
+    pub places: Places,
+}
+
+/// The positions of keywords in the text of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Places {
+    /// The camera's.
+    pub camera: Position,
+    /// Those of the lights, in the order of [`Scene::lights`].
+    pub lights: Vec<Position>,
+}
+
+/// Parses a scene, as [`read`] does. Errors: the first violation of the grammar or of a rule for values, with
+/// its position.
+pub fn parse(text: &str) -> Result<Scene, SceneError> {
+    match read(text) {
+        Ok(reading) => Ok(reading.scene),
+        Err(mut errors) => Err(errors.swap_remove(0)),
+    }
+}
+
+/// Parses a scene.
 ///
 /// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
-/// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its
-/// position.
-pub fn parse(text: &str) -> Result<Scene, SceneError> {
+/// an earlier one of its kind. Errors: at least one and at most ten, in the order of the text. None of them is
+/// only a consequence of another.
+pub fn read(text: &str) -> Result<Reading, Vec<SceneError>> {
     let mut reader = Reader::new(text);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
-        blocks.parse_block(&mut reader)?;
+        let block = reader.peek().text;
+        if let Err(error) = blocks.parse_block(&mut reader) {
+            if let Problem::Memory(_) = error.problem {
+                return Err(vec![error]);
+            }
+            reader.recover_block(error, block);
+        }
     }
-    blocks.into_scene(&reader)
+    let parsed = blocks.into_scene(&mut reader);
+    let Findings { mut errors, warnings, .. } = reader.findings;
+    match parsed {
+        Some((scene, places)) if errors.is_empty() => {
+            Ok(Reading { scene, warnings: warning::merged(warnings), places })
+        }
+        _ => {
+            errors.sort_by_key(|error| (error.at.line, error.at.column));
+            Err(errors)
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// Records an error of the block with this keyword, and goes on with the next block.
+    fn recover_block(&mut self, error: SceneError, block: &str) {
+        // After another error, a brace that closes nothing may be due to a missing one.
+        if !self.is_at("}") || self.depth > 0 || self.findings.errors.is_empty() {
+            self.report(error);
+        }
+        let is_balanced = self.is_balanced();
+        let is_whole = is_balanced && self.skip_item(0);
+        // What stands outside of any group after a first such object says nothing new.
+        if is_whole && !parse_object::OBJECTS.contains(&block) {
+            return;
+        }
+        // A group may hold groups, but no other block.
+        let is_in_group = block == "Group" && self.depth > 0;
+        let starts: Vec<&str> =
+            BLOCKS.into_iter().filter(|&start| !is_in_group || start != "Group").collect();
+        while !self.peek().is_end() && !(self.is_at_any(&starts) && (self.depth == 0 || !is_balanced)) {
+            self.take();
+        }
+        self.depth = 0;
+    }
 }
 
 /// The blocks read so far.
@@ -33,13 +105,16 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
 struct Blocks {
     camera: Option<Camera>,
     background: Background,
-    lights: Vec<Light>,
+    lights: Vec<(Light, Position)>,
     tree: ObjectTree,
     root: Option<ObjectId>,
+    /// The position of the last block of each kind, in the order of [`KINDS`].
+    places: [Option<Position>; KINDS.len()],
 }
 
 impl Blocks {
     fn parse_block(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
+        self.note_block(reader);
         match reader.peek().text {
             "OrthographicCamera" => self.camera = Some(parse_orthographic_camera(reader)?),
             "PerspectiveCamera" => self.camera = Some(parse_perspective_camera(reader)?),
@@ -52,28 +127,49 @@ impl Blocks {
         Ok(())
     }
 
-    fn parse_materials(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
-        if self.root.is_some() {
-            return Err(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
+    /// Notes the position of the block at the next word, and whether it is the second of its kind.
+    fn note_block(&mut self, reader: &mut Reader<'_>) {
+        let at = reader.peek().at;
+        let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
+        if let Some(earlier) = self.places[kind].replace(at) {
+            let doubt = Doubt::Replaces { block: NOUNS[kind], earlier: earlier.line };
+            reader.findings.warnings.push(SceneWarning { at, doubt });
         }
-        Ok(self.tree.declare(parse_materials(reader)?)?)
     }
 
-    fn into_scene(self, reader: &Reader<'_>) -> Parsed<Scene> {
-        let missing = |block| SceneError::new(reader.peek().at, Problem::Missing { block });
-        let camera = self.camera.ok_or_else(|| missing("camera"))?;
-        let root = self.root.ok_or_else(|| missing("group"))?;
-        Ok(Scene {
-            camera,
+    fn parse_materials(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
+        if self.root.is_some() {
+            reader.report(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
+        }
+        let errors = reader.findings.errors.len();
+        let materials = parse_materials(reader);
+        let is_short = |error: &SceneError| matches!(error.problem, Problem::TooFew { .. });
+        self.tree.knows_materials =
+            materials.is_ok() && !reader.findings.errors[errors..].iter().any(is_short);
+        self.tree.declare(materials?)?;
+        Ok(())
+    }
+
+    /// The scene. A missing block is recorded, unless an error may have hidden it.
+    fn into_scene(self, reader: &mut Reader<'_>) -> Option<(Scene, Places)> {
+        for (is_missing, block) in [(self.camera.is_none(), "camera"), (self.root.is_none(), "group")] {
+            if is_missing && reader.findings.errors.is_empty() {
+                reader.report(SceneError::new(reader.peek().at, Problem::Missing { block }));
+            }
+        }
+        let (lights, places) = self.lights.into_iter().unzip();
+        let scene = Scene {
+            camera: self.camera?,
             background: self.background,
-            lights: self.lights,
+            lights,
             materials: self.tree.materials,
             material_positions: self.tree.material_positions,
             objects: self.tree.objects,
             positions: self.tree.positions,
-            root,
+            root: self.root?,
             meshes: self.tree.meshes,
-        })
+        };
+        Some((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
     }
 }
 
@@ -88,52 +184,15 @@ fn unknown_block(reader: &Reader<'_>) -> SceneError {
     }
 }
 
-fn parse_orthographic_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
-    let name = reader.open()?.text;
-    let (center, direction, up) = parse_view(reader)?;
-    let size = reader.positive_field("size")?;
-    reader.close(name)?;
-    Ok(Camera::Orthographic { center, direction, up, size })
-}
-
-fn parse_perspective_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
-    let name = reader.open()?.text;
-    let (center, direction, up) = parse_view(reader)?;
-    reader.keyword("angle")?;
-    let rule = "must be above 0 and below 180 degrees";
-    let angle = reader.number_that("angle", rule, |angle| angle > 0.0 && angle < 180.0)?;
-    reader.close(name)?;
-    Ok(Camera::Perspective { center, direction, up, angle })
-}
-
-/// Reads the fields that both cameras share: center, direction and up.
-fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
-    let center = reader.vector_field("center")?;
-    let direction = reader.direction_field("direction")?;
-    reader.keyword("up")?;
-    let at = reader.peek().at;
-    let up = reader.nonzero_vector("up")?;
-    if are_parallel(direction, up) {
-        return Err(SceneError::new(at, Problem::UpAlongDirection));
-    }
-    Ok((center, direction, up))
-}
-
-/// Whether two nonzero vectors are parallel, up to rounding.
-fn are_parallel(a: DVec3, b: DVec3) -> bool {
-    const MAX_SINE: f64 = 1e-12;
-    unit(a).cross(unit(b)).length() < MAX_SINE
-}
-
 /// Reads the background. Both fields are optional, and a repeated field replaces the earlier one.
 fn parse_background(reader: &mut Reader<'_>) -> Parsed<Background> {
     let name = reader.open()?.text;
     let mut background = Background::default();
     loop {
         if reader.accept("color") {
-            background.color = reader.color("color")?;
+            background.color = reader.shown_color("color")?;
         } else if reader.accept("ambientLight") {
-            background.ambient = reader.color("ambientLight")?;
+            background.ambient = reader.shown_color("ambientLight")?;
         } else if reader.is_at("}") {
             reader.close(name)?;
             return Ok(background);
@@ -143,49 +202,12 @@ fn parse_background(reader: &mut Reader<'_>) -> Parsed<Background> {
     }
 }
 
-fn parse_lights(reader: &mut Reader<'_>) -> Parsed<Vec<Light>> {
-    let name = reader.open()?.text;
-    counted_list(reader, name, "numLights", &LIGHTS, |reader, _| parse_light(reader))
-}
-
-fn parse_light(reader: &mut Reader<'_>) -> Parsed<Light> {
-    match reader.peek().text {
-        "DirectionalLight" => parse_directional_light(reader),
-        "PointLight" => parse_point_light(reader),
-        _ => Err(reader.unexpected("a light", &LIGHTS)),
-    }
-}
-
-fn parse_directional_light(reader: &mut Reader<'_>) -> Parsed<Light> {
-    let name = reader.open()?.text;
-    let direction = reader.direction_field("direction")?;
-    let color = reader.color_field("color")?;
-    reader.close(name)?;
-    Ok(Light::Directional { direction, color })
-}
-
-fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
-    let name = reader.open()?.text;
-    let position = reader.vector_field("position")?;
-    let color = reader.color_field("color")?;
-    let constant = DVec3::X;
-    let has_attenuation = reader.accept("attenuation");
-    let attenuation = if has_attenuation { reader.vector("attenuation")? } else { constant };
-    if !has_attenuation && !reader.is_at("}") {
-        return Err(
-            reader.unexpected(&format!("`attenuation` or `}}` at the end of `{name}`"), &["attenuation"])
-        );
-    }
-    reader.close(name)?;
-    Ok(Light::Point { position, color, attenuation: attenuation.to_array() })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::material::{Material, Phong};
     use crate::scene::{MeshFile, Object, Position};
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec3};
 
     const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }";
 
@@ -318,18 +340,5 @@ mod tests {
         .unwrap();
         assert!(matches!(scene.camera, Camera::Perspective { .. }));
         assert_eq!((scene.objects, scene.meshes), (vec![Object::Group(vec![])], vec![]));
-    }
-
-    #[test]
-    fn nearly_parallel_is_not_parallel() {
-        assert!(are_parallel(DVec3::ONE, DVec3::ONE * -3.0));
-        assert!(are_parallel(DVec3::ONE * 1e-300, DVec3::ONE * 1e300));
-        assert!(!are_parallel(DVec3::Y, DVec3::new(1e-6, 1.0, 0.0)));
-    }
-
-    #[test]
-    fn vectors_are_parallel_within_less_than_1e_12() {
-        let parallel = |angle: f64| are_parallel(DVec3::X * 3.0, DVec3::new(-1.0, angle, 0.0));
-        assert_eq!([0.0, 0.99e-12, 1e-12, 1e-9].map(parallel), [true, true, false, false]);
     }
 }

@@ -1,25 +1,34 @@
 //! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
 
-use super::Color;
 use super::error::{Problem, SceneError};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
 use super::limits::{BRIGHTEST, LARGEST};
+use super::recovery::Findings;
+use super::warning::SceneWarning;
+use super::{Color, Position};
 use glam::DVec3;
 
 pub type Parsed<T> = Result<T, SceneError>;
 
 /// Reads the words of a scene with one word of lookahead.
+///
+/// A word that does not fit the grammar is the error that a method returns. A value that breaks a rule is
+/// recorded in `findings`, and reading goes on behind it.
 pub struct Reader<'a> {
+    pub(super) text: &'a str,
     lexer: Lexer<'a>,
     ahead: Word<'a>,
+    /// The number of braces that are open before the next word.
+    pub(super) depth: usize,
+    pub(super) findings: Findings,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(text: &'a str) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        Self { lexer, ahead }
+        Self { text, lexer, ahead, depth: 0, findings: Findings::default() }
     }
 
     /// The next word, without taking it.
@@ -29,6 +38,11 @@ impl<'a> Reader<'a> {
 
     /// Takes the next word.
     pub fn take(&mut self) -> Word<'a> {
+        match self.ahead.text {
+            "{" => self.depth += 1,
+            "}" => self.depth = self.depth.saturating_sub(1),
+            _ => {}
+        }
         std::mem::replace(&mut self.ahead, self.lexer.next_word())
     }
 
@@ -89,18 +103,18 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Takes a number, the value of `field`, whose magnitude must be at most [`LARGEST`].
+    /// Takes a number, the value of `field`. It is recorded if its magnitude is above [`LARGEST`].
     pub fn number(&mut self, field: &str) -> Parsed<f64> {
         let word = self.ahead;
         let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
         if number.abs() > LARGEST {
-            return Err(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
+            self.report(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
         }
         self.take();
         Ok(number)
     }
 
-    /// Takes a number for which `holds` must be true. `rule` describes the condition, as in "must be
+    /// Takes a number. It is recorded if `holds` is false; `rule` describes the condition, as in "must be
     /// positive".
     pub fn number_that(
         &mut self,
@@ -110,22 +124,32 @@ impl<'a> Reader<'a> {
     ) -> Parsed<f64> {
         let word = self.ahead;
         let number = self.number(field)?;
-        if !holds(number) {
-            return Err(bad_value(word, field, rule));
+        // One that is too large has been recorded.
+        if !holds(number) && number.abs() <= LARGEST {
+            self.report(bad_value(word, field, rule));
         }
         Ok(number)
     }
 
-    /// Takes a non-negative integer below 2^64.
-    pub fn whole(&mut self, field: &str) -> Parsed<u64> {
+    /// Takes a non-negative integer below 2^64; none if it is another number, which is recorded.
+    pub fn whole(&mut self, field: &str) -> Parsed<Option<u64>> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
-        if !is_digits(digits) {
-            return Err(self.not_whole(field));
+        if is_digits(digits)
+            && let Ok(number) = digits.parse()
+        {
+            self.take();
+            return Ok(Some(number));
         }
-        let number = digits.parse().map_err(|_| bad_value(word, field, "must be below 2^64"))?;
+        let rule = match parse_number(word.text) {
+            Some(_) if is_digits(digits) => "must be below 2^64",
+            Some(number) if number < 0.0 => "must not be negative",
+            Some(_) => "must be a whole number",
+            None => return Err(self.not_a_number("a whole number", field)),
+        };
+        self.report(bad_value(word, field, rule));
         self.take();
-        Ok(number)
+        Ok(None)
     }
 
     /// Takes three numbers.
@@ -137,18 +161,33 @@ impl<'a> Reader<'a> {
     pub fn color(&mut self, field: &str) -> Parsed<Color> {
         let at = self.ahead;
         let color = self.vector(field)?;
-        if color.abs().max_element() > BRIGHTEST {
-            return Err(bad_value(at, field, "must be at most 1e30 in each channel"));
+        if (BRIGHTEST.next_up()..=LARGEST).contains(&color.abs().max_element()) {
+            self.report(bad_value(at, field, "must be at most 1e30 in each channel"));
         }
         Ok(color)
     }
 
-    /// Takes three numbers that are not all zero.
+    /// Takes the colour of a surface or of the background. Above 1 it is brighter than any picture shows.
+    pub fn shown_color(&mut self, field: &str) -> Parsed<Color> {
+        let at = self.ahead.at;
+        let color = self.color(field)?;
+        self.warn_if_above_one(at, field, color);
+        Ok(color)
+    }
+
+    /// Records a colour above 1.
+    pub fn warn_if_above_one(&mut self, at: Position, field: &str, color: Color) {
+        if color.max_element() > 1.0 {
+            self.findings.warnings.push(SceneWarning::color_above_one(at, field, color));
+        }
+    }
+
+    /// Takes three numbers. It is recorded if all of them are zero.
     pub fn nonzero_vector(&mut self, field: &str) -> Parsed<DVec3> {
         let at = self.ahead.at;
         let vector = self.vector(field)?;
         if vector == DVec3::ZERO {
-            return Err(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
+            self.report(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
         }
         Ok(vector)
     }
@@ -159,19 +198,13 @@ impl<'a> Reader<'a> {
         self.vector(field)
     }
 
-    /// Takes `field` and a colour's three channels.
-    pub fn color_field(&mut self, field: &str) -> Parsed<Color> {
-        self.keyword(field)?;
-        self.color(field)
-    }
-
-    /// Takes `field` and its three numbers, not all zero.
+    /// Takes `field` and its three numbers, which should not all be zero.
     pub fn direction_field(&mut self, field: &str) -> Parsed<DVec3> {
         self.keyword(field)?;
         self.nonzero_vector(field)
     }
 
-    /// Takes `field` and a number that is greater than zero.
+    /// Takes `field` and a number that should be greater than zero.
     pub fn positive_field(&mut self, field: &str) -> Parsed<f64> {
         self.keyword(field)?;
         self.number_that(field, "must be positive", |number| number > 0.0)
@@ -199,16 +232,6 @@ impl<'a> Reader<'a> {
             return error.with_hint("a comment must be separated from the word before it by a blank");
         }
         error
-    }
-
-    /// The error for a word that is not a non-negative integer. It tells negative and fractional numbers
-    /// apart.
-    fn not_whole(&self, field: &str) -> SceneError {
-        match parse_number(self.ahead.text) {
-            Some(number) if number < 0.0 => bad_value(self.ahead, field, "must not be negative"),
-            Some(_) => bad_value(self.ahead, field, "must be a whole number"),
-            None => self.not_a_number("a whole number", field),
-        }
     }
 }
 
@@ -263,8 +286,9 @@ mod tests {
     #[test]
     fn numbers_beyond_the_largest_are_refused() {
         for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
-            let error = Reader::new(word).number("x").unwrap_err();
-            assert_eq!(error.problem, Problem::NumberTooLarge { found: word.into() });
+            let mut reader = Reader::new(word);
+            reader.number("x").unwrap();
+            assert_eq!(reader.findings.errors[0].problem, Problem::NumberTooLarge { found: word.into() });
         }
         assert_eq!(Reader::new("1e100").number("x").unwrap(), 1e100);
         assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
@@ -272,18 +296,11 @@ mod tests {
 
     #[test]
     fn whole_numbers() {
-        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
-            assert_eq!(Reader::new(word).whole("x").unwrap(), value, "{word}");
+        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("99999999999999999999999", u64::MAX)] {
+            assert_eq!(Reader::new(word).whole("x").unwrap(), Some(value), "{word}");
         }
-        for (word, message) in [
-            ("2.5", "must be a whole"),
-            ("-1", "must not be negative"),
-            ("x", "expected a whole"),
-            ("18446744073709551616", "must be below 2^64"),
-        ] {
-            let error = Reader::new(word).whole("x").unwrap_err().to_string();
-            assert!(error.contains(message), "{error}");
-        }
+        let error = Reader::new("x").whole("x").unwrap_err().to_string();
+        assert!(error.contains("expected a whole"), "{error}");
     }
 
     #[test]
@@ -308,13 +325,16 @@ mod tests {
 
     #[test]
     fn fractional_and_negative_numbers_have_different_errors() {
-        let rule = |word| match Reader::new(word).whole("x").unwrap_err().problem {
-            Problem::BadValue { rule, .. } => rule,
-            _ => "",
+        let rule = |word| {
+            let mut reader = Reader::new(word);
+            assert_eq!(reader.whole("x").unwrap(), None);
+            match reader.findings.errors[0].problem {
+                Problem::BadValue { rule, .. } => rule,
+                _ => "",
+            }
         };
         assert_eq!(["-1", "-0.5"].map(rule), ["must not be negative"; 2]);
         assert_eq!(["0.0", "-0", "2.5"].map(rule), ["must be a whole number"; 3]);
-        assert_eq!(rule("x"), "");
     }
 
     #[test]

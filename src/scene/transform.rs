@@ -12,8 +12,8 @@ pub const TRANSFORMATIONS: [&str; 8] =
 /// does.
 ///
 /// Each transformation is multiplied from the right to the product so far, so that the last one acts first,
-/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations, and a product that
-/// overflows.
+/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations. A product that
+/// overflows is recorded.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     let mut product = DAffine3::IDENTITY;
     while reader.is_at_any(&TRANSFORMATIONS) {
@@ -24,7 +24,8 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
             product * parse_factor(reader)?
         };
         if !product.is_finite() {
-            return Err(SceneError::new(at, Problem::TransformOverflow));
+            reader.report(SceneError::new(at, Problem::TransformOverflow));
+            product = DAffine3::IDENTITY;
         }
     }
     Ok(product)
@@ -68,11 +69,15 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     for number in rows.as_flattened_mut() {
         *number = reader.number("Matrix")?;
     }
+    let mut first_wrong = None;
     for expected in [0.0, 0.0, 0.0, 1.0] {
         let at = reader.peek().at;
         if reader.number("Matrix")? != expected {
-            return Err(SceneError::new(at, Problem::NotAffine));
+            first_wrong.get_or_insert(at);
         }
+    }
+    if let Some(at) = first_wrong {
+        reader.report(SceneError::new(at, Problem::NotAffine));
     }
     reader.close("Matrix")?;
     Ok(from_rows(rows))
@@ -123,7 +128,9 @@ mod tests {
     }
 
     fn refuse(text: &str) -> Problem {
-        parse_transformations(&mut Reader::new(text)).unwrap_err().problem
+        let mut reader = Reader::new(text);
+        parse_transformations(&mut reader).unwrap();
+        reader.findings.errors.remove(0).problem
     }
 
     #[test]

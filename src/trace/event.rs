@@ -6,7 +6,7 @@ use crate::math::ray::{Hit, Ray, Visible};
 use crate::scene::Color;
 use crate::scene::material::Phong;
 use crate::shading::light::Incident;
-use crate::stats::{Counts, Probe, Quiet};
+use crate::stats::{Counts, Probe, Quiet, RayCount};
 use crate::world::SurfacePoint;
 use serde::Serialize;
 
@@ -19,6 +19,7 @@ pub trait Observer: Probe {
 }
 
 impl Observer for Quiet {}
+impl Observer for RayCount {}
 impl Observer for Counts {}
 
 /// The way in which a ray leaves a surface to be followed further.

@@ -174,10 +174,11 @@ fn case_51_moved_by_a_million_extents() {
 /// is in the plane of a checkerboard's boundary, the colour of a row of pixels depends on how the points of a
 /// curved surface are rounded, even without the translation. The facets of a gem multiply an angle at every
 /// bounce. And the shadow rays of two mirrored pixels may just touch an edge, where a translation by a tenth
-/// already changes the result. The course has scenes of each kind.
+/// already changes the result. The course has scenes of each kind. One scene of this project has details of 1e-12 of
+/// its extent, which such a translation rounds away.
 fn pixels_that_move() -> (usize, usize) {
     let (mut pixels, mut off) = (0, 0);
-    for scene in own_scenes() {
+    for scene in own_scenes().into_iter().filter(|scene| !scene.name.ends_with("show_scales.txt")) {
         let extent = scene.world().bounds.extent().max_element();
         let there = translated(&scene, 1e6 * extent * DVec3::new(1.0, -0.3, 0.5));
         let picture = |scene: &Named| render(scene, &scene.world(), Some([9, 8, 7]), 0);

@@ -159,7 +159,7 @@ fn render(
     let prepared = renderer.prepare_for::<Fast>(structure, request).map_err(|error| error.to_string())?;
     let begin = |(file, layer): (&std::path::PathBuf, &Layer)| {
         let file = OutputFile::prepare(file)?;
-        file.begin(layer.size(request.window_size()))
+        file.begin(layer.size(request.window_size()), None)
     };
     let writers = files.iter().zip(&request.layers).map(begin).collect::<Result<Vec<_>, _>>();
     let mut writers = writers.map_err(|error| error.to_string())?;

@@ -1,9 +1,10 @@
 //! Tables of valid command lines, each with its options.
 
-use raytracer::cli::{CliError, Command, Comparison, Options, Output, parse};
+use raytracer::cli::{CliError, Command, Comparison, Options, Output, ShowProgress, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::render::Layer;
+use raytracer::image_io::Format;
+use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -12,7 +13,7 @@ use raytracer::trace::{Effects, Shadows};
 use std::ffi::OsString;
 #[cfg(unix)]
 use std::os::unix::ffi::OsStringExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Parses a line in the course's style, without the program's name.
 pub fn parse_line(line: &str) -> Result<Command, CliError> {
@@ -37,6 +38,7 @@ fn plain() -> Options {
         input: Some("s.txt".into()),
         outputs: vec![],
         size: [100, 100],
+        region: None,
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
@@ -45,15 +47,17 @@ fn plain() -> Options {
         visualize_grid: false,
         comparison: None,
         stats: false,
+        strict: false,
         pixel: None,
         json: None,
         preview: false,
         threads: None,
+        progress: ShowProgress::OnTerminal,
     }
 }
 
 fn output(name: &str, layer: Layer) -> Output {
-    Output { layer, file: name.into() }
+    Output { layer, file: name.into(), format: Format::of(Path::new(name)).expect("a known ending") }
 }
 
 fn colors(name: &str) -> Output {
@@ -77,6 +81,10 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt", plain());
     accepts("-input s.txt -output a.tga", Options { outputs: vec![colors("a.tga")], ..plain() });
     accepts("-output a.PNG -input s.txt", Options { outputs: vec![colors("a.PNG")], ..plain() });
+    accepts("-input s.txt -progress", Options { progress: ShowProgress::Always, ..plain() });
+    accepts("-quiet -input s.txt", Options { progress: ShowProgress::Never, ..plain() });
+    let region = Some(Window { x: 90, y: 0, width: 10, height: 100 });
+    accepts("-input s.txt -region 90 0 10 100", Options { region, ..plain() });
     accepts("-input s.txt -size 3 65535", Options { size: [3, 65535], ..plain() });
     accepts(
         "-input s.txt -normals n.png",
@@ -108,6 +116,9 @@ fn each_flag_sets_its_option() {
         Options { structure: Structure::Grid(Resolution::Cells([1, 1, 7])), visualize_grid: true, ..plain() },
     );
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
+    accepts("-input s.txt -size 200x150", Options { size: [200, 150], ..plain() });
+    accepts("-input s.txt -size 7X1 -stats", Options { size: [7, 1], stats: true, ..plain() });
+    accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });
@@ -291,6 +302,12 @@ fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
             matches!(parse_line(line), Ok(Command::Help(text)) if text.contains("Usage: raytracer -input"))
         );
     }
+    for line in ["-help size", "-help -size", "-h --size", "-input s.txt -help size -nonsense"] {
+        assert!(
+            matches!(parse_line(line), Ok(Command::Help(text)) if text.starts_with("-size w h\n")),
+            "{line}"
+        );
+    }
     let version = format!("raytracer {}\n", env!("CARGO_PKG_VERSION"));
     assert_eq!(parse_line("-version"), Ok(Command::Version(version)));
 }
@@ -300,7 +317,7 @@ fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
 fn file_names_need_not_be_utf_8() {
     let name = OsString::from_vec(b"\xff\xfe.tga".to_vec());
     let words = ["raytracer", "-input", "s.txt", "-output"].map(OsString::from);
-    let outputs = vec![Output { layer: Layer::Color, file: PathBuf::from(&name) }];
+    let outputs = vec![Output { layer: Layer::Color, file: PathBuf::from(&name), format: Format::Tga }];
     let parsed = parse(words.into_iter().chain([name]));
     assert_eq!(parsed, Ok(Command::Render(Box::new(Options { outputs, ..plain() }))));
 }

@@ -64,3 +64,44 @@ fn the_course_s_scenes_are_the_same_bytes_with_any_grid() {
         }
     }
 }
+
+/// The words of the course's command lines, without the program's name and the flags of the preview.
+pub fn command_lines(course: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(course.join("commands.txt")).expect("the course's command lines");
+    let lines: Vec<_> =
+        text.lines().filter_map(|line| line.strip_prefix("raytracer ")).map(without_preview).collect();
+    assert!(lines.len() > 100);
+    lines
+}
+
+fn without_preview(line: &str) -> Vec<String> {
+    let mut words = line.split_whitespace();
+    let mut kept = vec![];
+    while let Some(word) = words.next() {
+        match word {
+            "-gui" | "-gouraud" => {}
+            "-tessellation" => drop((words.next(), words.next())),
+            _ => kept.push(word.to_owned()),
+        }
+    }
+    kept
+}
+
+/// The project's own scenes have the names of the course's, so that its command lines render them too, although
+/// other things.
+#[test]
+fn the_course_s_command_lines_render_the_own_scenes() {
+    let Some(course) = course() else { return };
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut lines = command_lines(&course);
+    // The first line of each scene: the others differ in their flags.
+    lines.dedup_by_key(|words| words[1].clone());
+    let folder = Folder::new();
+    for words in lines {
+        let moved = |word: &String| match word.ends_with(".tga") {
+            true => folder.path().join(word).into_os_string(),
+            false => word.into(),
+        };
+        finish(&mut program(&own, words.iter().map(moved))).ok();
+    }
+}

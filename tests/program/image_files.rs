@@ -118,7 +118,7 @@ fn unwritable_targets_are_reported_before_rendering() {
         ("folder.tga", "cannot write `F/folder.tga`: it is a folder"),
         ("missing/a.tga", "cannot write `F/missing/a.tga`: No such file or directory (os error 2)"),
         ("file/a.tga", "cannot write `F/file/a.tga`: Not a directory (os error 20)"),
-        ("a.jpg", "`F/a.jpg` ends in neither .tga nor .png"),
+        ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .pfm and .exr"),
     ];
     for (name, expected) in rows {
         let error = OutputFile::prepare(&folder.path().join(name)).unwrap_err();

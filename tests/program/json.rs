@@ -115,7 +115,10 @@ fn names_that_are_not_utf_8_are_shown_as_well_as_json_can() {
     let run = finish(&mut program(folder.path(), words.into_iter().chain([name]))).ok();
     let found: Value = serde_json::from_str(&run.stdout).expect("a document");
     assert_eq!(found["written"], json!(["a\u{fffd}\n.png"]));
-    assert_eq!(found["options"]["outputs"], json!([{ "kind": "color", "file": "a\u{fffd}\n.png" }]));
+    assert_eq!(
+        found["options"]["outputs"],
+        json!([{ "kind": "color", "file": "a\u{fffd}\n.png", "format": "png" }])
+    );
 }
 
 #[test]
@@ -129,6 +132,8 @@ fn the_options_are_the_checked_values() {
         "input": "s.txt",
         "outputs": [],
         "size": [100, 100],
+        "region": null,
+        "progress": "on_terminal",
         "effects": { "shadows": "none", "shade_back": false, "bounces": 0, "min_weight": 0.0 },
         "sampler": { "pattern": "uniform", "count": 1, "seed": null },
         "adaptive": null,
@@ -137,6 +142,7 @@ fn the_options_are_the_checked_values() {
         "visualize_grid": false,
         "comparison": null,
         "stats": false,
+        "strict": false,
         "json": "-",
         "pixel": null,
         "preview": false,
@@ -148,6 +154,9 @@ fn the_options_are_the_checked_values() {
     assert_eq!(adaptive["sampler"], json!({ "pattern": "jittered", "count": 4, "seed": null }));
     for (flags, member, value) in [
         ("-size 7 5", "size", json!([7, 5])),
+        ("-progress", "progress", json!("always")),
+        ("-quiet", "progress", json!("never")),
+        ("-region 1 2 3 4", "region", json!({"x": 1, "y": 2, "width": 3, "height": 4})),
         ("-grid auto", "structure", json!({ "grid": "auto" })),
         ("-grid none", "structure", json!("list")),
         ("-grid 1 2 3", "structure", json!({ "grid": { "cells": [1, 2, 3] } })),
@@ -161,9 +170,21 @@ fn the_options_are_the_checked_values() {
         (
             "-depth 1 2.5 d.png",
             "outputs",
-            json!([{ "kind": "depth", "near": 1.0, "far": 2.5, "file": "d.png" }]),
+            json!([{ "kind": "depth", "near": 1.0, "far": 2.5, "file": "d.png", "format": "png" }]),
         ),
-        ("-cost_map tests c.png", "outputs", json!([{ "kind": "cost", "cost": "tests", "file": "c.png" }])),
+        (
+            "-depth 1 2.5 d.exr -normals n.pfm",
+            "outputs",
+            json!([
+                { "kind": "distance", "file": "d.exr", "format": "exr" },
+                { "kind": "signed_normals", "file": "n.pfm", "format": "pfm" },
+            ]),
+        ),
+        (
+            "-cost_map tests c.png",
+            "outputs",
+            json!([{ "kind": "cost", "cost": "tests", "file": "c.png", "format": "png" }]),
+        ),
         (
             "-transparent_shadows -shade_back -bounces 2 -weight .125",
             "effects",

@@ -1,5 +1,5 @@
 //! Tests of the program from outside: command lines, scenes and their errors, files, statistics, and the
-//! commands of the README.
+//! documents.
 
 mod broken_rules;
 mod cases;
@@ -10,7 +10,14 @@ mod comparison;
 mod cost_map;
 mod command_line_errors;
 mod course;
+mod course_page;
+#[cfg(unix)]
+mod distinct_files;
+#[cfg(unix)]
+mod documents;
 mod error_report;
+mod floats;
+mod farm;
 mod grade;
 mod image_files;
 mod json;
@@ -18,16 +25,23 @@ mod json_form;
 mod json_numbers;
 mod little_memory;
 mod malformed_scenes;
+mod markdown;
 mod partial_causes;
+mod pipes;
 mod pixel;
 mod pixel_scenes;
 mod pixel_text;
 mod proofs;
 mod readme;
+mod region;
 mod runs;
 mod sampling;
 mod scene_errors;
 mod scene_robustness;
+mod several_errors;
+mod shell_files;
+mod signals;
 mod special_scenes;
 mod statistics;
 mod support;
+mod warnings;

@@ -218,7 +218,7 @@ fn a_pixel_that_cannot_be_explained_is_an_error() {
         ("-pixel 0 17", outside),
         ("-pixel -1 0", "error: `-pixel`: `-1` is not between 0 and 65534\n"),
         ("-pixel 1.5 0", "error: `-pixel`: `1.5` is not a whole number\n"),
-        ("-pixel 1", "error: `-pixel` takes 2 values, 1 given\n"),
+        ("-pixel 1", "error: `-pixel` takes 2 values, as in `-pixel 100 160`; 1 given\n"),
         (
             "-pixel 1 1 -grid 2 2 2 -visualize_grid",
             "error: `-pixel` cannot be combined with `-visualize_grid`\n",

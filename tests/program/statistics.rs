@@ -168,10 +168,10 @@ fn a_grid_saves_tests_and_changes_no_ray() {
     assert!(grid.intersections < brute.intersections / 4, "{grid:?}");
 }
 
-/// The rows of the README's table of rays and tests: the number of a scene, the flags, the rays and the
+/// The rows of the table in docs/command-line.md of rays and tests: the number of a scene, the flags, the rays and the
 /// tests.
-fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
-    let lines = include_str!("../../README.md").lines();
+fn documented_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
+    let lines = include_str!("../../docs/command-line.md").lines();
     let table = lines.skip_while(|line| !line.starts_with("| Scene | Flags | Rays")).skip(2);
     let mut scene = "";
     let row = |line: &'static str| {
@@ -185,10 +185,10 @@ fn readme_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
 
 /// Every ray is cast and every step counted, without the shortcuts of the fast mode.
 #[test]
-fn the_readme_s_rays_and_tests() {
+fn the_documented_rays_and_tests() {
     let folder = Folder::new();
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let rows = readme_rows();
+    let rows = documented_rows();
     assert!(rows.len() >= 4);
     for (scene, flags, rays, tests) in rows {
         let files = std::fs::read_dir(&scenes).expect("the scenes").flatten().map(|entry| entry.path());

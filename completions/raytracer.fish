@@ -1,0 +1,99 @@
+# Completions of raytracer for fish. Made from the table of flags by `cargo run --example shell_files`.
+
+# Whether the word is the value with this index, counted from 0, of the flag, or with * any value of it.
+function __raytracer_is_value
+    set -l words (commandline -opc)
+    set -l count 0
+    for word in $words[-1..2]
+        if string match -qr -- '^--?[a-zA-Z]' $word
+            test (string replace -r -- '^--?' '' $word) = $argv[1]
+            and contains -- $argv[2] '*' $count
+            return
+        end
+        set count (math $count + 1)
+    end
+    return 1
+end
+
+# The files with these extensions, and folders.
+function __raytracer_files
+    set -l start (commandline -ct)
+    set -l names $start*/
+    for extension in $argv
+        set -a names $start*.$extension
+    end
+    string join \n -- $names
+end
+
+complete -c raytracer -f
+complete -c raytracer -o input -d 'The scene; - reads it from standard input'
+complete -c raytracer -o output -d 'Writes the picture as .tga, .png or, in floating point, .pfm or .exr; - png writes it to standard output'
+complete -c raytracer -o size -d 'Width and height of every picture in pixels, 1 to 65535'
+complete -c raytracer -o region -d 'Renders only this part of every picture, whose bytes are those of the whole'
+complete -c raytracer -o merge -d 'Puts these parts of a picture together in -output'
+complete -c raytracer -o depth -d 'Writes a picture of distances: white at t0 and nearer, black at t1 and beyond'
+complete -c raytracer -o normals -d 'Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves'
+complete -c raytracer -o normal -d 'Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves'
+complete -c raytracer -o shade_back -d 'Lights surfaces seen from behind; without it they are black'
+complete -c raytracer -o shadows -d 'Casts shadows'
+complete -c raytracer -o no_shadows -d 'Casts no shadows'
+complete -c raytracer -o transparent_shadows -d 'Casts shadows that transparent objects tint'
+complete -c raytracer -o bounces -d 'Traces reflected and refracted rays to this depth'
+complete -c raytracer -o weight -d 'Traces no ray whose weight is w or less'
+complete -c raytracer -o random_samples -d 'Takes n random samples per pixel, 1 to 65536'
+complete -c raytracer -o uniform_samples -d 'Takes n samples per pixel at the centres of a grid\'s cells; the grid is as nearly square as n allows: 4 by 2 for 8'
+complete -c raytracer -o jittered_samples -d 'Takes a random sample in each cell of that grid'
+complete -c raytracer -o adaptive_samples -d 'Takes 4 jittered samples per pixel and, where they disagree, up to most, 4 to 1024, until the error of the pixel is about this many levels'
+complete -c raytracer -o seed -d 'Seeds the random numbers as srand48(n) does'
+complete -c raytracer -o box_filter -d 'Averages the samples within r pixels along both axes'
+complete -c raytracer -o tent_filter -d 'Weights samples linearly, down to 0 at the radius r'
+complete -c raytracer -o gaussian_filter -d 'Weights samples by a Gaussian of standard deviation s'
+complete -c raytracer -o mitchell_filter -d 'Weights samples by Mitchell and Netravali\'s cubic, scaled to end at r; 2 is usual'
+complete -c raytracer -o render_samples -d 'Writes a picture of the sample positions, with each pixel enlarged'
+complete -c raytracer -o render_filter -d 'Writes a picture of the filter\'s weights, with each pixel enlarged'
+complete -c raytracer -o grid -d 'Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none'
+complete -c raytracer -o visualize_grid -d 'Draws the grid\'s occupied cells instead of the scene'
+complete -c raytracer -o compare -d 'Compares this picture, .tga, .png, .pfm or .exr, with the reference'
+complete -c raytracer -o reference -d 'The picture to compare with, or the folder of pictures for -grade'
+complete -c raytracer -o difference -d 'Draws the picture, the reference and their amplified difference side by side'
+complete -c raytracer -o tolerance -d 'Ends with status 3 if more than n pixels differ by more than this many levels'
+complete -c raytracer -o grade -d 'Compares the pictures in every folder of this folder with those of -reference or -commands'
+complete -c raytracer -o commands -d 'The pictures to grade by are those that the command lines in this file render'
+complete -c raytracer -o report -d 'Writes what -grade finds as a page, .html, and as a table beside it, .csv'
+complete -c raytracer -o error_report -d 'Measures what samples, filters, bounces and grids cost and buy for the scene and the other flags; writes report.html and report.csv'
+complete -c raytracer -o target -d 'Prints the cheapest setting with at most this root mean square error, in levels'
+complete -c raytracer -o stats -d 'Prints counters and times after rendering'
+complete -c raytracer -o cost_map -d 'Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them'
+complete -c raytracer -o pixel -d 'Prints the rays behind one pixel, and what each of them meets'
+complete -c raytracer -o json -d 'Writes everything that is reported as .json; - writes it to standard output in place of the text'
+complete -c raytracer -o threads -d 'Renders with n threads, 1 to 4096'
+complete -c raytracer -o progress -d 'Tells how far the run has come every ten seconds where standard error is no terminal'
+complete -c raytracer -o quiet -d 'Does not tell how far the run has come'
+complete -c raytracer -o strict -d 'Takes warnings as errors: the run ends with status 1 and writes no picture'
+complete -c raytracer -o gui -d 'The course\'s preview window'
+complete -c raytracer -o tessellation -d 'The number of faces of its spheres'
+complete -c raytracer -o gouraud -d 'Smooth shading of its spheres'
+complete -c raytracer -o help -d 'Prints this text, or all about one flag'
+complete -c raytracer -o h -d 'Prints this text, or all about one flag'
+complete -c raytracer -o version -d 'Prints the version'
+complete -c raytracer -n '__raytracer_is_value input 0' -a '(__raytracer_files txt)'
+complete -c raytracer -n '__raytracer_is_value output 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value merge \*' -a '(__raytracer_files tga png)'
+complete -c raytracer -n '__raytracer_is_value depth 2' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value normals 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value normal 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value render_samples 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value render_filter 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value grid 0' -a 'auto none'
+complete -c raytracer -n '__raytracer_is_value compare 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value reference 0' -a '(__raytracer_files tga png pfm exr)'
+complete -c raytracer -n '__raytracer_is_value difference 0' -a '(__raytracer_files tga png)'
+complete -c raytracer -n '__raytracer_is_value grade 0' -a '(__raytracer_files)'
+complete -c raytracer -n '__raytracer_is_value commands 0' -a '(__raytracer_files txt)'
+complete -c raytracer -n '__raytracer_is_value report 0' -a '(__raytracer_files html)'
+complete -c raytracer -n '__raytracer_is_value error_report 0' -a '(__raytracer_files)'
+complete -c raytracer -n '__raytracer_is_value cost_map 0' -a 'rays tests cells'
+complete -c raytracer -n '__raytracer_is_value cost_map 1' -a '(__raytracer_files tga png)'
+complete -c raytracer -n '__raytracer_is_value json 0' -a '(__raytracer_files json)'
+complete -c raytracer -n '__raytracer_is_value help 0' -a 'input output size region merge depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats cost_map pixel json threads progress quiet strict gui tessellation gouraud help version'
+complete -c raytracer -n '__raytracer_is_value h 0' -a 'input output size region merge depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats cost_map pixel json threads progress quiet strict gui tessellation gouraud help version'

@@ -1,0 +1,72 @@
+//! How far a render has come, and the threads that trace its rows.
+
+use super::{Progress, Watch};
+use crate::memory::{self, NoMemory};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Counts the rows that have been traced, and records whether the watch has cancelled the render.
+pub struct Tally<'a> {
+    rows: usize,
+    done: AtomicUsize,
+    /// The rays that have been cast, if the probe counts them.
+    rays: AtomicU64,
+    is_cancelled: AtomicBool,
+    watch: Watch<'a>,
+}
+
+impl<'a> Tally<'a> {
+    pub fn new(rows: usize, watch: Watch<'a>) -> Self {
+        let (done, rays, is_cancelled) = Default::default();
+        Self { rows, done, rays, is_cancelled, watch }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    /// A row is traced, with so many rays.
+    pub fn row_is_done(&self, rays: u64) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
+        if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
+            self.is_cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top, so
+/// that what is done until the render is cancelled are the topmost rows; the other results are none. The work ends where
+/// there is no memory for it.
+pub fn in_parallel<T: Send>(
+    rows: Range<usize>,
+    tally: &Tally,
+    work: impl Fn(usize) -> Result<T, NoMemory> + Sync,
+) -> Result<Vec<Option<T>>, NoMemory> {
+    let nothing = memory::collected(rows.clone().map(|_| None))?;
+    let (taken, done, refused) = (AtomicUsize::new(0), Mutex::new(nothing), Mutex::new(None));
+    let take_rows = || {
+        let mut own = Vec::new();
+        while !tally.is_cancelled() {
+            let from_top = taken.fetch_add(1, Ordering::Relaxed);
+            let Some(index) = rows.len().checked_sub(from_top + 1) else { break };
+            let result = work(rows.start + index);
+            if let Err(error) = result.and_then(|result| memory::push(&mut own, (index, result))) {
+                // No thread takes another row.
+                taken.store(rows.len(), Ordering::Relaxed);
+                *refused.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            }
+        }
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        own.into_iter().for_each(|(index, result)| done[index] = Some(result));
+    };
+    rayon::scope(|scope| {
+        (1..rayon::current_num_threads().min(rows.len())).for_each(|_| scope.spawn(|_| take_rows()));
+        take_rows();
+    });
+    match refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(refused) => Err(refused),
+        None => Ok(done.into_inner().unwrap_or_else(PoisonError::into_inner)),
+    }
+}

@@ -1,0 +1,69 @@
+//! Reads lights.
+
+use super::list::counted_list;
+use super::reader::{Parsed, Reader};
+use super::warning;
+use super::{Color, Light, Position};
+use glam::DVec3;
+
+const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
+
+/// Reads the lights, each with the position of its keyword.
+pub fn parse_lights(reader: &mut Reader<'_>) -> Parsed<Vec<(Light, Position)>> {
+    let name = reader.open()?.text;
+    let instead = (Light::Directional { direction: DVec3::X, color: DVec3::ZERO }, Position::default());
+    counted_list(reader, name, "numLights", &LIGHTS, &instead, |reader, _| {
+        let at = reader.peek().at;
+        Ok((parse_light(reader)?, at))
+    })
+}
+
+fn parse_light(reader: &mut Reader<'_>) -> Parsed<Light> {
+    match reader.peek().text {
+        "DirectionalLight" => parse_directional_light(reader),
+        "PointLight" => parse_point_light(reader),
+        _ => Err(reader.unexpected("a light", &LIGHTS)),
+    }
+}
+
+fn parse_directional_light(reader: &mut Reader<'_>) -> Parsed<Light> {
+    let name = reader.open()?.text;
+    let direction = reader.direction_field("direction")?;
+    let (color, at) = parse_light_color(reader)?;
+    warn_if_bytes(reader, at, color);
+    reader.close(name)?;
+    Ok(Light::Directional { direction, color })
+}
+
+fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
+    let name = reader.open()?.text;
+    let position = reader.vector_field("position")?;
+    let (color, at) = parse_light_color(reader)?;
+    let constant = DVec3::X;
+    let has_attenuation = reader.accept("attenuation");
+    let attenuation = if has_attenuation { reader.vector("attenuation")? } else { constant };
+    if attenuation == constant {
+        warn_if_bytes(reader, at, color);
+    }
+    if !has_attenuation && !reader.is_at("}") {
+        return Err(
+            reader.unexpected(&format!("`attenuation` or `}}` at the end of `{name}`"), &["attenuation"])
+        );
+    }
+    reader.close(name)?;
+    Ok(Light::Point { position, color, attenuation: attenuation.to_array() })
+}
+
+fn parse_light_color(reader: &mut Reader<'_>) -> Parsed<(Color, Position)> {
+    reader.keyword("color")?;
+    let at = reader.peek().at;
+    Ok((reader.color("color")?, at))
+}
+
+/// Records a light whose colour looks like bytes. A bright light is no mistake in itself.
+fn warn_if_bytes(reader: &mut Reader<'_>, at: Position, color: Color) {
+    const LEAST_BYTE: f64 = 16.0;
+    if color.max_element() >= LEAST_BYTE && warning::is_byte_like(color) {
+        reader.warn_if_above_one(at, "color", color);
+    }
+}

@@ -1,0 +1,88 @@
+//! What a scene says without an error, but hardly on purpose.
+
+use super::{Color, Position};
+use std::fmt;
+
+/// A doubtful place in a scene's text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneWarning {
+    /// The position.
+    pub at: Position,
+    /// What is doubtful.
+    pub doubt: Doubt,
+}
+
+/// What is doubtful.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Doubt {
+    /// A block that takes the place of an earlier one.
+    Replaces {
+        /// What it is, as in `camera`.
+        block: &'static str,
+        /// The line of the earlier one.
+        earlier: u32,
+    },
+    /// A colour above 1, the brightest that a picture shows.
+    AboveOne {
+        /// The name of the field.
+        field: String,
+        /// The colour.
+        color: Color,
+        /// How many further colours are above 1.
+        others: usize,
+    },
+}
+
+impl SceneWarning {
+    pub(super) fn color_above_one(at: Position, field: &str, color: Color) -> Self {
+        Self { at, doubt: Doubt::AboveOne { field: field.to_owned(), color, others: 0 } }
+    }
+
+    /// Advice in one line, if there is any.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self.doubt {
+            Doubt::AboveOne { color, .. } if is_byte_like(color) => Some("is it meant as 0 to 255?"),
+            Doubt::AboveOne { .. } | Doubt::Replaces { .. } => None,
+        }
+    }
+}
+
+/// Whether a colour has whole numbers up to 255.
+pub(super) fn is_byte_like(color: Color) -> bool {
+    color.to_array().iter().all(|channel| (0.0..=255.0).contains(channel) && channel.fract() == 0.0)
+}
+
+impl fmt::Display for SceneWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.doubt {
+            Doubt::Replaces { block, earlier } => {
+                write!(f, "a second {block}: it replaces the one in line {earlier}")
+            }
+            Doubt::AboveOne { field, others, .. } => {
+                write!(f, "`{field}` is above 1, the brightest that a picture shows")?;
+                match others {
+                    0 => Ok(()),
+                    1 => write!(f, "; so is another colour"),
+                    _ => write!(f, "; so are {others} more colours"),
+                }
+            }
+        }
+    }
+}
+
+/// The same warnings, with all colours above 1 in one, which stands at the first.
+pub(super) fn merged(all: Vec<SceneWarning>) -> Vec<SceneWarning> {
+    let mut merged: Vec<SceneWarning> = Vec::new();
+    for warning in all {
+        let is_color = matches!(warning.doubt, Doubt::AboveOne { .. });
+        let first = merged.iter_mut().find_map(|known| match &mut known.doubt {
+            Doubt::AboveOne { others, .. } => Some(others),
+            Doubt::Replaces { .. } => None,
+        });
+        match first {
+            Some(others) if is_color => *others += 1,
+            _ => merged.push(warning),
+        }
+    }
+    merged
+}

@@ -1,0 +1,104 @@
+//! The words of warnings.
+
+use super::Warning;
+use crate::scene::Position;
+use crate::scene::error::labelled;
+use crate::scene::excerpt::with_caret;
+use crate::scene_io::Source;
+
+/// How serious a warning is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// The run goes on.
+    Warning,
+    /// The run ends, as `-strict` asks for.
+    Error,
+}
+
+impl Severity {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl Warning {
+    /// The whole message without a final line end: file, line and column with the line of the scene, if the
+    /// warning has a position, what is wrong, and the hint if there is one.
+    pub fn render(&self, source: &Source, severity: Severity) -> String {
+        if (self, severity) == (&Self::NoLights, Severity::Warning) {
+            // The words of the course's program.
+            return "WARNING:  No lights specified".into();
+        }
+        let hint = self.hint().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        let description = self.description();
+        match self.at() {
+            None => format!("{}: {description}{hint}", severity.label()),
+            Some(at) => {
+                let position = format!(":{}:{}", at.line, at.column);
+                let message = format!("{description}\n{}{hint}", with_caret(&source.text, at));
+                labelled(&source.path, &position, severity.label(), &message)
+            }
+        }
+    }
+
+    fn at(&self) -> Option<Position> {
+        match self {
+            Self::Text(warning) => Some(warning.at),
+            Self::FlatTriangles { at, .. }
+            | Self::IdleLight { at, .. }
+            | Self::ManyRays { at, .. }
+            | Self::NothingVisible { at, .. } => *at,
+            Self::NoLights | Self::NoPicture | Self::IdleBounces { .. } => None,
+            Self::NotNumbers { .. } | Self::NanInFile { .. } | Self::BeyondSingle { .. } => None,
+        }
+    }
+
+    fn description(&self) -> String {
+        match self {
+            Self::Text(warning) => warning.to_string(),
+            Self::NoLights => "the scene has no lights".into(),
+            Self::NoPicture => "no picture is asked for: add `-output file.tga`".into(),
+            Self::FlatTriangles { count, of: Some(all), .. } => {
+                format!("{count} of the {all} triangles of the mesh {} no area", have(*count as u64))
+            }
+            Self::FlatTriangles { count: 1, of: None, .. } => "the triangle has no area".into(),
+            Self::FlatTriangles { count, of: None, .. } => {
+                format!("{count} triangles have no area; this is the first")
+            }
+            Self::IdleLight { reason, .. } => format!("the light has no effect: {reason}"),
+            Self::IdleBounces { bounces } => {
+                format!("`-bounces {bounces}` has no effect: no object reflects or transmits light")
+            }
+            Self::ManyRays { bounces, .. } => format!(
+                "`-bounces {bounces}` allows more than a million rays for each sample of a pixel, \
+                 since this material both reflects and transmits"
+            ),
+            Self::NothingVisible { sight, .. } => format!("no ray hits anything{sight}"),
+            Self::NotNumbers { pixels: 1 } => "the colour of 1 pixel is not a number; it is black".into(),
+            Self::NotNumbers { pixels } => {
+                format!("the colours of {pixels} pixels are not numbers; they are black")
+            }
+            Self::NanInFile { pixels } => format!("pixels that are not numbers, also in the file: {pixels}"),
+            Self::BeyondSingle { pixels } => {
+                format!("pixels beyond single precision, infinite or 0 in the file: {pixels}")
+            }
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::Text(warning) => warning.hint().map(str::to_owned),
+            Self::ManyRays { remedy, .. } => Some(remedy.to_string()),
+            Self::NothingVisible { sight, .. } => sight.hint(),
+            Self::FlatTriangles { .. } => Some("no ray hits a triangle whose corners lie on one line".into()),
+            _ => None,
+        }
+    }
+}
+
+fn have(count: u64) -> &'static str {
+    if count == 1 { "has" } else { "have" }
+}

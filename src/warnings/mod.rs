@@ -1,0 +1,91 @@
+//! What a run asks for, or a scene says, that is no error but hardly meant.
+//!
+//! Everything here follows from the scene, its meshes and the flags, except for [`nothing_visible`], which
+//! looks once more at a picture that shows nothing but its background.
+
+mod lights;
+mod message;
+mod rays;
+mod triangles;
+mod view;
+
+pub use lights::without_effect as lights_without_effect;
+pub use message::Severity;
+pub use rays::too_many as too_many_rays;
+pub use rays::without_effect as bounces_without_effect;
+pub use triangles::without_area as triangles_without_area;
+pub use view::nothing_visible;
+
+use crate::scene::Position;
+use crate::scene::warning::SceneWarning;
+use lights::Reason;
+use rays::Remedy;
+use view::Sight;
+
+/// A warning. It is shown by [`Warning::render`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A doubtful place in the scene's text.
+    Text(SceneWarning),
+    /// A scene without lights.
+    NoLights,
+    /// A command line that writes and prints nothing.
+    NoPicture,
+    /// Triangles whose area is exactly zero.
+    FlatTriangles {
+        /// The first of them, or the name of the mesh.
+        at: Option<Position>,
+        /// How many there are.
+        count: usize,
+        /// Of how many triangles of the mesh; none for triangles in the scene's text.
+        of: Option<usize>,
+    },
+    /// A light that no picture shows.
+    IdleLight {
+        /// The light.
+        at: Option<Position>,
+        /// Why it lights nothing.
+        reason: Reason,
+    },
+    /// `-bounces` in a scene where nothing reflects or transmits.
+    IdleBounces {
+        /// The value of the flag.
+        bounces: u32,
+    },
+    /// So many bounces that the rays of a pixel may never end.
+    ManyRays {
+        /// The material that both reflects and transmits.
+        at: Option<Position>,
+        /// The value of `-bounces`.
+        bounces: u32,
+        /// What would end them.
+        remedy: Remedy,
+    },
+    /// A picture in which no ray hits anything.
+    NothingVisible {
+        /// The camera.
+        at: Option<Position>,
+        /// The reason, if it can be told.
+        sight: Sight,
+    },
+    /// Pixels whose colours are not numbers, and are black.
+    NotNumbers {
+        /// How many there are.
+        pixels: u64,
+    },
+    /// Pixels whose colours are not numbers, in a file that holds such.
+    NanInFile {
+        /// How many there are.
+        pixels: u64,
+    },
+    /// Pixels with numbers that a file of single precision does not hold.
+    BeyondSingle {
+        /// How many there are.
+        pixels: u64,
+    },
+}
+
+/// A position in the text, unless a program made the scene.
+fn known(at: Option<&Position>) -> Option<Position> {
+    at.copied().filter(|at| at.line > 0)
+}

@@ -1,0 +1,174 @@
+//! What `-bounces` and `-weight` make of the materials of a scene.
+
+use super::{Warning, known};
+use crate::scene::material::{Material, Pattern};
+use crate::scene::{MaterialId, Object, Scene};
+use crate::trace::Effects;
+use std::fmt;
+
+/// The number of rays that are too many for a sample of a pixel.
+const TOO_MANY: u64 = 1 << 20;
+/// The values of `-weight` that are suggested.
+const WEIGHTS: [f64; 3] = [0.001, 0.01, 0.1];
+
+/// What would keep the number of rays down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remedy {
+    /// The largest value of `-bounces` below the limit.
+    pub bounces: u32,
+    /// A value of `-weight`, if one suffices.
+    pub weight: Option<f64>,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`-bounces {}` allows fewer", self.bounces)?;
+        match self.weight {
+            Some(weight) => write!(f, ", and so does `-weight {weight}`"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The secondary rays at a material.
+#[derive(Clone, Copy, Default)]
+struct Secondary {
+    /// The length of the reflective colour, which the weight of a reflected ray is multiplied by.
+    reflected: f64,
+    /// The same for refracted rays.
+    refracted: f64,
+    /// Whether a ray can be both reflected and refracted at one point.
+    both: bool,
+}
+
+/// A warning if rays may bounce, but nothing lets them.
+pub fn without_effect(scene: &Scene, effects: &Effects) -> Option<Warning> {
+    let bounces = effects.bounces;
+    let is_idle = || used(scene).all(|(_, it)| it.reflected == 0.0 && it.refracted == 0.0);
+    (bounces > 0 && is_idle()).then_some(Warning::IdleBounces { bounces })
+}
+
+/// A warning if the rays of one sample may be 2^20 or more.
+///
+/// Every ray is taken to hit a material that reflects and transmits as much as any of the scene does.
+pub fn too_many(scene: &Scene, effects: &Effects) -> Option<Warning> {
+    let bounces = effects.bounces;
+    // Fewer bounces cannot make as many rays.
+    if bounces < TOO_MANY.ilog2() {
+        return None;
+    }
+    let (material, _) = used(scene).find(|(_, secondary)| secondary.both)?;
+    let factors = used(scene).fold([0.0_f64; 2], |[reflected, refracted], (_, secondary)| {
+        [reflected.max(secondary.reflected), refracted.max(secondary.refracted)]
+    });
+    let depth = depth_of_too_many(bounces, effects.min_weight, factors)?;
+    let suffices =
+        |&weight: &f64| weight > effects.min_weight && depth_of_too_many(bounces, weight, factors).is_none();
+    let remedy = Remedy { bounces: depth - 1, weight: WEIGHTS.into_iter().find(suffices) };
+    Some(Warning::ManyRays { at: known(scene.material_positions.get(material)), bounces, remedy })
+}
+
+/// The materials of objects, with the secondary rays at them.
+fn used(scene: &Scene) -> impl Iterator<Item = (MaterialId, Secondary)> {
+    let all = secondary_rays(&scene.materials);
+    let mut is_used = vec![false; all.len()];
+    for object in &scene.objects {
+        if let Some(used) = material_of(object).and_then(|material| is_used.get_mut(material)) {
+            *used = true;
+        }
+    }
+    let of = move |id: MaterialId| (id, all[id]);
+    is_used.into_iter().enumerate().filter(|&(_, is_used)| is_used).map(move |(id, _)| of(id))
+}
+
+fn material_of(object: &Object) -> Option<MaterialId> {
+    match *object {
+        Object::Group(_) | Object::Transform { .. } => None,
+        Object::Sphere { material, .. }
+        | Object::Plane { material, .. }
+        | Object::Triangle { material, .. }
+        | Object::Box { material, .. }
+        | Object::Mesh { material, .. } => Some(material),
+    }
+}
+
+/// For every material. A texture comes after those that it mixes.
+fn secondary_rays(materials: &[Material]) -> Vec<Secondary> {
+    let mut all: Vec<Secondary> = Vec::with_capacity(materials.len());
+    for material in materials {
+        all.push(match material {
+            Material::Phong(phong) => {
+                let (reflected, refracted) = (phong.reflective.length(), phong.transparent.length());
+                Secondary { reflected, refracted, both: reflected > 0.0 && refracted > 0.0 }
+            }
+            Material::Texture(texture) => {
+                let [a, b] = texture.children.map(|child| all.get(child).copied().unwrap_or_default());
+                let (reflected, refracted) = (a.reflected.max(b.reflected), a.refracted.max(b.refracted));
+                // A checkerboard shows one of its materials at a point, other textures mix both.
+                let mixes = texture.pattern != Pattern::Checkerboard && reflected > 0.0 && refracted > 0.0;
+                Secondary { reflected, refracted, both: a.both || b.both || mixes }
+            }
+        });
+    }
+    all
+}
+
+/// The number of bounces, up to `bounces`, at which a ray that splits in two at every hit has become
+/// [`TOO_MANY`]; none if it never does. `factors` are those of the weights of reflected and refracted rays;
+/// a ray is traced if its weight is above `min_weight`.
+fn depth_of_too_many(bounces: u32, min_weight: f64, [reflected, refracted]: [f64; 2]) -> Option<u32> {
+    // The rays of one depth by how often they were refracted: that number, how many, and the weight of each.
+    let mut level = vec![(0_u32, 1_u64, 1.0_f64)];
+    let mut total = 1_u64;
+    for depth in 1..=bounces {
+        let mut next: Vec<(u32, u64, f64)> = Vec::with_capacity(level.len() + 1);
+        for &(times, count, weight) in &level {
+            for (times, weight) in [(times, weight * reflected), (times + 1, weight * refracted)] {
+                match next.last_mut() {
+                    _ if weight.is_nan() || weight <= min_weight => {}
+                    Some((last, sum, _)) if *last == times => *sum = sum.saturating_add(count),
+                    _ => next.push((times, count, weight)),
+                }
+            }
+        }
+        total = next.iter().fold(total, |total, &(_, count, _)| total.saturating_add(count));
+        if total >= TOO_MANY {
+            return Some(depth);
+        }
+        if next.is_empty() {
+            return None;
+        }
+        level = next;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_double_with_each_bounce() {
+        let depth = |bounces| depth_of_too_many(bounces, 0.0, [1.0, 1.0]);
+        assert_eq!((depth(19), depth(20), depth(u32::MAX)), (None, Some(20), Some(20)));
+    }
+
+    #[test]
+    fn weights_end_them() {
+        assert_eq!(depth_of_too_many(u32::MAX, 0.01, [0.5, 0.5]), None);
+        assert_eq!(depth_of_too_many(u32::MAX, 0.01, [0.9, 0.9]), Some(20));
+        assert_eq!(depth_of_too_many(u32::MAX, 0.1, [0.9, 0.8]), Some(20));
+        // Weights that vanish end the recursion of the renderer too.
+        assert_eq!(depth_of_too_many(u32::MAX, 0.0, [1e-200, 1e-200]), None);
+        assert_eq!(depth_of_too_many(u32::MAX, 0.0, [f64::INFINITY, 0.0]), Some(TOO_MANY as u32 - 1));
+    }
+
+    #[test]
+    fn one_that_hardly_splits_takes_long() {
+        // With at most one refraction on the way, depth n has n + 1 rays.
+        let depth = depth_of_too_many(u32::MAX, 0.0, [1.0, 1e-300]).unwrap();
+        let rays = |n: u64| (n + 1) * (n + 2) / 2;
+        let depth = u64::from(depth);
+        assert!(rays(depth) >= TOO_MANY && rays(depth - 1) < TOO_MANY);
+    }
+}

@@ -1,0 +1,93 @@
+//! Triangles without an area, which no ray hits.
+
+use super::{Warning, known};
+use crate::scene::mesh::Mesh;
+use crate::scene::{Object, Scene};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// One warning for the triangles in the text of a scene, at the first of them, and one for each mesh. `meshes`
+/// are those that the scene names, in its order.
+pub fn without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Warning> {
+    let is_flat_object =
+        |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
+    let mut own = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id]));
+    let first = own.next();
+    let own = first.map(|id| Warning::FlatTriangles {
+        at: known(scene.positions.get(id)),
+        count: 1 + own.count(),
+        of: None,
+    });
+    let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
+        let count = flat_count(mesh);
+        let warning =
+            || Warning::FlatTriangles { at: known(Some(&file.at)), count, of: Some(mesh.triangles.len()) };
+        (count > 0).then(warning)
+    });
+    own.into_iter().chain(of_meshes).collect()
+}
+
+fn flat_count(mesh: &Mesh) -> usize {
+    /// The number of triangles that are worth another thread.
+    const PART: usize = 1 << 15;
+    let vertex = |id: u32| &mesh.vertices[id as usize];
+    let count = |part: &[[u32; 3]]| part.iter().filter(|ids| is_flat(ids.map(vertex))).count();
+    mesh.triangles.par_chunks(PART).map(count).sum()
+}
+
+/// Whether the area is zero. One coordinate of the normal tells most triangles that have an area, so only that one
+/// is computed of them.
+#[inline(always)]
+fn is_flat([a, b, c]: [&DVec3; 3]) -> bool {
+    (b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x) && has_no_normal(*b - *a, *c - *a)
+}
+
+/// Whether the cross product of two differences of corners is exactly zero.
+#[cold]
+fn has_no_normal(u: DVec3, v: DVec3) -> bool {
+    // A power of two scales without an error and keeps the products from underflow.
+    let scale = |w: DVec3| match w.abs().max_element() {
+        largest if largest > 0.0 && largest.is_finite() => w * (-largest.log2().floor()).exp2(),
+        _ => w,
+    };
+    let (u, v) = (scale(u), scale(v));
+    are_equal_products(u.x, v.y, u.y, v.x)
+        && are_equal_products(u.y, v.z, u.z, v.y)
+        && are_equal_products(u.z, v.x, u.x, v.z)
+}
+
+/// Whether a b = c d without rounding: a product is the sum of its rounded value and the error, which a fused
+/// multiply-add gives.
+fn are_equal_products(a: f64, b: f64, c: f64, d: f64) -> bool {
+    let (p, q) = (a * b, c * d);
+    p == q && a.mul_add(b, -p) == c.mul_add(d, -q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(corners: [[f64; 3]; 3]) -> bool {
+        is_flat(corners.map(DVec3::from_array).each_ref())
+    }
+
+    #[test]
+    fn corners_on_a_line_have_no_area() {
+        assert!(flat([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0]]));
+        assert!(flat([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [5.0, 6.0, 8.0]]));
+        assert!(flat([[0.1, 0.0, 7.0], [0.3, 0.0, 7.0], [0.7, 0.0, 7.0]]));
+        assert!(flat([[2.0; 3]; 3]));
+        assert!(flat([[0.0; 3], [1e-200, 0.0, 0.0], [3e-200, 0.0, 0.0]]));
+    }
+
+    #[test]
+    fn the_smallest_area_is_one() {
+        assert!(!flat([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0_f64.next_up()]]));
+        assert!(!flat([[0.0; 3], [1e-200, 0.0, 0.0], [0.0, 1e-200, 0.0]]));
+        assert!(!flat([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+        assert!(!flat([[0.0; 3], [1e100, 0.0, 0.0], [0.0, 0.0, 1e-100]]));
+        // Their rounded products are equal.
+        let (x, y) = (1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
+        assert!(!flat([[0.0; 3], [x, 1.0, 0.0], [1.0, y, 0.0]]));
+    }
+}

@@ -1,0 +1,168 @@
+//! The commands of all documents run in the order of each document, print what it shows and draw its pictures.
+//!
+//! The working directory looks like the project's folder. A block under a line that starts with `*Not run by the
+//! tests:` is left out, and `NOT_RUN_BLOCKS` counts these. A block whose fence names a file becomes that file.
+
+use crate::markdown::{Block, Command, anchor, blocks, links};
+use crate::support::{Folder, finish};
+use raytracer::image_io::read_picture;
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::process;
+
+/// How many blocks of a document are not run.
+const NOT_RUN_BLOCKS: &[(&str, usize)] = &[
+    ("README.md", 1),
+    ("docs/accuracy.md", 1),
+    ("docs/command-line.md", 1),
+    ("docs/course.md", 1),
+    ("docs/development.md", 1),
+    ("docs/farm.md", 4),
+    ("docs/mutants.md", 1),
+];
+
+/// Pictures that examples draw instead of commands.
+const DRAWN_BY_EXAMPLES: &[&str] = &["acne.png", "edge_map.png"];
+
+/// Commands that were run before this test, or are running it.
+const DONE: &[&str] = &["cargo build --release", "cargo test"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The names of all documents, from the project's folder.
+fn documents() -> Vec<String> {
+    let mut names = vec!["README.md".to_string(), "CHANGELOG.md".to_string()];
+    let entries = fs::read_dir(root().join("docs")).expect("documents").flatten();
+    let docs = entries.map(|entry| format!("docs/{}", entry.file_name().to_string_lossy()));
+    names.extend(docs.filter(|name| name.ends_with(".md")));
+    names.sort();
+    names
+}
+
+fn read(document: &str) -> String {
+    fs::read_to_string(root().join(document)).unwrap_or_else(|error| panic!("{document}: {error}"))
+}
+
+/// Whether the lines are those that are shown, where `...` stands for any lines.
+fn matches(shown: &[String], lines: &[&str]) -> bool {
+    match shown {
+        [] => lines.is_empty(),
+        [dots, rest @ ..] if dots == "..." => {
+            (0..=lines.len()).any(|skipped| matches(rest, &lines[skipped..]))
+        }
+        [first, rest @ ..] => lines.first() == Some(&first.as_str()) && matches(rest, &lines[1..]),
+    }
+}
+
+/// A folder with what the commands of documents name: the project's scenes and documents, and a scene, pictures
+/// and folders that stand for the reader's own.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    for name in ["scenes", "docs", "reference_images"] {
+        symlink(root().join(name), folder.path().join(name)).expect("a link");
+    }
+    let scene = fs::read_to_string(root().join("scenes/scene6_03_sphere_plane.txt")).expect("a scene");
+    folder.write("s.txt", scene);
+    folder.write("commands.txt", "raytracer -input s.txt -size 200 200 -shadows -output o.tga\n");
+    for name in ["class/anna", "solution"] {
+        fs::create_dir_all(folder.path().join(name)).expect("a folder");
+    }
+    for name in ["mine.tga", "theirs.png", "r.tga", "class/anna/o.tga", "solution/o.tga"] {
+        folder.run(&format!("-input s.txt -size 200 200 -shadows -output {name}")).ok();
+    }
+    folder
+}
+
+/// Runs a line of a document in a shell that finds this program.
+fn run(folder: &Folder, line: &str) -> crate::support::Run {
+    let line = line
+        .replace("cargo run --release -- ", "raytracer ")
+        .replace("target/release/raytracer ", "raytracer ");
+    assert!(!line.starts_with("cargo "), "`{line}` needs a line that says why it is not run");
+    let program = Path::new(env!("CARGO_BIN_EXE_raytracer")).parent().expect("a folder").as_os_str();
+    let mut paths = program.to_os_string();
+    paths.push(":");
+    paths.push(std::env::var_os("PATH").unwrap_or_default());
+    let mut shell = process::Command::new("sh");
+    shell.arg("-c").arg(&line).env("PATH", paths).current_dir(folder.path()).stdin(process::Stdio::null());
+    finish(&mut shell)
+}
+
+/// Runs the commands of a block, or writes the file that it shows.
+fn follow(folder: &Folder, document: &str, block: &Block) -> usize {
+    if let Some((_, name)) = block.info.split_once(' ') {
+        folder.write(name, block.lines.join("\n") + "\n");
+        return 0;
+    }
+    let commands = block.commands();
+    for Command { line, shown } in commands.iter().filter(|command| !DONE.contains(&command.line.as_str())) {
+        let said = run(folder, line);
+        assert_eq!(said.status, Some(0), "{document}: {line}\n{}", said.stderr);
+        if let Some(shown) = shown {
+            let lines: Vec<&str> = said.stdout.lines().collect();
+            let same = matches(shown, &lines);
+            assert!(same, "{document}: {line} prints\n{}instead of\n{}", said.stdout, shown.join("\n"));
+        }
+    }
+    commands.len()
+}
+
+/// Compares the document's pictures with those of its commands.
+fn compare_pictures(folder: &Folder, document: &str, text: &str) {
+    let place: PathBuf = root().join(document).parent().expect("a folder").into();
+    for (link, _) in links(text).into_iter().filter(|&(_, is_picture)| is_picture) {
+        let name = Path::new(link).file_name().expect("a name").to_str().expect("a text");
+        let made = folder.path().join(name);
+        if DRAWN_BY_EXAMPLES.contains(&name) {
+            continue;
+        }
+        assert!(made.exists(), "{document}: no command writes {name}");
+        let [shown, made] = [place.join(link), made].map(|path| read_picture(&path).expect("a picture"));
+        assert!(shown == made, "{document}: {link} is not what its command draws");
+    }
+}
+
+#[test]
+fn every_command_of_every_document_does_what_it_shows() {
+    let mut commands = 0;
+    for document in documents() {
+        let text = read(&document);
+        let (left_out, run): (Vec<_>, Vec<_>) = blocks(&text).into_iter().partition(|block| block.is_not_run);
+        let expected =
+            NOT_RUN_BLOCKS.iter().find(|(name, _)| *name == document).map_or(0, |&(_, count)| count);
+        assert_eq!(left_out.len(), expected, "{document}: blocks that are not run");
+        let folder = folder();
+        commands += run.iter().map(|block| follow(&folder, &document, block)).sum::<usize>();
+        compare_pictures(&folder, &document, &text);
+    }
+    assert!(commands > 50, "{commands}");
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    for document in documents() {
+        let text = read(&document);
+        let place: PathBuf = root().join(&document).parent().expect("a folder").into();
+        for (link, _) in links(&text).into_iter().filter(|(link, _)| !link.starts_with("https://")) {
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if file.is_empty() { root().join(&document) } else { place.join(file) };
+            assert!(target.is_file(), "{document}: {link}");
+            let headings = fs::read_to_string(&target).unwrap_or_default();
+            let found = headings
+                .lines()
+                .any(|line| line.starts_with('#') && anchor(line.trim_start_matches('#').trim()) == heading);
+            assert!(heading.is_empty() || found, "{document}: {link}");
+        }
+    }
+}
+
+#[test]
+fn every_document_is_linked_to_from_the_readme() {
+    let text = read("README.md");
+    for document in documents().iter().filter(|name| *name != "README.md") {
+        assert!(links(&text).iter().any(|(link, _)| link == document), "{document}");
+    }
+}

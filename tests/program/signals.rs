@@ -1,0 +1,154 @@
+//! Ctrl-C and SIGTERM: what a run leaves, what it says, and how it ends.
+#![cfg(unix)]
+
+use crate::support::{Folder, Run, sphere};
+use raytracer::image_io::{PartFile, read_picture};
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+/// A picture of so many rows that no test waits for all of them, each of which takes a moment.
+const LONG: &str = "-input s.txt -size 20 60000 -random_samples 1000 -shadows";
+/// A picture of one row, for which no test waits.
+const ONE_ROW: &str = "-input s.txt -size 60000 1 -random_samples 65536 -output o.tga";
+
+fn start(folder: &Folder, line: &str) -> Child {
+    folder.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+}
+
+fn wait(mut child: Child) -> Run {
+    let status = child.wait().expect("the program ends").code();
+    let [mut stdout, mut stderr] = [String::new(), String::new()];
+    child.stdout.unwrap().read_to_string(&mut stdout).unwrap();
+    child.stderr.unwrap().read_to_string(&mut stderr).unwrap();
+    Run { status, stdout, stderr }
+}
+
+/// Tries with more and more time before the first signal, until it comes while rows are rendered.
+fn try_longer<T>(mut attempt: impl FnMut(Duration) -> Option<T>) -> T {
+    (0..12).find_map(|k| attempt(Duration::from_millis(100 << k))).expect("a row in seven minutes")
+}
+
+/// A run that is stopped by a signal when some rows are complete, and their number.
+fn stopped(folder: &Folder, line: &str, signal: &str) -> (Run, usize) {
+    try_longer(|patience| {
+        let child = start(folder, line);
+        sleep(patience);
+        send(signal, &child);
+        let run = wait(child);
+        let rows = run.stderr.strip_prefix("stopped at row ")?.split(' ').next()?.parse().ok()?;
+        run.stderr.contains("; wrote o.partial.tga").then_some((run, rows))
+    })
+}
+
+#[test]
+fn complete_rows_are_kept_as_parts() {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
+        let folder = Folder::with_scene(&sphere());
+        folder.write("o.tga", "an earlier picture");
+        let line = format!("{LONG} -output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1");
+        let (run, rows) = stopped(&folder, &line, signal);
+        assert_eq!((run.status, run.stdout.as_str()), (Some(status), ""));
+        let expected = ["d.partial.png", "n.partial.tga", "o.partial.tga", "o.tga", "s.partial.png", "s.txt"];
+        assert_eq!(folder.names(), expected);
+        assert_eq!(folder.read("o.tga"), b"an earlier picture");
+
+        let program = env!("CARGO_BIN_EXE_raytracer");
+        let lines: Vec<&str> = run.stderr.lines().collect();
+        let rest = format!(
+            "stopped at row {rows} of 60000; wrote o.partial.tga, d.partial.png, n.partial.tga, s.partial.png; \
+             the rest: {program} {LONG} -output o.rest.tga -depth 1 9 d.rest.png -normals n.rest.tga \
+             -render_samples s.rest.png 1 -region 0 {rows} 20 {}",
+            60000 - rows
+        );
+        let merge = format!("then: {program} -merge o.partial.tga o.rest.tga -output o.tga");
+        assert_eq!((lines[0], lines[1], lines.len()), (rest.as_str(), merge.as_str(), 5));
+
+        // They are the files that these rows alone make.
+        let part = format!("-region 0 0 20 {rows}");
+        let names = "-output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1";
+        folder.run(&format!("{LONG} {names} {part}")).ok();
+        for (kept, own) in [("o.partial.tga", "o.tga"), ("n.partial.tga", "n.tga")] {
+            assert!(folder.read(kept) == folder.read(own), "{kept}");
+        }
+        for (kept, own) in [("d.partial.png", "d.png"), ("s.partial.png", "s.png")] {
+            let [kept, own] = [kept, own].map(|name| folder.path().join(name));
+            assert_eq!(read_picture(&kept).unwrap(), read_picture(&own).unwrap());
+            assert_eq!(PartFile::open(&kept).unwrap().part, PartFile::open(&own).unwrap().part);
+        }
+        // They fit to what follows.
+        let next = rows + 2;
+        folder.run(&format!("{LONG} -output next.tga -region 0 {rows} 20 2")).ok();
+        folder.run(&format!("-merge o.partial.tga next.tga -region 0 0 20 {next} -output m.tga")).ok();
+        folder.run(&format!("{LONG} -output o.tga -region 0 0 20 {next}")).ok();
+        assert!(folder.read("m.tga") == folder.read("o.tga"));
+    }
+}
+
+#[test]
+fn a_stopped_region_is_a_smaller_region() {
+    let folder = Folder::with_scene(&sphere());
+    let line = format!("{LONG} -region 5 30000 9 30000");
+    let (run, rows) = stopped(&folder, &format!("{line} -output o.tga"), "-INT");
+    let rest = format!(" -region 5 {} 9 {}\n", 30000 + rows, 30000 - rows);
+    assert!(run.stderr.contains(&rest), "{}", run.stderr);
+    assert!(run.stderr.ends_with(" -output o.tga -region 5 30000 9 30000\n"), "{}", run.stderr);
+    folder.run(&format!("{LONG} -region 5 30000 9 {rows} -output o.tga")).ok();
+    assert!(folder.read("o.partial.tga") == folder.read("o.tga"));
+}
+
+#[test]
+fn the_second_signal_ends_at_once() {
+    for (second, status) in [("-INT", 130), ("-TERM", 143)] {
+        let folder = Folder::with_scene(&sphere());
+        let run = try_longer(|patience| {
+            let mut child = start(&folder, ONE_ROW);
+            sleep(patience);
+            send("-INT", &child);
+            sleep(patience);
+            // A signal before the first row ends the run at once, too.
+            let is_running = child.try_wait().expect("a status").is_none();
+            if is_running {
+                send(second, &child);
+            }
+            Some(wait(child)).filter(|_| is_running)
+        });
+        assert_eq!((run.status, run.stdout.as_str(), run.stderr.as_str()), (Some(status), "", ""));
+        assert_eq!(folder.names(), ["s.txt"]);
+    }
+}
+
+#[test]
+fn a_run_that_keeps_nothing_says_so() {
+    let folder = Folder::with_scene(&sphere());
+    let run = try_longer(|patience| {
+        let child = start(&folder, &format!("{LONG} -stats"));
+        sleep(patience);
+        send("-TERM", &child);
+        Some(wait(child)).filter(|run| !run.stderr.is_empty())
+    });
+    assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""));
+    assert!(run.stderr.ends_with(" of 60000; wrote nothing\n"), "{}", run.stderr);
+    assert_eq!(folder.names(), ["s.txt"]);
+}
+
+#[test]
+fn progress_is_for_terminals_and_for_those_who_ask() {
+    let folder = Folder::with_scene(&sphere());
+    // Long enough for a terminal, on most machines; not for a line of its own elsewhere.
+    for flags in ["", "-progress", "-quiet"] {
+        let run =
+            folder.run(&format!("-input s.txt -size 20 2000 -random_samples 200 -output o.tga {flags}")).ok();
+        assert!(
+            run.stderr.lines().all(|line| line.starts_with("rendering ") && flags == "-progress"),
+            "{}",
+            run.stderr
+        );
+    }
+}

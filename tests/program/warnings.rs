@@ -1,0 +1,276 @@
+//! What is no error but hardly meant: each warning in full, `-strict`, and silence where nothing is wrong.
+
+use crate::support::{CAMERA, Folder, scene, sphere, unmark};
+
+const LIGHT: &str = "Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }\n";
+const BALL: &str = "Sphere { center 0 0 0 radius .7 }";
+
+/// The scene of `sphere` with these materials and lights.
+fn with(lights: &str, materials: &str, objects: &str) -> String {
+    format!("{CAMERA}{lights}{materials}Group {{ numObjects 1\nMaterialIndex 0\n{objects} }}\n")
+}
+
+fn materials(all: &str) -> String {
+    format!("Materials {{ numMaterials 1\n{all} }}\n")
+}
+
+/// Scenes with `@` at the position of a warning, flags, and the message behind the position, line by line
+/// without the two lines of the excerpt.
+fn located() -> Vec<(String, &'static str, &'static str)> {
+    let white = materials("Material { }");
+    // No ray gets behind the plane, where it could bounce.
+    let hidden = "Group { numObjects 2 Sphere { center 0 0 -5 radius .1 }
+        Material { } Plane { normal 0 0 1 offset 0 } }";
+    let light = |light: &str| {
+        format!("Lights {{ numLights 2\nDirectionalLight {{ direction 0 0 -1 color 1 1 1 }}\n{light} }}\n")
+    };
+    vec![
+        (format!("{CAMERA}@{}", sphere()), "", "a second camera: it replaces the one in line 1"),
+        (
+            with(LIGHT, &white, BALL) + "Background { }\n@Background { color 0 0 0 }",
+            "",
+            "a second `Background`: it replaces the one in line 8",
+        ),
+        (
+            with(&format!("{LIGHT}@{LIGHT}"), &white, BALL),
+            "",
+            "a second list of lights: it replaces the one in line 2",
+        ),
+        (
+            with(LIGHT, &format!("{white}@{white}"), BALL),
+            "",
+            "a second list of materials: it replaces the one in line 3",
+        ),
+        (
+            with(LIGHT, &materials("Material { diffuseColor @255 128 0 }"), BALL),
+            "",
+            "`diffuseColor` is above 1, the brightest that a picture shows\n  hint: is it meant as 0 to 255?",
+        ),
+        (
+            with(LIGHT, &materials("Material { diffuseColor @1.5 0 0 specularColor 0 2 0 }"), BALL),
+            "",
+            "`diffuseColor` is above 1, the brightest that a picture shows; so is another colour",
+        ),
+        (
+            with("Lights { numLights 1 PointLight { position 0 0 9 color @255 255 255 } }\n", &white, BALL),
+            "",
+            "`color` is above 1, the brightest that a picture shows\n  hint: is it meant as 0 to 255?",
+        ),
+        (
+            scene(2, &format!("{BALL}\n@Triangle {{ vertex0 0 0 0 vertex1 1 1 1 vertex2 2 2 2 }}")),
+            "",
+            "the triangle has no area\n  hint: no ray hits a triangle whose corners lie on one line",
+        ),
+        (
+            scene(3, &format!("{BALL}\n@{0}\n{0}", "Triangle { vertex0 0 0 0 vertex1 1 1 1 vertex2 2 2 2 }")),
+            "",
+            "2 triangles have no area; this is the first\n  hint: no ray hits a triangle whose corners lie on one line",
+        ),
+        (
+            scene(1, "TriangleMesh { obj_file @flat.obj }"),
+            "",
+            "2 of the 3 triangles of the mesh have no area\n  hint: no ray hits a triangle whose corners lie on one line",
+        ),
+        (
+            with(&light("@DirectionalLight { direction 0 0 -1 color 0 0 0 }"), &white, BALL),
+            "",
+            "the light has no effect: its colour is 0 0 0",
+        ),
+        (
+            with(&light("@PointLight { position 0 0 9 color 1 1 1 attenuation -1 0 0 }"), &white, BALL),
+            "",
+            "the light has no effect: its attenuation is above 0 at no distance",
+        ),
+        (
+            with(&light("@PointLight { position 0 0 99 color 1 1 1 attenuation 0 0 1 }"), &white, BALL),
+            "",
+            "the light has no effect: its attenuation leaves less than a quarter of a level at the nearest object",
+        ),
+        (
+            with(&light("@PointLight { position 0 0 .5 color 1 1 1 }"), &white, BALL),
+            "-shadows",
+            "the light has no effect: it stands inside the sphere in line 9, and nothing else is lit with shadows",
+        ),
+        (
+            with(LIGHT, &materials("@Material { reflectiveColor .9 .9 .9 transparentColor 1 1 1 }"), hidden),
+            "-bounces 60",
+            "`-bounces 60` allows more than a million rays for each sample of a pixel, since this material both \
+             reflects and transmits\n  hint: `-bounces 19` allows fewer",
+        ),
+        (
+            with(
+                LIGHT,
+                &materials("@Material { reflectiveColor .3 .3 .3 transparentColor .4 .4 .4 }"),
+                hidden,
+            ),
+            "-bounces 20 -shade_back",
+            "`-bounces 20` allows more than a million rays for each sample of a pixel, since this material both \
+             reflects and transmits\n  hint: `-bounces 19` allows fewer, and so does `-weight 0.001`",
+        ),
+        (
+            format!("@{}", view("PerspectiveCamera { center 0 0 9 direction 0 0 1 up 0 1 0 angle 30 }")),
+            "",
+            "no ray hits anything: the scene is behind the camera\n  hint: `direction 0 0 -1` looks at the middle of the scene",
+        ),
+        (
+            format!("@{}", view("PerspectiveCamera { center 0 3 9 direction 1 0 -1 up 0 1 0 angle 30 }")),
+            "-normals n.png",
+            "no ray hits anything: the camera looks away from the scene\n  hint: `direction 0 -0.333 -1` looks at the middle of the scene",
+        ),
+        (
+            format!("@{}", view("OrthographicCamera { center 9 0 0 direction 0 0 -1 up 0 1 0 size 3 }")),
+            "-depth 0 20 d.tga",
+            "no ray hits anything: the camera looks away from the scene\n  hint: move the camera's `center`",
+        ),
+        (
+            format!("@{}", view("PerspectiveCamera { center 1e3 0 1e5 direction 0 0 -1 up 0 1 0 angle 30 }")),
+            "",
+            "no ray hits anything: the scene is smaller than a pixel\n  hint: a smaller `angle` or `size` of the camera shows it larger",
+        ),
+        (
+            format!("@{}", view("PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }"))
+                .replace(BALL, "Plane { normal 0 0 1 offset 20 }"),
+            "-jittered_samples 4",
+            "no ray hits anything",
+        ),
+        (
+            format!("@{CAMERA}{LIGHT}Group {{ numObjects 0 }}"),
+            "",
+            "no ray hits anything: the scene has no objects",
+        ),
+    ]
+}
+
+/// A scene of a white ball that is seen by this camera.
+fn view(camera: &str) -> String {
+    format!("{camera}\n{}", with(LIGHT, &materials("Material { }"), BALL).replace(CAMERA, ""))
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 3 3 1\n");
+    folder
+}
+
+/// A message without its excerpt.
+fn without_excerpt(text: &str) -> String {
+    let is_excerpt = |line: &&str| {
+        let (number, rest) = line.split_once(" |").unwrap_or(("x", ""));
+        number.trim().chars().all(|c| c.is_ascii_digit()) && (rest.is_empty() || rest.starts_with(' '))
+    };
+    text.lines().filter(|line| !is_excerpt(line)).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn each_warning_has_its_place_and_words() {
+    let folder = folder();
+    let mut wrong = String::new();
+    for (marked, flags, expected) in located() {
+        let (text, line, column) = unmark(&marked);
+        folder.write("s.txt", &text);
+        let run = folder.run(&format!("-input s.txt -output o.tga -size 9 9 {flags}"));
+        let shown = without_excerpt(&run.stderr);
+        let wanted = format!("s.txt:{line}:{column}: warning: {expected}");
+        if run.status != Some(0) || shown != wanted {
+            wrong += &format!("{marked}\n  expected {wanted}\n  actual   {shown}\n");
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn the_line_is_shown_with_a_caret() {
+    let folder = Folder::with_scene(&format!("{CAMERA}{}", sphere()));
+    let shown = folder.run("-input s.txt -output o.tga").ok().stderr;
+    let expected = "s.txt:2:1: warning: a second camera: it replaces the one in line 1\n    \
+                    2 | OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }\n      | ^\n";
+    assert_eq!(shown, expected);
+}
+
+#[test]
+fn warnings_about_flags_are_one_line() {
+    let folder = Folder::with_scene(&sphere());
+    for (flags, expected) in [
+        ("-size 3 3", "warning: no picture is asked for: add `-output file.tga`\n"),
+        (
+            "-output o.tga -bounces 3",
+            "warning: `-bounces 3` has no effect: no object reflects or transmits light\n",
+        ),
+    ] {
+        assert_eq!(folder.run(&format!("-input s.txt {flags}")).ok().stderr, expected, "{flags}");
+    }
+}
+
+#[test]
+fn strict_takes_each_for_an_error_and_writes_nothing() {
+    let folder = folder();
+    for (marked, flags, _) in located() {
+        let (text, line, column) = unmark(&marked);
+        folder.write("s.txt", &text);
+        let line_of_flags = format!("-input s.txt -output o.tga -size 9 9 -strict {flags}");
+        let message = folder.run(&line_of_flags).message(1);
+        assert!(message.starts_with(&format!("s.txt:{line}:{column}: error: ")), "{message}");
+        assert_eq!(folder.names(), ["flat.obj", "s.txt"], "{marked}");
+    }
+    folder.write("s.txt", sphere());
+    let message = folder.run("-input s.txt -strict").message(1);
+    assert_eq!(message, "error: no picture is asked for: add `-output file.tga`\n");
+    folder.write("s.txt", sphere().replace(LIGHT, ""));
+    let message = folder.run("-input s.txt -output o.tga -strict").message(1);
+    assert_eq!(message, "error: the scene has no lights\n");
+}
+
+#[test]
+fn strict_is_silent_where_nothing_is_wrong() {
+    let folder = Folder::with_scene(&sphere());
+    for flags in ["-output o.tga", "-stats", "-pixel 0 0", "-json -", "-normals n.tga -depth 0 9 d.tga"] {
+        let run = folder.run(&format!("-input s.txt -strict {flags}")).ok();
+        assert_eq!(run.stderr, "", "{flags}");
+    }
+}
+
+#[test]
+fn what_is_meant_is_no_warning() {
+    let folder = folder();
+    let white = materials("Material { }");
+    let glass = "Material { diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }";
+    let point = |rest: &str| format!("Lights {{ numLights 1 PointLight {{ position 0 0 {rest} }} }}\n");
+    for (text, flags) in [
+        // Bright, but far away; and a bright light that is not written in bytes.
+        (with(&point("30 color 400 400 400 attenuation 0 0 1"), &white, BALL), ""),
+        (with(&point("30 color 2 2 2"), &white, BALL), ""),
+        // The ball around the light is glass, or nobody asked for shadows.
+        (with(&point(".5 color 1 1 1"), &materials(glass), BALL), "-shadows -bounces 3 -shade_back"),
+        (with(&point(".5 color 1 1 1"), &white, BALL), ""),
+        // Only glass, or mirrors, make one ray of one.
+        (with(LIGHT, &materials(glass), "Sphere { center 0 0 0 radius .01 }"), "-bounces 60"),
+        // Beside the picture's edge, in part of it, or as a picture of samples.
+        (view("OrthographicCamera { center .95 0 0 direction 0 0 -1 up 0 1 0 size 1 }"), ""),
+        (view("OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 9 }"), "-region 0 0 2 2"),
+        // White before white.
+        (with(LIGHT, &white, BALL) + "Background { color 1 1 1 ambientLight 1 1 1 }", ""),
+    ] {
+        folder.write("s.txt", &text);
+        let run = folder.run(&format!("-input s.txt -output o.tga -size 9 9 {flags}")).ok();
+        assert_eq!(run.stderr, "", "{text} {flags}");
+    }
+}
+
+#[test]
+fn the_project_s_own_scenes_are_silent() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let commands = std::fs::read_to_string(root.join("reference_images/commands.txt")).expect("commands");
+    let mut scenes: Vec<&str> = commands.split_whitespace().filter(|word| word.ends_with(".txt")).collect();
+    scenes.sort_unstable();
+    scenes.dedup();
+    assert!(scenes.len() > 15, "{scenes:?}");
+    let folder = Folder::new();
+    for scene in scenes {
+        let path = root.join("scenes").join(scene);
+        let path = if path.is_file() { path } else { root.join(scene) };
+        let line = ["-input".into(), path.into_os_string(), "-output".into(), "o.tga".into()];
+        let run = crate::support::finish(&mut crate::support::program(folder.path(), line)).ok();
+        // The first assignment has no lights.
+        assert_eq!(run.stderr.replace("WARNING:  No lights specified\n", ""), "", "{scene}");
+    }
+}
