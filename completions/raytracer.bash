@@ -75,12 +75,13 @@ _raytracer() {
             pixel:1) return ;;
             json:0) _raytracer_files "$current" json; return ;;
             threads:0) return ;;
+            port:0) return ;;
             tessellation:0) return ;;
             tessellation:1) return ;;
-            help:0 | h:0) COMPREPLY=($(compgen -W 'input output size region merge depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats cost_map pixel json threads progress quiet strict gui tessellation gouraud help version' -- "$current")); return ;;
+            help:0 | h:0) COMPREPLY=($(compgen -W 'input output size region merge depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud help version' -- "$current")); return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -size -region -merge -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -jittered_samples -adaptive_samples -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -cost_map -pixel -json -threads -progress -quiet -strict -gui -tessellation -gouraud -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -size -region -merge -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -jittered_samples -adaptive_samples -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

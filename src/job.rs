@@ -2,6 +2,7 @@
 
 use crate::distinct_files::{check_input, check_outputs};
 use crate::document::{Document, Verdict};
+use crate::preview;
 use crate::products::unless_reader_is_gone;
 use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
@@ -43,8 +44,8 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         told.borrow_mut().push(line.to_owned());
         tell(line);
     };
-    if options.preview {
-        tell("note: this build has no preview; the picture is rendered directly");
+    if let Some(note) = preview::note(options) {
+        tell(note);
     }
     if options.needs_standard_output() {
         standard_output::check()?;

@@ -8,6 +8,7 @@ mod job;
 mod merging;
 #[cfg(target_os = "linux")]
 mod pages;
+mod preview;
 mod products;
 mod progress;
 mod rendering;
@@ -18,7 +19,7 @@ mod threads;
 mod warn;
 
 use job::Outcome;
-use raytracer::cli::{self, Command};
+use raytracer::cli::{self, Command, Options};
 use signals::Interrupted;
 use standard_output::print;
 use std::ffi::OsString;
@@ -34,17 +35,30 @@ fn main() -> ExitCode {
     let argv: Vec<OsString> = std::env::args_os().collect();
     match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
-        Ok(Command::Render(options)) if options.has_standard_output() => {
-            let outcome = job::run(&options, &argv, &tell);
-            report(outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }))
-        }
-        Ok(Command::Render(options)) => report(job::run(&options, &argv, &tell)),
+        Ok(Command::Render(options)) => render(&options, &argv),
         Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
         Ok(Command::Merge(options)) => report(merging::run(&options)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)
+        }
+    }
+}
+
+/// Does what the options ask for, and then shows the scene's page if they ask for that.
+fn render(options: &Options, argv: &[OsString]) -> ExitCode {
+    let outcome = job::run(options, argv, &tell);
+    let is_done = outcome.is_ok();
+    let status = report(match options.has_standard_output() {
+        true => outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }),
+        false => outcome,
+    });
+    match if is_done { preview::show(options, &tell) } else { Ok(()) } {
+        Ok(()) => status,
+        Err(message) => {
+            tell(&message);
+            ExitCode::FAILURE
         }
     }
 }

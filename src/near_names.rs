@@ -84,7 +84,8 @@ mod tests {
             fs::write(folder.path().join(name), "").unwrap();
         }
         let near = |name: &str| nearest_file(&folder.path().join(name));
-        assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_1.txt")));
+        assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_20.txt")));
+        assert_eq!(near("scene_3.txt"), Some(folder.path().join("scene_1.txt")));
         assert_eq!(near("scen_20.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("teapot.txt"), None);
         assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);

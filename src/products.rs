@@ -64,11 +64,15 @@ impl Products {
         Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
     }
 
-    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing.
-    pub fn watch_for_blank(&mut self, request: &Request, background: Color) {
+    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing. In a scene that
+    /// `is_empty` they do.
+    pub fn watch_for_blank(&mut self, request: &Request, background: Color, is_empty: bool) {
         self.blank = request.layers.iter().map(|layer| blank(layer, background)).collect();
         // A part of a picture may well show nothing.
         self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
+        if is_empty {
+            self.blank.fill(None);
+        }
     }
 
     /// Keeps the colours of one more layer. `size` is the width and height of the picture in pixels.

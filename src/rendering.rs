@@ -84,7 +84,9 @@ pub fn render<M: Mode, P: Observer>(
     if keeps {
         products.keep(options.size)?;
     }
-    products.watch_for_blank(&request, renderer.scene.background.color);
+    let world = renderer.world();
+    let is_empty = world.finite_count() == 0 && world.planes.is_empty();
+    products.watch_for_blank(&request, renderer.scene.background.color, is_empty);
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     signals.end_at_second()?;
     let progress = Progress::new(options.progress);

@@ -8,7 +8,7 @@ use crate::scene::mesh::{Mesh, MeshError, parse_obj};
 use crate::scene::parser::{self, Places, Reading};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::warning::SceneWarning;
-use crate::scene::{Scene, mesh_fault};
+use crate::scene::{MeshFile, Scene, mesh_fault};
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -133,8 +133,26 @@ pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
         None => LoadError::Unreadable { path: path.to_owned(), error },
     })?;
     let text = decode(path, bytes)?;
-    let source = Source { path: path.to_owned(), text };
-    match read_with_meshes(&source) {
+    let directory = path.parent().unwrap_or(Path::new(""));
+    let read = |file: &MeshFile| {
+        read_mesh(&file.name, directory).map_err(|problem| SceneError {
+            at: file.at,
+            hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
+            problem,
+        })
+    };
+    load_text(Source { path: path.to_owned(), text }, &read)
+}
+
+/// A mesh and its file.
+pub type FoundMesh = (Mesh, PathBuf);
+
+/// Reads a mesh that a scene names.
+pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile) -> Result<FoundMesh, SceneError>;
+
+/// Reads a scene from its text. `read_mesh` reads each mesh that it names.
+pub fn load_text(source: Source, read_mesh: ReadMesh) -> Result<LoadedScene, LoadError> {
+    match read_with_meshes(&source.text, read_mesh) {
         Ok((Reading { scene, warnings, places }, found)) => {
             let (meshes, mesh_files) = found.into_iter().unzip();
             Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places })
@@ -155,21 +173,13 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// A mesh and its file.
-type FoundMesh = (Mesh, PathBuf);
-
-fn read_with_meshes(source: &Source) -> Result<(Reading, Vec<FoundMesh>), Vec<SceneError>> {
-    let reading = parser::read(&source.text)?;
-    let directory = source.path.parent().unwrap_or(Path::new(""));
+fn read_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Reading, Vec<FoundMesh>), Vec<SceneError>> {
+    let reading = parser::read(text)?;
     let (mut meshes, mut errors) = (vec![], vec![]);
     for file in &reading.scene.meshes {
-        match read_mesh(&file.name, directory) {
+        match read_mesh(file) {
             Ok(mesh) => meshes.push(mesh),
-            Err(problem) => errors.push(SceneError {
-                at: file.at,
-                hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
-                problem,
-            }),
+            Err(error) => errors.push(error),
         }
         if errors.len() == MAX_ERRORS {
             break;

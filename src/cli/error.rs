@@ -109,6 +109,11 @@ pub enum CliError {
         /// The flag.
         flag: &'static str,
     },
+    /// A flag about the live page, without `-gui`.
+    GuiNeeded {
+        /// The flag.
+        flag: &'static str,
+    },
     /// `-grade` without anything to grade by.
     ReferencesNeeded,
     /// Two flags that name the same output file.
@@ -228,6 +233,7 @@ impl CliError {
             }
             Self::GradeNeeded { flag } => format!("`-{flag}` needs `-grade folder`"),
             Self::ErrorReportNeeded { flag } => format!("`-{flag}` needs `-error_report folder`"),
+            Self::GuiNeeded { flag } => format!("`-{flag}` needs `-gui`"),
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))

@@ -57,6 +57,8 @@ pub(super) const FLAGS: &[&Flag] = &[
     &QUIET,
     &STRICT,
     &GUI,
+    &PORT,
+    &NO_BROWSER,
     &TESSELLATION,
     &GOURAUD,
     &HELP,
@@ -277,11 +279,24 @@ pub(super) const TARGET: Flag = Flag::new(
 pub(super) const STATS: Flag =
     Flag::new(Section::Statistics, "stats", &[], "Prints counters and times after rendering.");
 
-pub(super) const GUI: Flag = Flag::new(Section::Preview, "gui", &[], "The course's preview window.");
+pub(super) const GUI: Flag = Flag::new(
+    Section::Preview,
+    "gui",
+    &[],
+    "Renders what the line asks for, then shows the scene as a live page in the browser. Needs a terminal, or -port.",
+);
+pub(super) const PORT: Flag = Flag::new(
+    Section::Preview,
+    "port",
+    &["n"],
+    "Serves the page of -gui at this port of 127.0.0.1, also without a terminal; 0 is any free port.",
+);
+pub(super) const NO_BROWSER: Flag =
+    Flag::new(Section::Preview, "no_browser", &[], "Prints the page's address and opens no browser.");
 pub(super) const TESSELLATION: Flag =
-    Flag::new(Section::Preview, "tessellation", &["a", "b"], "The number of faces of its spheres.");
+    Flag::new(Section::Preview, "tessellation", &["a", "b"], "Accepted from the course; changes nothing.");
 pub(super) const GOURAUD: Flag =
-    Flag::new(Section::Preview, "gouraud", &[], "Smooth shading of its spheres.");
+    Flag::new(Section::Preview, "gouraud", &[], "Accepted from the course; changes nothing.");
 
 pub(super) const COST_MAP: Flag = Flag::new(
     Section::Statistics,

@@ -3,6 +3,7 @@
 use super::comparison::Comparison;
 use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
+use super::live_page::LivePage;
 use super::outputs::{Output, distinct, outputs};
 use super::parts::region;
 use super::raw::Raw;
@@ -54,8 +55,10 @@ pub struct Options {
     pub json: Option<JsonTarget>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
-    /// Whether the command line requests the course's preview, which this program does not have.
+    /// Whether one of the flags of the course's preview is given.
     pub preview: bool,
+    /// The live page, if `-gui` asks for it.
+    pub page: Option<LivePage>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
     /// Where progress is shown.
@@ -131,6 +134,7 @@ impl Options {
             json: json(raw)?,
             pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
             preview: preview(raw)?,
+            page: LivePage::from_raw(raw)?,
             threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
             progress: ShowProgress::from_raw(raw),
         };

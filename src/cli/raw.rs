@@ -60,6 +60,17 @@ impl Raw {
         }
     }
 
+    /// A flag with its values as they were given; nothing if it is not given.
+    pub fn words_of(&self, flag: &Flag) -> Vec<String> {
+        if !self.given(flag) {
+            return vec![];
+        }
+        let indices = self.matches.try_get_raw(flag.name).ok().flatten().filter(|_| !flag.values.is_empty());
+        let values = indices.into_iter().flatten().filter_map(|index| word_at(&self.words, index.to_str()?));
+        let values = values.map(|word| word.to_string_lossy().into_owned());
+        std::iter::once(format!("-{}", flag.name)).chain(values).collect()
+    }
+
     /// The value of a flag that is given exactly one.
     pub fn single(&self, flag: &Flag) -> Option<&OsStr> {
         self.values::<1>(flag).ok().flatten().map(|[word]| word)

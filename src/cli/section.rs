@@ -40,7 +40,7 @@ impl Section {
             Self::Grading => "Grading",
             Self::ErrorReport => "Speed against error",
             Self::Statistics => "Statistics",
-            Self::Preview => "Preview (accepted but not supported: the picture is rendered directly)",
+            Self::Preview => "Live page",
             Self::Other => "Other",
         }
     }

@@ -14,6 +14,6 @@ mod short;
 pub use close_call::{CloseCall, Kind};
 pub use cost_map::CostMap;
 pub use cost_report::CostReport;
-pub use objects::{ObjectPart, TextureWeight};
+pub use objects::{ObjectPart, Objects, TextureWeight};
 pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
 pub use ray_tree::{Blocker, Crossing, Lighting, NotFollowed, RayNode, Shadow, Surface};

@@ -101,7 +101,7 @@ mod tests {
             "f@",
         ] {
             let (before, after) = marked.split_once('@').unwrap();
-            let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{before}{after}\r\nf 1 2 3\n");
+            let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{before}{after}\r\nf 1 2 4\n");
             let error = parse_obj(text.as_bytes()).unwrap_err();
             let (at, shown) = excerpt(&error, text.as_bytes()).unwrap();
             let column = before.len() as u32 + 1;

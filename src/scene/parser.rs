@@ -100,6 +100,20 @@ impl Reader<'_> {
     }
 }
 
+/// Parses the block of a camera alone. Errors: anything else, or anything after it.
+pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
+    let mut reader = Reader::new(text);
+    let camera = match reader.peek().text {
+        "OrthographicCamera" => parse_orthographic_camera(&mut reader)?,
+        "PerspectiveCamera" => parse_perspective_camera(&mut reader)?,
+        _ => return Err(reader.unexpected("a camera", &BLOCKS[..2])),
+    };
+    if !reader.peek().is_end() {
+        return Err(reader.unexpected("the end of the camera", &[]));
+    }
+    reader.findings.errors.into_iter().next().map_or(Ok(camera), Err)
+}
+
 /// The blocks read so far.
 #[derive(Default)]
 struct Blocks {

@@ -157,7 +157,7 @@ mod tests {
     fn weights_end_them() {
         assert_eq!(depth_of_too_many(u32::MAX, 0.01, [0.5, 0.5]), None);
         assert_eq!(depth_of_too_many(u32::MAX, 0.01, [0.9, 0.9]), Some(20));
-        assert_eq!(depth_of_too_many(u32::MAX, 0.1, [0.9, 0.8]), Some(20));
+        assert_eq!(depth_of_too_many(u32::MAX, 0.1, [0.9, 0.9]), Some(20));
         // Weights that vanish end the recursion of the renderer too.
         assert_eq!(depth_of_too_many(u32::MAX, 0.0, [1e-200, 1e-200]), None);
         assert_eq!(depth_of_too_many(u32::MAX, 0.0, [f64::INFINITY, 0.0]), Some(TOO_MANY as u32 - 1));

@@ -7,16 +7,13 @@ PROGRAM is target/release/raytracer unless it is named. Needs Chromium and its d
 chromium-driver); without them it says so and ends with status 0. Standard library only.
 """
 import argparse
-import base64
-import json
 import pathlib
-import re
-import shutil
 import subprocess
 import sys
 import tempfile
 import time
-import urllib.request
+
+from browser import Browser, find_browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 COMMANDS = """\
@@ -24,10 +21,6 @@ raytracer -input scene6_02_sphere_triangles.txt -size 120 120 -output shadows.tg
 raytracer -input scene6_01_sphere.txt -size 90 120 -output sphere.tga
 raytracer -input scene6_13_checkerboard.txt -size 120 96 -output board.tga -shadows
 """
-ARGUMENTS = [
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,900",
-]
 HOSTILE = "<img src=x onerror=alert(1)>&'\""
 
 
@@ -57,55 +50,6 @@ def make_folder(program, folder):
     return subprocess.run(
         [program, "-grade", folder / "class", "-commands", folder / "commands.txt", "-report", folder / "page.html"],
         cwd=ROOT / "scenes", check=True, capture_output=True, text=True).stdout
-
-
-class Browser:
-    """A headless browser, steered by the WebDriver protocol."""
-
-    def __init__(self, driver, chromium, profile):
-        self.process = subprocess.Popen([driver, "--port=0"], stdout=subprocess.PIPE, text=True)
-        for line in self.process.stdout:
-            found = re.search(r"started successfully on port (\d+)", line)
-            if found:
-                break
-        else:
-            raise RuntimeError("the driver did not start")
-        self.session = f"http://127.0.0.1:{found.group(1)}/session"
-        options = {"binary": chromium, "args": [*ARGUMENTS, f"--user-data-dir={profile}"]}
-        wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
-        self.session += "/" + self.ask("POST", "", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
-
-    def ask(self, method, path, body=None):
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.session + path, data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.urlopen(request, timeout=60) as answer:
-            return json.load(answer)["value"]
-
-    def run(self, script):
-        return self.ask("POST", "/execute/sync", {"script": script, "args": []})
-
-    def click(self, selector):
-        element = self.ask("POST", "/element", {"using": "css selector", "value": selector})
-        self.ask("POST", f"/element/{next(iter(element.values()))}/click", {})
-
-    def wait(self, script, what):
-        for _ in range(100):
-            if self.run(script):
-                return
-            time.sleep(0.1)
-        raise AssertionError(what)
-
-    def screenshot(self, folder, name):
-        if folder:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(base64.b64decode(self.ask("GET", "/screenshot")))
-
-    def close(self):
-        try:
-            self.ask("DELETE", "")
-        finally:
-            self.process.terminate()
-            self.process.wait()
 
 
 def check(browser, page, screenshots):
@@ -148,15 +92,14 @@ def main():
     parser.add_argument("program", nargs="?", default=ROOT / "target/release/raytracer", type=pathlib.Path)
     parser.add_argument("--screenshots", type=pathlib.Path)
     options = parser.parse_args()
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
-    driver = shutil.which("chromedriver")
-    if not (chromium and driver):
+    found = find_browser()
+    if not found:
         print("skipped: there is no Chromium with its driver")
         return
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         make_folder(options.program.resolve(), folder)
-        browser = Browser(driver, chromium, folder / "profile")
+        browser = Browser(*found, folder / "profile")
         try:
             check(browser, folder / "page.html", options.screenshots)
         finally:

@@ -1,6 +1,6 @@
 //! Tables of valid command lines, each with its options.
 
-use raytracer::cli::{CliError, Command, Comparison, Options, Output, ShowProgress, parse};
+use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::Format;
@@ -51,9 +51,15 @@ fn plain() -> Options {
         pixel: None,
         json: None,
         preview: false,
+        page: None,
         threads: None,
         progress: ShowProgress::OnTerminal,
     }
+}
+
+/// The page of `-gui` alone, beside these flags.
+fn page(flags: &str) -> LivePage {
+    LivePage { port: None, browser: true, words: flags.split_whitespace().map(str::to_owned).collect() }
 }
 
 fn output(name: &str, layer: Layer) -> Output {
@@ -232,10 +238,13 @@ fn negative_numbers_are_values() {
 #[test]
 fn the_preview_flags_are_recorded() {
     let preview = || Options { preview: true, ..plain() };
-    accepts("-input s.txt -gui", preview());
+    let shown = |page| Options { page: Some(page), ..preview() };
+    accepts("-input s.txt -gui", shown(page("")));
     accepts("-gouraud -input s.txt", preview());
     accepts("-input s.txt -tessellation 10 5", preview());
-    accepts("-input s.txt -gui -tessellation 100 50 -gouraud", preview());
+    accepts("-input s.txt -gui -tessellation 100 50 -gouraud", shown(page("")));
+    accepts("-input s.txt -gui -port 8080", shown(LivePage { port: Some(8080), ..page("") }));
+    accepts("-no_browser -input s.txt -gui", shown(LivePage { browser: false, ..page("") }));
 }
 
 #[test]
@@ -255,13 +264,14 @@ fn lines_in_the_style_of_the_course() {
     );
     accepts(
         "-input s.txt -size 200 200 -output o.tga -gui -tessellation 20 10 -gouraud",
-        Options { preview: true, ..sized() },
+        Options { preview: true, page: Some(page("-size 200 200")), ..sized() },
     );
     accepts(
         "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
         Options {
             effects: Effects { shadows: Shadows::Opaque, bounces: 5, min_weight: 0.01, shade_back: true },
             preview: true,
+            page: Some(page("-size 200 200 -shade_back -shadows -bounces 5 -weight 0.01")),
             ..sized()
         },
     );
@@ -272,6 +282,7 @@ fn lines_in_the_style_of_the_course() {
             structure: Structure::Grid(Resolution::Cells([15, 15, 15])),
             visualize_grid: true,
             preview: true,
+            page: Some(page("-size 200 200 -grid 15 15 15 -visualize_grid")),
             ..plain()
         },
     );

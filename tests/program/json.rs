@@ -146,6 +146,7 @@ fn the_options_are_the_checked_values() {
         "json": "-",
         "pixel": null,
         "preview": false,
+        "page": null,
         "threads": null,
     });
     assert_eq!(options(""), plain);

@@ -24,6 +24,12 @@ mod json;
 mod json_form;
 mod json_numbers;
 mod little_memory;
+#[cfg(feature = "gui")]
+mod live;
+#[cfg(feature = "gui")]
+mod live_scenes;
+#[cfg(feature = "gui")]
+mod live_server;
 mod malformed_scenes;
 mod markdown;
 mod partial_causes;

@@ -143,14 +143,25 @@ fn a_scene_without_lights_warns_on_standard_error_and_is_lit_evenly() {
     assert_eq!(folder.tga("o.tga").pixels, [[255, 127, 0]; 4]);
 }
 
+#[cfg(feature = "gui")]
 #[test]
-fn the_preview_is_declined_on_standard_error_once() {
+fn what_the_preview_s_flags_do_not_do_is_said_once() {
     let folder = Folder::with_scene(&sphere());
     let plain = folder.render("");
-    let run = folder.run("-input s.txt -output p.tga -gui -tessellation 10 5 -gouraud").ok();
-    assert_eq!(only_line(&run.stderr), "note: this build has no preview; the picture is rendered directly");
-    assert_eq!(run.stdout, "");
-    assert_eq!(folder.tga("p.tga"), plain);
+    for (flags, note) in [
+        (
+            "-gui -tessellation 10 5 -gouraud",
+            "`-gui` opens its page on a terminal; elsewhere it needs `-port n`",
+        ),
+        ("-gui -no_browser", "`-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
+        ("-tessellation 10 5", "`-tessellation` and `-gouraud` change nothing"),
+    ] {
+        let run = folder.run(&format!("-input s.txt -output p.tga {flags}")).ok();
+        assert_eq!((only_line(&run.stderr), run.stdout.as_str()), (format!("note: {note}").as_str(), ""));
+        assert_eq!(folder.tga("p.tga"), plain);
+    }
+    let run = folder.run("-compare p.tga -reference o.tga -gui -port 0").ok();
+    assert_eq!(only_line(&run.stderr), "note: `-gui` shows a scene in a file, and there is none");
 }
 
 #[test]

@@ -1,0 +1,91 @@
+//! Who is let in: a request with the key that comes from the page itself, under a name of this machine.
+
+use super::http::{Head, Refusal};
+use super::key::Key;
+
+/// Lets a request in, or says why not. What it says does not depend on how wrong the key is.
+///
+/// A page of another origin can send requests here, and a name of its own can be made to resolve to this machine (DNS
+/// rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a tunnel may
+/// have another one at its end.
+pub fn admit(head: &Head, key: &Key) -> Result<(), Refusal> {
+    let host = head.host.as_deref().ok_or_else(|| Refusal::new(400, "the request names no host"))?;
+    if !is_this_machine(host) {
+        return Err(Refusal::new(403, "this page is served to this machine only"));
+    }
+    if head.origin.as_ref().is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
+        return Err(Refusal::new(403, "another page cannot use this one"));
+    }
+    let in_query = head.query.strip_prefix("key=").filter(|_| !head.is_post);
+    match head.key.as_deref().or(in_query) {
+        Some(given) if key.is(given) => Ok(()),
+        _ => Err(Refusal::new(403, "open the address that the program prints: it has the key")),
+    }
+}
+
+/// Whether this is a loopback name with any port.
+fn is_this_machine(host: &str) -> bool {
+    let is_port = |text: &str| text.is_empty() || text[1..].bytes().all(|byte| byte.is_ascii_digit());
+    let names = ["127.0.0.1", "localhost", "[::1]"];
+    names
+        .into_iter()
+        .filter_map(|name| host.strip_prefix(name))
+        .any(|rest| rest.is_empty() || rest.starts_with(':') && rest.len() > 1 && is_port(rest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head(host: &str, origin: Option<&str>, key: &str) -> Head {
+        let text = |text: &str| Some(text.to_owned());
+        Head {
+            is_post: true,
+            host: text(host),
+            origin: origin.and_then(text),
+            key: text(key),
+            ..Head::default()
+        }
+    }
+
+    #[test]
+    fn names_of_this_machine_are_let_in_at_any_port() {
+        let key = Key::new().unwrap();
+        for host in ["127.0.0.1:80", "localhost:9000", "localhost", "[::1]:8"] {
+            assert_eq!(admit(&head(host, None, key.digits()), &key), Ok(()), "{host}");
+            let origin = format!("http://{host}");
+            assert_eq!(admit(&head(host, Some(&origin), key.digits()), &key), Ok(()), "{host}");
+        }
+    }
+
+    #[test]
+    fn everybody_else_stays_out() {
+        let key = Key::new().unwrap();
+        let right = key.digits();
+        for (host, origin) in [
+            ("evil.example", None),
+            ("evil.example:80", None),
+            ("localhost.evil.example:80", None),
+            ("127.0.0.1.evil.example", None),
+            ("localhost:80x", None),
+            ("localhost:", None),
+            ("", None),
+            ("localhost:80", Some("http://evil.example")),
+            ("localhost:80", Some("http://localhost:81")),
+            ("localhost:80", Some("https://localhost:80")),
+            ("localhost:80", Some("null")),
+            ("localhost:80", Some("")),
+        ] {
+            assert_eq!(admit(&head(host, origin, right), &key).unwrap_err().status, 403, "{host} {origin:?}");
+        }
+        for wrong in ["", "0", &right[..31], &format!("{right}0"), &right.to_uppercase().replace('A', "B")] {
+            let found = admit(&head("localhost:80", None, wrong), &key);
+            assert!(wrong == right || found.is_err(), "{wrong}");
+        }
+        let none = Head { host: None, ..head("", None, right) };
+        assert_eq!(admit(&none, &key).unwrap_err().status, 400);
+        // A form of another page can post to an address that it guesses, but cannot set a header.
+        let form = Head { key: None, query: format!("key={right}"), ..head("localhost:80", None, "") };
+        assert_eq!(admit(&form, &key).unwrap_err().status, 403);
+    }
+}

@@ -1,0 +1,90 @@
+'use strict';
+// The camera: how the hand moves it, where it shows a point, and its block of scene text.
+
+const add = (a, b) => a.map((x, i) => x + b[i]);
+const subtract = (a, b) => a.map((x, i) => x - b[i]);
+const scaled = (a, s) => a.map((x) => x * s);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const length = (a) => Math.hypot(...a);
+const unit = (a) => scaled(a, 1 / (length(a) || 1));
+
+// Rotates v about a unit axis (Rodrigues).
+function rotated(v, axis, angle) {
+  const [cosine, sine] = [Math.cos(angle), Math.sin(angle)];
+  return add(add(scaled(v, cosine), scaled(cross(axis, v), sine)), scaled(axis, dot(axis, v) * (1 - cosine)));
+}
+
+class Camera {
+  // From the program's description of a camera. The pivot is the point about which it turns.
+  constructor(described, pivot) {
+    Object.assign(this, described);
+    this.pivot = pivot;
+  }
+
+  axes() {
+    const direction = unit(this.direction);
+    const right = unit(cross(direction, this.up));
+    return { direction, right, up: cross(right, direction) };
+  }
+
+  // The length that the longer side of the picture spans at this distance.
+  span(distance) {
+    if (this.kind === 'orthographic') return this.size;
+    return 2 * Math.tan((this.angle * Math.PI) / 360) * distance;
+  }
+
+  // Turns about the pivot, level with `up`, and never over the poles.
+  turn(across, down) {
+    const up = unit(this.up);
+    const { direction, right } = this.axes();
+    const margin = 0.02;
+    const tilt = Math.acos(Math.max(-1, Math.min(1, dot(up, direction))));
+    const pitch = Math.max(margin - tilt, Math.min(Math.PI - margin - tilt, down));
+    const both = (v) => rotated(rotated(v, right, -pitch), up, -across);
+    this.center = add(this.pivot, both(subtract(this.center, this.pivot)));
+    this.direction = both(direction);
+  }
+
+  // Moves sideways, in parts of the picture's longer side.
+  move(across, down) {
+    const { direction, right, up } = this.axes();
+    const distance = Math.abs(dot(subtract(this.pivot, this.center), direction)) || 1;
+    const step = scaled(add(scaled(right, -across), scaled(up, down)), this.span(distance));
+    this.center = add(this.center, step);
+    this.pivot = add(this.pivot, step);
+  }
+
+  // Brings the pivot to this part of its distance.
+  approach(factor) {
+    if (this.kind === 'orthographic') {
+      this.size *= factor;
+    } else {
+      this.center = add(this.pivot, scaled(subtract(this.center, this.pivot), factor));
+    }
+  }
+
+  // Where a picture of this size shows a point, and how far in front of the camera it is.
+  project(point, [width, height]) {
+    const { direction, right, up } = this.axes();
+    const offset = subtract(point, this.center);
+    const depth = dot(offset, direction);
+    const pixels = Math.max(width, height) / this.span(depth);
+    return { x: width / 2 + dot(offset, right) * pixels, y: height / 2 - dot(offset, up) * pixels, depth };
+  }
+
+  block() {
+    const kind = this.kind === 'orthographic' ? 'Orthographic' : 'Perspective';
+    const last = this.kind === 'orthographic' ? `size ${this.size}` : `angle ${this.angle}`;
+    const line = (name) => `    ${name} ${this[name].join(' ')}\n`;
+    return `${kind}Camera {\n${line('center')}${line('direction')}${line('up')}    ${last}\n}\n`;
+  }
+}
+
+// The middle of the scene, or a point in front of the camera where the scene has no bounds.
+function pivotOf(camera, bounds) {
+  if (bounds) return scaled(add(bounds.min, bounds.max), 0.5);
+  const direction = unit(camera.direction);
+  const distance = -dot(camera.center, direction);
+  return add(camera.center, scaled(direction, distance > 0 ? distance : 5));
+}

@@ -1,0 +1,120 @@
+'use strict';
+// A picture from elsewhere, compared with what is shown: the block, the cause, the difference, and both in turn.
+
+const BLINK = 500;
+
+const compared = {
+  // The file: { name, size }.
+  file: null,
+  // What was compared last: the pixels of the file, of this program's picture, and of their difference.
+  images: null,
+  timer: 0,
+};
+
+const comparing = () => compared.file !== null;
+const look = () => document.querySelector('input[name=look]:checked').value;
+
+// Takes a file as the reference, and gives the picture its size.
+async function takeFile(file) {
+  selectTab('compare');
+  try {
+    const name = file.name.replace(/[^\w.-]/g, '_');
+    const { meta } = await ask(`/reference?name=${name}`, file);
+    takeReference(meta, file.name);
+    [find('width').value, find('height').value] = meta.size;
+    find('show').value = 'color';
+    if (!find('controls').checkValidity()) say('The picture is larger than this page shows.');
+    controlsChanged();
+  } catch (error) {
+    complain(error);
+  }
+}
+
+function takeReference(file, name) {
+  compared.file = file;
+  find('reference-name').textContent = file ? `${name}, ${file.size.join(' × ')} pixels` : '';
+  for (const id of ['looks', 'comparison']) find(id).hidden = !file;
+  if (!file) stopBlinking();
+}
+
+// Compares the file with the picture that is shown, and looks for the cause of a difference.
+async function compareLive(mine) {
+  const question = { page, turn: mine, view: view.question(), sketch: null };
+  find('cause').textContent = '';
+  const { meta, bytes } = await ask('/compare', question);
+  if (mine !== turn || !comparing()) return;
+  const [width, height] = meta.size;
+  const image = (place) => new ImageData(bytes.slice(place * width * height * 4, (place + 1) * width * height * 4), width);
+  compared.images = { reference: image(0), own: image(1), difference: image(2) };
+  find('comparison').textContent = meta.block;
+  find('amplified').textContent = `× ${meta.amplification}`;
+  showLook();
+  status(`compared, ${meta.size.join(' × ')}`);
+  if (/pixels that differ +0 /.test(meta.block)) {
+    find('cause').textContent = 'The pictures are equal.';
+    return;
+  }
+  find('cause').textContent = 'looking for the cause …';
+  const found = await ask('/cause', question);
+  if (mine !== turn) return;
+  find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be looked for here.';
+}
+
+// Shows the picture, the file, their difference, or both side by side.
+function showLook(kind = look()) {
+  const { images } = compared;
+  if (!images || view.sketching) return;
+  if (kind !== 'slider') return view.show(images[kind]);
+  view.show(images.own);
+  const middle = Math.round((find('slider').value / 1000) * images.own.width);
+  view.context.putImageData(images.reference, 0, 0, 0, 0, middle, images.own.height);
+  view.context.fillStyle = '#fff';
+  view.context.fillRect(middle, 0, 1, images.own.height);
+}
+
+// Shows the file and the picture in turn.
+function blink() {
+  if (compared.timer) return stopBlinking();
+  if (!compared.images) return say('There is no picture to blink with: drop one in.');
+  let isFile = false;
+  compared.timer = setInterval(() => {
+    isFile = !isFile;
+    showLook(isFile ? 'reference' : 'own');
+    find('pointed').textContent = isFile ? 'the file' : "this program's picture";
+  }, BLINK);
+  find('blink').setAttribute('aria-pressed', 'true');
+}
+
+function stopBlinking() {
+  clearInterval(compared.timer);
+  compared.timer = 0;
+  find('blink').setAttribute('aria-pressed', 'false');
+  if (comparing()) showLook();
+}
+
+function startCompare(file) {
+  if (file) takeReference(file, file.name);
+  find('file').addEventListener('change', (event) => event.target.files[0] && takeFile(event.target.files[0]));
+  for (const kind of ['dragover', 'drop']) {
+    document.addEventListener(kind, (event) => {
+      event.preventDefault();
+      const [dropped] = kind === 'drop' ? event.dataTransfer.files : [];
+      if (dropped) takeFile(dropped);
+    });
+  }
+  find('looks').addEventListener('input', () => {
+    stopBlinking();
+    showLook();
+  });
+  find('slider').addEventListener('input', () => {
+    document.querySelector('input[value=slider]').checked = true;
+    showLook('slider');
+  });
+  find('blink').addEventListener('click', blink);
+  find('forget').addEventListener('click', () => {
+    compared.images = null;
+    takeReference(null, '');
+    find('cause').textContent = '';
+    view.rest();
+  });
+}

@@ -1,0 +1,210 @@
+'use strict';
+// The scene's text: every pause renders it, and an error stands at its line. Objects in the text and in the picture
+// mark each other.
+
+const PAUSE = 350;
+
+const editor = {
+  area: find('text'),
+  timer: 0,
+  // Counts what was sent, so that an answer that comes late is not shown.
+  sent: 0,
+  // What the parser says: each with its place, the problem and perhaps a hint.
+  errors: [],
+  // The object that is marked, and where it stands: [start, end] in the text.
+  object: null,
+  range: null,
+};
+// What each pixel shows: { size, objects, places }.
+let objectMap = null;
+
+async function editorSends() {
+  const mine = ++editor.sent;
+  clearTimeout(editor.timer);
+  const text = editor.area.value;
+  try {
+    const { meta } = await ask('/scene', { text });
+    if (mine !== editor.sent) return;
+    editor.errors = meta.errors || [];
+    if (meta.scene) view.open(meta.scene);
+    if (meta.scene && meta.scene.is_unlit) say('The scene has no lights: its surfaces show their flat colours.');
+  } catch (error) {
+    complain(error);
+  }
+  drawMarks();
+}
+
+// Where a line and a column, from 1, stand in the text.
+function offsetOf(line, column) {
+  const text = editor.area.value;
+  let at = 0;
+  for (let number = 1; number < line; number++) {
+    const end = text.indexOf('\n', at);
+    if (end < 0) return text.length;
+    at = end + 1;
+  }
+  return Math.min(text.length, at + [...text.slice(at)].slice(0, column - 1).join('').length);
+}
+
+// The word at a place: up to white space or a brace, and at least one character.
+function wordAt(start) {
+  const rest = editor.area.value.slice(start);
+  return [start, start + Math.max(1, rest.search(/[\s{}]|$/))];
+}
+
+// An object's text, from its keyword to the brace that closes it.
+function objectRange({ line, column }) {
+  const text = editor.area.value;
+  const start = offsetOf(line, column);
+  let depth = 0;
+  for (let at = start; at < text.length; at++) {
+    if (text[at] === '#' || text.startsWith('//', at)) at = (text.indexOf('\n', at) + 1 || text.length) - 1;
+    if (text[at] === '{') depth++;
+    if (text[at] === '}' && --depth <= 0) return [start, at + 1];
+  }
+  return [start, text.length];
+}
+
+// Lays the marks behind the text, and the messages at their lines.
+function drawMarks() {
+  const text = editor.area.value;
+  const errors = editor.errors.filter(({ at }) => at).map(({ at }) => [...wordAt(offsetOf(...at)), 'error']);
+  const isFree = ([start, end]) => !errors.some(([from, to]) => from < end && start < to);
+  // An error within an object takes its place.
+  const spans = editor.range && isFree(editor.range) ? [...errors, [...editor.range, 'object']] : errors;
+  spans.sort((a, b) => a[0] - b[0]);
+  const parts = [];
+  let done = 0;
+  for (const [start, end, kind] of spans.filter(([start]) => start >= done)) {
+    const mark = document.createElement('mark');
+    [mark.className, mark.textContent] = [kind, text.slice(start, end) || ' '];
+    parts.push(text.slice(done, start), mark);
+    done = end;
+  }
+  find('marks').replaceChildren(...parts, `${text.slice(done)}\n`);
+  const count = text.split('\n').length;
+  find('lines').textContent = Array.from({ length: count }, (_, index) => index + 1).join('\n');
+  editor.area.setAttribute('aria-invalid', editor.errors.length > 0 ? 'true' : 'false');
+  writeComplaints();
+}
+
+function writeComplaints() {
+  const said = editor.errors.map(({ at, problem, hint }) =>
+    `${at ? `line ${at[0]}: ` : ''}${problem}${hint ? ` (${hint})` : ''}`);
+  const complaint = find('complaint');
+  // What is said already is not said again.
+  if (complaint.dataset.said !== said.join('\n')) {
+    complaint.dataset.said = said.join('\n');
+    complaint.replaceChildren(...said.map((line) => {
+      const message = document.createElement('span');
+      message.textContent = line;
+      return message;
+    }));
+  }
+  complaint.hidden = said.length === 0;
+  scrollMarks();
+}
+
+const lineHeight = () => parseFloat(getComputedStyle(editor.area).lineHeight);
+const topOf = (line) => parseFloat(getComputedStyle(editor.area).paddingTop) + (line - 1) * lineHeight();
+
+// The marks, the numbers and the messages follow the text. A message stands under its line; one whose line is out of
+// sight stands at the edge.
+function scrollMarks() {
+  const { scrollTop, scrollLeft } = editor.area;
+  find('marks').style.transform = `translate(${-scrollLeft}px, ${-scrollTop}px)`;
+  find('lines').style.transform = `translateY(${-scrollTop}px)`;
+  let top = 0;
+  for (const [place, message] of [...find('complaint').children].entries()) {
+    const { at } = editor.errors[place];
+    const below = at ? topOf(at[0] + 1) - scrollTop + 2 : 0;
+    const room = find('paper').clientHeight - message.offsetHeight - 4;
+    top = Math.max(top, Math.min(room, below));
+    message.style.top = `${top}px`;
+    top += message.offsetHeight + 2;
+  }
+}
+
+// The objects that the picture shows, once it rests.
+async function lookAround() {
+  const scene = view.scene.revision;
+  try {
+    const { meta, bytes } = await ask('/objects', { ...view.question(), show: 'color' });
+    if (view.scene.revision !== scene) return;
+    objectMap = { ...meta, places: new Uint16Array(bytes.slice().buffer) };
+  } catch (error) {
+    complain(error);
+  }
+}
+
+// The object that a pixel shows, if that is known.
+function objectAt([x, y]) {
+  if (!objectMap || view.stage === 'sketch' || view.sketching) return null;
+  const [width, height] = size();
+  const [column, row] = [Math.floor((x * objectMap.size[0]) / width), Math.floor((y * objectMap.size[1]) / height)];
+  return objectMap.objects[objectMap.places[row * objectMap.size[0] + column] - 1] || null;
+}
+
+// Marks an object in the text and in the picture, or none.
+function markObject(object) {
+  if (object === editor.object) return;
+  editor.object = object;
+  editor.range = object ? objectRange(object) : null;
+  drawMarks();
+  drawOverlay();
+}
+
+// The innermost object that stands around a place in the text, of those that the picture shows.
+function objectAround(place) {
+  if (!objectMap) return null;
+  const around = objectMap.objects.map((object) => [objectRange(object), object])
+    .filter(([[start, end]]) => start <= place && place <= end);
+  around.sort(([a], [b]) => b[0] - a[0]);
+  return around.length > 0 ? around[0][1] : null;
+}
+
+function outlineObject(context) {
+  const { object } = editor;
+  if (!object || !objectMap || view.stage === 'sketch' || view.sketching) return;
+  const { size: [width, height], places, objects } = objectMap;
+  const place = objects.indexOf(object) + 1;
+  const [across, down] = [view.size[0] / width, view.size[1] / height];
+  const is = (x, y) => x >= 0 && y >= 0 && x < width && y < height && places[y * width + x] === place;
+  context.fillStyle = '#ff5fd2';
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      const isEdge = is(x, y) && !(is(x - 1, y) && is(x + 1, y) && is(x, y - 1) && is(x, y + 1));
+      if (isEdge) context.fillRect(x * across, y * down, Math.max(1.5, across), Math.max(1.5, down));
+    }
+  }
+}
+
+// Puts the camera's block in place of the one in the text.
+function keepCamera() {
+  const block = /\b(Orthographic|Perspective)Camera\s*\{[^}]*\}\n?/;
+  editor.area.value = editor.area.value.replace(block, () => view.camera.block());
+  view.camera = null;
+  selectTab('editor');
+  editorSends();
+}
+
+function startEditor(text) {
+  const { area } = editor;
+  area.value = text;
+  area.addEventListener('input', () => {
+    drawMarks();
+    clearTimeout(editor.timer);
+    editor.timer = setTimeout(editorSends, PAUSE);
+  });
+  area.addEventListener('scroll', scrollMarks);
+  area.addEventListener('mousemove', (event) => {
+    const line = 1 + Math.floor((event.offsetY + area.scrollTop - topOf(1)) / lineHeight());
+    const start = offsetOf(line, 1);
+    const indent = area.value.slice(start).search(/[^ \t]/);
+    markObject(objectAround(start + Math.max(0, indent)));
+  });
+  area.addEventListener('mouseleave', () => markObject(null));
+  area.addEventListener('keyup', () => markObject(objectAround(area.selectionStart)));
+  find('keep').addEventListener('click', keepCamera);
+  drawMarks();
+}

@@ -1,0 +1,275 @@
+//! Requests and answers of HTTP/1.1, as far as a page needs them.
+//!
+//! Of the crates that are whole servers, `tiny_http` (0.12, of 2022) and `rouille`, which stands on it, have no time
+//! limits; `oxhttp` is maintained, but limits each read instead of the whole request, cannot tell which free port it
+//! has found, and reads a body to its end however long it is. So the part that is easy to get wrong, the head of a
+//! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
+
+use super::limits::{MAX_HEAD, MAX_HEADERS};
+use std::fmt::Write as _;
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// The head of a request. Where a header is absent, so is its value.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Head {
+    pub is_post: bool,
+    pub path: String,
+    /// What follows the question mark.
+    pub query: String,
+    pub host: Option<String>,
+    pub origin: Option<String>,
+    pub key: Option<String>,
+    /// The length of the body.
+    pub length: Option<usize>,
+    pub closes: bool,
+}
+
+/// Why a request is not answered: the status, and a line for whoever reads it.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Refusal {
+    pub status: u16,
+    pub text: String,
+}
+
+impl Refusal {
+    pub fn new(status: u16, text: impl Into<String>) -> Self {
+        Self { status, text: text.into() }
+    }
+}
+
+/// Reads the requests of one connection.
+pub struct Requests<'s> {
+    stream: &'s TcpStream,
+    /// What has been received and not been used.
+    received: Vec<u8>,
+}
+
+impl<'s> Requests<'s> {
+    pub fn new(stream: &'s TcpStream) -> Self {
+        Self { stream, received: vec![] }
+    }
+
+    /// The head of the next request; none if the other side ends the connection before it starts one. All of it must
+    /// arrive before the deadline.
+    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Refusal>>> {
+        loop {
+            match parse_head(&self.received) {
+                Ok(Some((head, length))) => {
+                    self.received.drain(..length);
+                    return Ok(Some(Ok(head)));
+                }
+                Ok(None) if self.received.len() >= MAX_HEAD => {
+                    return Ok(Some(Err(Refusal::new(431, "the head of the request is too long"))));
+                }
+                Ok(None) => {}
+                Err(refusal) => return Ok(Some(Err(refusal))),
+            }
+            if self.receive(MAX_HEAD, deadline)? == 0 {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// A body of this length, which must arrive before the deadline.
+    pub fn body(&mut self, length: usize, deadline: Instant) -> io::Result<Vec<u8>> {
+        while self.received.len() < length {
+            if self.receive(length, deadline)? == 0 {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+        }
+        let rest = self.received.split_off(length);
+        Ok(std::mem::replace(&mut self.received, rest))
+    }
+
+    /// Receives what there is, up to `most` bytes in all, and returns how many more.
+    fn receive(&mut self, most: usize, deadline: Instant) -> io::Result<usize> {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.stream.set_read_timeout(Some(left))?;
+        let mut part = [0; 1 << 14];
+        let room = most.saturating_sub(self.received.len()).min(part.len());
+        let count = self.stream.read(&mut part[..room])?;
+        self.received.extend_from_slice(&part[..count]);
+        Ok(count)
+    }
+}
+
+/// The head at the start of these bytes and its length; none if it is not complete.
+fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Refusal> {
+    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
+    let mut request = httparse::Request::new(&mut headers);
+    let length = match request.parse(bytes) {
+        Ok(httparse::Status::Complete(length)) => length,
+        Ok(httparse::Status::Partial) => return Ok(None),
+        Err(httparse::Error::TooManyHeaders) => return Err(Refusal::new(431, "too many headers")),
+        Err(error) => return Err(Refusal::new(400, format!("not a request: {error}"))),
+    };
+    let is_post = match request.method {
+        Some("GET") => false,
+        Some("POST") => true,
+        _ => return Err(Refusal::new(405, "only GET and POST")),
+    };
+    let target = request.path.unwrap_or_default();
+    let (path, query) = target.split_once('?').unwrap_or((target, ""));
+    let mut head = Head { is_post, path: path.into(), query: query.into(), ..Head::default() };
+    head.closes = request.version == Some(0);
+    request.headers.iter().try_for_each(|header| head.add(header))?;
+    Ok(Some((head, length)))
+}
+
+impl Head {
+    /// Takes a header that means something here. One that could be read in two ways is refused.
+    fn add(&mut self, header: &httparse::Header) -> Result<(), Refusal> {
+        let value = || match std::str::from_utf8(header.value) {
+            Ok(text) => Ok(text.trim().to_owned()),
+            Err(_) => Err(Refusal::new(400, "a header is not text")),
+        };
+        let once = |place: &mut Option<String>| match place.replace(value()?) {
+            None => Ok(()),
+            Some(_) => Err(Refusal::new(400, "a header is given twice")),
+        };
+        match header.name.to_ascii_lowercase().as_str() {
+            "host" => once(&mut self.host),
+            "origin" => once(&mut self.origin),
+            "x-key" => once(&mut self.key),
+            "content-length" => {
+                let text = value()?;
+                let digits = text.bytes().all(|byte| byte.is_ascii_digit());
+                match text.parse() {
+                    Ok(length) if digits && self.length.is_none() => self.length = Some(length),
+                    _ => return Err(Refusal::new(400, "the length of the body is unclear")),
+                }
+                Ok(())
+            }
+            "transfer-encoding" => Err(Refusal::new(411, "the length of the body must be given")),
+            "connection" => {
+                self.closes |= value()?.to_ascii_lowercase().contains("close");
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What is sent back.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub content_type: &'static str,
+    /// The content security policy, if it is a page.
+    pub policy: Option<String>,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    /// A text.
+    pub fn text(status: u16, text: &str) -> Self {
+        let body = format!("{text}\n").into_bytes();
+        Self { status, content_type: "text/plain; charset=utf-8", policy: None, body }
+    }
+
+    /// Numbers and pixels that the page's script reads.
+    pub fn bytes(body: Vec<u8>) -> Self {
+        Self { status: 200, content_type: "application/octet-stream", policy: None, body }
+    }
+
+    /// Sends it. The other side may take a while, but not for ever, to receive each part.
+    pub fn send(&self, mut stream: &TcpStream, closes: bool) -> io::Result<()> {
+        const PATIENCE: Duration = Duration::from_secs(10);
+        stream.set_write_timeout(Some(PATIENCE))?;
+        let mut head = format!(
+            "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n",
+            self.status,
+            reason(self.status),
+            self.content_type,
+            self.body.len()
+        );
+        let policy = self.policy.as_deref().unwrap_or("default-src 'none'; frame-ancestors 'none'");
+        let _ = write!(head, "Content-Security-Policy: {policy}\r\n");
+        head += "X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\nReferrer-Policy: no-referrer\r\n\
+                 Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\n\
+                 Cache-Control: no-store\r\n";
+        head += if closes { "Connection: close\r\n\r\n" } else { "\r\n" };
+        let mut message = head.into_bytes();
+        message.extend_from_slice(&self.body);
+        stream.write_all(&message)
+    }
+}
+
+impl From<Refusal> for Answer {
+    fn from(refusal: Refusal) -> Self {
+        Self::text(refusal.status, &refusal.text)
+    }
+}
+
+fn reason(status: u16) -> &'static str {
+    match status {
+        200 => "OK",
+        400 => "Bad Request",
+        403 => "Forbidden",
+        404 => "Not Found",
+        405 => "Method Not Allowed",
+        408 => "Request Timeout",
+        409 => "Conflict",
+        410 => "Gone",
+        411 => "Length Required",
+        413 => "Content Too Large",
+        422 => "Unprocessable Content",
+        431 => "Request Header Fields Too Large",
+        _ => "Service Unavailable",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Option<Head>, u16> {
+        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|refusal| refusal.status)
+    }
+
+    #[test]
+    fn a_head_has_what_decides() {
+        let text = "POST /a?b=c HTTP/1.1\r\nHost: localhost:7\r\nORIGIN: http://localhost:7\r\nX-Key: 00ff\r\n\
+                    Content-Length: 12\r\nAccept: */*\r\n\r\n";
+        let head = parse(text).unwrap().unwrap();
+        let text = |text: &str| Some(text.to_owned());
+        let expected = Head {
+            is_post: true,
+            path: "/a".into(),
+            query: "b=c".into(),
+            host: text("localhost:7"),
+            origin: text("http://localhost:7"),
+            key: text("00ff"),
+            length: Some(12),
+            closes: false,
+        };
+        assert_eq!(head, expected);
+        assert!(parse("GET / HTTP/1.0\r\n\r\n").unwrap().unwrap().closes);
+    }
+
+    #[test]
+    fn what_can_be_read_in_two_ways_is_refused() {
+        for (headers, status) in [
+            ("Host: a\r\nHost: b", 400),
+            ("X-Key: a\r\nx-key: a", 400),
+            ("Content-Length: 3\r\nContent-Length: 3", 400),
+            ("Content-Length: +3", 400),
+            ("Content-Length: 99999999999999999999", 400),
+            ("Transfer-Encoding: chunked", 411),
+            ("Host: \u{fffd}\u{0}", 400),
+            (" folded", 400),
+        ] {
+            assert_eq!(parse(&format!("GET / HTTP/1.1\r\n{headers}\r\n\r\n")), Err(status), "{headers}");
+        }
+        assert_eq!(parse("PUT / HTTP/1.1\r\n\r\n"), Err(405));
+        assert_eq!(parse("\u{16}\u{3}\u{1} TLS\r\n\r\n"), Err(400));
+        let many = "a: b\r\n".repeat(MAX_HEADERS + 1);
+        assert_eq!(parse(&format!("GET / HTTP/1.1\r\n{many}\r\n")), Err(431));
+        assert_eq!(parse("GET / HTTP/1.1\r\nHost: a"), Ok(None));
+    }
+}

@@ -1,0 +1,40 @@
+//! How much one request may ask for.
+
+use std::time::Duration;
+
+/// The bytes of a request's head.
+pub const MAX_HEAD: usize = 1 << 14;
+/// The headers of a request.
+pub const MAX_HEADERS: usize = 64;
+/// The bytes of a question of the page, with the text of a scene.
+pub const MAX_QUESTION: usize = 1 << 21;
+/// The bytes of a picture that is dropped in.
+pub const MAX_PICTURE_FILE: usize = 1 << 25;
+/// Connections at the same time.
+pub const MAX_CONNECTIONS: usize = 32;
+/// How long the head of a request may take to arrive.
+pub const HEAD_TIME: Duration = Duration::from_secs(5);
+/// How long a connection that has shown the key may rest.
+pub const IDLE_TIME: Duration = Duration::from_secs(120);
+/// How long a body may take to arrive.
+pub const BODY_TIME: Duration = Duration::from_secs(20);
+/// How long a picture may take.
+pub const PICTURE_TIME: Duration = Duration::from_secs(60);
+
+/// The longer side of a picture in pixels, and the limits below, unless the command line itself asks for more.
+pub const MAX_SIDE: usize = 2048;
+/// Samples of a pixel.
+pub const MAX_SAMPLES: u32 = 1024;
+/// Reflections and refractions: each may double the rays.
+pub const MAX_BOUNCES: u32 = 16;
+/// Pixels that a filter reaches.
+pub const MAX_SUPPORT: usize = 16;
+/// Cells of a grid.
+pub const MAX_CELLS: usize = 1 << 21;
+
+/// The triangles, spheres and planes of a scene that is typed in, with those of its meshes.
+pub const MAX_PRIMITIVES: usize = 2_000_000;
+/// The mesh files that it names.
+pub const MAX_MESHES: usize = 32;
+/// The bytes of such a file.
+pub const MAX_MESH_FILE: u64 = 1 << 28;

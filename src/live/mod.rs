@@ -1,0 +1,28 @@
+//! The live page behind `-gui`: the scene in a browser, ray-traced anew whenever the hand moves.
+//!
+//! This module is the only one of the library that talks to a network, and it reads and writes files for the page:
+//! meshes beside the scene, and the pictures that the command line names. It listens on the loopback interface alone,
+//! and answers only who knows the key in the address that it prints.
+//!
+//! The page asks in the program's own words: the flags of a command line, and the camera's block of scene text. So
+//! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers.
+
+mod admission;
+mod answers;
+mod camera_block;
+mod connections;
+mod http;
+mod key;
+mod limits;
+mod objects;
+mod page;
+mod painter;
+mod questions;
+mod rays;
+mod reference;
+mod saving;
+mod server;
+mod settings;
+mod stage;
+
+pub use server::{Server, Setup};

@@ -1,0 +1,159 @@
+//! The scenes that are open: the one of the command line, and those that were typed in last.
+
+use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use crate::renderer::{Meshes, Renderer};
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::{MeshFile, Object, mesh_fault};
+use crate::scene_io::{self, LoadError, LoadedScene, Source};
+use rayon::ThreadPool;
+use serde::Serialize;
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How many typed scenes stay open, so that each of a few pages has its own.
+const KEPT: usize = 4;
+
+/// A scene that can be rendered.
+#[derive(Debug)]
+pub struct OpenScene {
+    /// By which a page names it; 0 is the command line's.
+    pub revision: u64,
+    pub renderer: Renderer,
+}
+
+/// The open scenes.
+pub struct Stage {
+    path: PathBuf,
+    /// Those of the command line's scene, which may stand anywhere.
+    meshes: HashMap<String, Mesh>,
+    first: Arc<OpenScene>,
+    typed: Mutex<Vec<Arc<OpenScene>>>,
+    next: AtomicU64,
+    threads: Arc<ThreadPool>,
+}
+
+/// Why a text is no scene: one of the errors in it.
+#[derive(Debug, Serialize)]
+pub struct SceneMessage {
+    /// Where, if it is at a place: line and column, from 1.
+    pub at: Option<[u32; 2]>,
+    /// In one line.
+    pub problem: String,
+    pub hint: Option<String>,
+}
+
+impl Stage {
+    /// Opens the scene of the command line.
+    pub fn open(path: &Path, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
+        let renderer = Renderer::new(scene_io::load(path)?, Meshes::Kept)?.on_threads(threads.clone());
+        let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
+        let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
+        let first = Arc::new(OpenScene { revision: 0, renderer });
+        let (path, typed, next) = (path.to_owned(), Mutex::default(), AtomicU64::new(1));
+        Ok(Self { path, meshes, first, typed, next, threads })
+    }
+
+    /// The scene of the command line.
+    pub fn first(&self) -> &OpenScene {
+        &self.first
+    }
+
+    /// The scene of this revision, if it is still open.
+    pub fn scene(&self, revision: u64) -> Option<Arc<OpenScene>> {
+        let typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
+        [&self.first].into_iter().chain(&*typed).find(|scene| scene.revision == revision).cloned()
+    }
+
+    /// Opens a text in place of the command line's scene.
+    pub fn type_in(&self, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+        let source = Source { path: self.path.clone(), text };
+        let renderer = self.renderer(source)?.on_threads(self.threads.clone());
+        let revision = self.next.fetch_add(1, Ordering::Relaxed);
+        let scene = Arc::new(OpenScene { revision, renderer });
+        let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
+        typed.push(scene.clone());
+        let surplus = typed.len().saturating_sub(KEPT);
+        typed.drain(..surplus);
+        Ok(scene)
+    }
+
+    fn renderer(&self, source: Source) -> Result<Renderer, Vec<SceneMessage>> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let files = Cell::new(0);
+        let find = |name: &str| match self.meshes.get(name) {
+            Some(mesh) => Ok(mesh.clone()),
+            None if files.replace(files.get() + 1) >= MAX_MESHES => {
+                Err(refused(name, format!("a page opens at most {MAX_MESHES} meshes")))
+            }
+            None => mesh_beside(name, folder),
+        };
+        let read = |file: &MeshFile| match find(&file.name) {
+            Ok(mesh) => Ok((mesh, PathBuf::from(&file.name))),
+            Err(problem) => Err(SceneError::new(file.at, problem)),
+        };
+        let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
+        if primitives(&loaded) > MAX_PRIMITIVES {
+            let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
+            return Err(vec![SceneMessage { at: None, problem, hint: None }]);
+        }
+        Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)
+    }
+}
+
+impl SceneMessage {
+    fn of(error: LoadError) -> Vec<Self> {
+        let of_text = |error: SceneError| Self {
+            at: Some([error.at.line, error.at.column]),
+            problem: error.problem.to_string(),
+            hint: error.hint,
+        };
+        match error {
+            LoadError::Scene { errors, .. } => errors.into_iter().map(of_text).collect(),
+            other => vec![Self { at: None, problem: other.to_string(), hint: None }],
+        }
+    }
+}
+
+/// Triangles, spheres and planes, before the meshes are copied to where they stand.
+fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
+    const BOX: usize = 12;
+    let count = |object: &Object| match object {
+        Object::Mesh { mesh, .. } => meshes.get(*mesh).map_or(0, |mesh| mesh.triangles.len()),
+        Object::Box { .. } => BOX,
+        _ => 1,
+    };
+    scene.objects.iter().map(count).fold(0, usize::saturating_add)
+}
+
+/// Reads a mesh that lies in the scene's folder or below it; no way leads out of there, nor does a link.
+fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
+    let is_inside = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+    if !is_inside {
+        return Err(refused(name, "a page opens meshes beside the scene only".into()));
+    }
+    let failed = |error: std::io::Error| refused(name, error.to_string());
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let file = fs::canonicalize(folder.join(name)).map_err(failed)?;
+    if !file.starts_with(fs::canonicalize(folder).map_err(failed)?) {
+        return Err(refused(name, "it is a link that leads out of the scene's folder".into()));
+    }
+    let found = fs::metadata(&file).map_err(failed)?;
+    if !found.is_file() || found.len() > MAX_MESH_FILE {
+        return Err(refused(name, "it is no file, or too large".into()));
+    }
+    let bytes = fs::read(&file).map_err(failed)?;
+    parse_obj(&bytes).map_err(|error| Problem::BadMesh {
+        file: name.to_owned(),
+        excerpt: mesh_fault::excerpt(&error, &bytes),
+        error,
+    })
+}
+
+fn refused(name: &str, reason: String) -> Problem {
+    Problem::MeshUnreadable { name: name.to_owned(), tried: vec![(name.to_owned(), reason)] }
+}

@@ -1,0 +1,387 @@
+#!/usr/bin/env python3
+"""Uses the live page of -gui in a real browser: drags, traces, edits, compares, and checks the painted pixels.
+
+usage: tests/browser/live.py [PROGRAM] [--screenshots FOLDER] [--measure]
+
+PROGRAM is target/release/raytracer unless it is named. Needs Chromium and its driver (Debian: chromium,
+chromium-driver); without them it says so and ends with status 0. Standard library only. --measure only measures how fast
+the picture follows the hand.
+"""
+import argparse
+import base64
+import json
+import math
+import pathlib
+import re
+import shlex
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+from browser import Browser, find_browser
+from page_rules import RULES
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+GLASS = "-size 320 240 -shadows -bounces 5 -weight 0.01 -shade_back"
+RABBIT = "-size 400 400 -shadows"
+ARROW_RIGHT, TAB, SHIFT, ENTER = "\ue014", "\ue004", "\ue008", "\ue007"
+
+# A hand that moves 60 times a second, which the driver is too slow for.
+DRAG = """
+const box = view.canvas.getBoundingClientRect();
+const send = (kind, x, y) => view.canvas.dispatchEvent(new PointerEvent(kind,
+  { pointerId: 7, clientX: box.left + box.width / 2 + x, clientY: box.top + box.height / 2 + y }));
+view.canvas.setPointerCapture = () => {};
+send('pointerdown', 0, 0);
+let i = 0;
+window.dragging = setInterval(() => { i++; send('pointermove', 90 * Math.sin(i / 20), 45 * Math.sin(i / 31)); }, 1000 / 60);
+"""
+
+
+class Page:
+    """A program that serves a page, and the browser that shows it."""
+
+    def __init__(self, program, browser, scene, flags, folder):
+        self.browser, self.folder, self.program = browser, folder, program
+        (folder / "s.txt").write_text((ROOT / "scenes" / scene).read_text())
+        for mesh in (ROOT / "scenes").glob("*.obj"):
+            if not (folder / mesh.name).exists():
+                (folder / mesh.name).symlink_to(mesh)
+        words = [program, "-input", "s.txt", *flags.split(), "-output", "o.png", "-gui", "-port", "0", "-no_browser"]
+        self.process = subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True)
+        found = None
+        while not found:
+            line = self.process.stderr.readline()
+            if not line:
+                raise RuntimeError("the program serves no page")
+            found = re.match(r"open (\S+)", line)
+        browser.ask("POST", "/url", {"url": found.group(1)})
+
+    def run(self, script):
+        return self.browser.run(script)
+
+    def status(self):
+        return self.run("return document.getElementById('status').textContent")
+
+    def wait(self, script, what, seconds=240):
+        end = time.time() + seconds
+        while not self.run(script):
+            if time.time() > end:
+                raise AssertionError(f"{what} ({self.status()})")
+            time.sleep(0.1)
+
+    def settle(self):
+        """Waits until nothing better is on its way."""
+        self.wait("return view.finished && !view.sketching", "the picture is not finished")
+
+    def pixels(self):
+        """Width, height and the painted red, green and blue."""
+        width, height, data = self.run(
+            "const c = view.canvas; const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+            "let text = ''; for (let i = 0; i < d.length; i += 4) text += String.fromCharCode(d[i], d[i + 1], d[i + 2]);"
+            "return [c.width, c.height, btoa(text)]")
+        return width, height, base64.b64decode(data)
+
+    def write_scene(self):
+        """Writes the text with the camera that is shown."""
+        text = self.run("return document.getElementById('text').value")
+        block = self.run("return document.getElementById('block').value")
+        (self.folder / "s.txt").write_text(re.sub(r"\b(Ortho|Persp)\w*Camera\s*\{[^}]*\}", lambda _: block.rstrip(), text))
+
+    def check_pixels(self, what):
+        """The painted pixels are those of the file that the shown command line writes, with the shown camera."""
+        self.settle()
+        self.write_scene()
+        words = shlex.split(self.run("return document.getElementById('command').value"))
+        words[words.index("-output") + 1] = "check.tga"
+        subprocess.run([self.program, *words[1:]], cwd=self.folder, check=True)
+        written = read_tga(self.folder / "check.tga")
+        assert self.pixels() == written, f"{what}: the painted pixels are not those of the file"
+
+    def drag(self, moves, button=0):
+        self.browser.move("#picture", moves, button, 16)
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+def read_tga(path):
+    data = path.read_bytes()
+    width, height = [int.from_bytes(data[at:at + 2], "little") for at in (12, 14)]
+    return width, height, b"".join(data[at:at + 3][::-1] for at in range(18, len(data), 3))
+
+
+def circle(count, radius):
+    return [(int(radius * math.sin(i / 9)), int(radius * math.sin(i / 14) / 2)) for i in range(count)]
+
+
+def check_hand(page):
+    """The picture follows the mouse, and each picture at rest is the one of its command line."""
+    page.check_pixels("at the start")
+    own = page.run("return document.getElementById('block').value")
+    for button, name in [(0, "turned"), (1, "moved"), (2, "nearer")]:
+        before = page.run("return document.getElementById('block').value")
+        page.drag([(0, 0), (20, 12), (40, 24)], button)
+        page.wait("return view.sketches.length > 0", "no sketch was painted")
+        page.check_pixels(name)
+        assert page.run("return document.getElementById('block').value") != before, f"{name}: the camera stays"
+    page.run("view.canvas.dispatchEvent(new WheelEvent('wheel', {deltaY: -200, cancelable: true}))")
+    page.check_pixels("the wheel")
+    page.browser.click("#home")
+    page.settle()
+    assert page.run("return document.getElementById('block').value") == own
+    page.drag([(0, 0), (30, 10)])
+    page.settle()
+    page.browser.click("#keep")
+    page.wait("return view.camera === null && view.scene.revision > 0", "the camera is not put into the text")
+    page.check_pixels("the camera in the text")
+
+
+def check_touch(page):
+    """Two fingers that part come nearer."""
+    before = page.run("return view.seenWith().center")
+    page.run("view.canvas.setPointerCapture = () => {}; const box = view.canvas.getBoundingClientRect();"
+             "const send = (kind, id, x) => view.canvas.dispatchEvent(new PointerEvent(kind, { pointerId: id,"
+             " pointerType: 'touch', clientX: box.left + x, clientY: box.top + 50 }));"
+             "send('pointerdown', 11, 100); send('pointerdown', 12, 140); send('pointermove', 12, 220);"
+             "send('pointerup', 11, 0); send('pointerup', 12, 0)")
+    page.settle()
+    after = page.run("return view.seenWith().center")
+    pivot = page.run("return view.seenWith().pivot")
+    assert math.dist(after, pivot) < 0.5 * math.dist(before, pivot), "the fingers do not come nearer"
+    page.run("delete view.canvas.setPointerCapture; find('home').click(); return 0")
+    page.settle()
+
+
+def check_keys(page):
+    """The keyboard alone suffices: focus goes everywhere, arrows turn, letters act."""
+    page.browser.click("#tab-controls")
+    page.run("document.activeElement.blur(); return 0")
+    reached = []
+    for _ in range(60):
+        page.browser.press(TAB)
+        reached.append(page.run("return document.activeElement.id"))
+        if reached.count("save") > 1:
+            break
+    for name in ["save", "help-button", "quit", "picture", "command", "block", "tab-controls", "show", "width", "shadows",
+                 "samples", "grid"]:
+        assert name in reached, f"{name} cannot be reached by the Tab key: {reached}"
+    page.run("view.canvas.focus()")
+    before = page.run("return JSON.stringify(view.seenWith().center)")
+    page.browser.press(ARROW_RIGHT, ARROW_RIGHT)
+    page.settle()
+    assert page.run("return JSON.stringify(view.seenWith().center)") != before, "the arrow keys do not turn"
+    page.check_pixels("the arrow keys")
+    page.browser.press("g")
+    page.wait("return /visualize_grid/.test(document.getElementById('command').value)", "g shows no grid")
+    page.check_pixels("the grid")
+    page.browser.press("g")
+    page.browser.press("c")
+    page.wait("return /-cost_map tests/.test(document.getElementById('command').value)", "c shows no cost")
+    assert "COST MAP" in page.run("return document.getElementById('costs').textContent")
+    page.browser.press("c")
+    page.wait("return !/-cost_map/.test(document.getElementById('command').value)", "c does not end the cost map")
+    page.browser.press("r")
+    page.wait("return view.stage === 'whole' && !/adaptive/.test(document.getElementById('command').value)", "r renders not")
+    page.browser.press("?")
+    page.wait("return document.getElementById('help').open", "? shows no help")
+    page.browser.press(ENTER)
+    page.wait("return !document.getElementById('help').open", "the help stays")
+
+
+def check_rays(page, shot):
+    page.browser.click("#tab-controls")
+    page.browser.click("#home")
+    page.settle()
+    page.browser.move("#picture", [(20, 20), (21, 20)])
+    page.browser.press("t")
+    page.wait("return document.querySelectorAll('#tree li').length > 10", "t traces nothing")
+    page.write_scene()
+    words = shlex.split(page.run("return document.getElementById('command').value"))
+    words = words[:words.index("-output")]
+    if "-adaptive_samples" in words:
+        at = words.index("-adaptive_samples")
+        del words[at:at + 3]
+    pixel = page.run("return traced.pixel.map(String)")
+    said = subprocess.run([page.program, *words[1:], "-pixel", *pixel], cwd=page.folder, capture_output=True, text=True)
+    shown = page.run("return [...document.querySelectorAll('#tree li')].map(line => line.textContent)")
+    assert said.stdout.splitlines() == shown, "the tree is not the text of -pixel"
+    kinds = page.run("return [...new Set(traced.rays.segments.map(segment => segment.kind))]")
+    assert {"camera", "reflected", "refracted", "normal"} <= set(kinds), kinds
+    page.run("find('refine').click(); return 0")
+    page.drag([(0, 0), (60, -20), (110, -40)])
+    page.check_pixels("converged beneath the rays")
+    ink = "return find('overlay').toDataURL()"
+    drawn = page.run(ink)
+    line = page.run("return 1 + [...find('tree').children].findIndex(line => /^ *refracted ray/.test(line.textContent))")
+    page.browser.move(f"#tree li:nth-child({line})", [(0, 0)])
+    page.wait("return traced.lit !== null && document.querySelectorAll('#tree li.lit').length > 0", "no ray lights up")
+    shot("rays.png")
+    page.run("find('refine').click(); return 0")
+    page.run("find('grid').value = 'auto'; controlsChanged()")
+    page.settle()
+    page.browser.click("#show-cells")
+    page.browser.click("#tracing button")
+    page.wait("return traced.rays.cells.length > 3", "no cells are passed")
+    page.browser.click("#show-cells")
+    page.run("find('grid').value = ''; controlsChanged()")
+    page.settle()
+    page.browser.click("#untrace")
+    assert len(page.run(ink)) < len(drawn) / 2, "the rays are not drawn, or stay"
+
+
+def check_editor(page, shot):
+    page.browser.click("#home")
+    page.browser.click("#tab-editor")
+    page.settle()
+    right = page.pixels()
+    edit = ("const a = find('text'); a.value = a.value.replace('%s', '%s'); a.dispatchEvent(new Event('input'));")
+    page.run(edit % ("angle", "angel"))
+    page.wait("return !find('complaint').hidden", "no error is shown")
+    complaint = page.run("return find('complaint').textContent")
+    assert "expected `angle`, found `angel`" in complaint, complaint
+    assert page.run("return document.querySelector('#marks .error').textContent") == "angel"
+    line = page.run("const a = find('text'); return a.value.slice(0, a.value.indexOf('angel')).split('\\n').length")
+    assert complaint.startswith(f"line {line}: "), complaint
+    assert page.pixels() == right, "the last good picture does not stay"
+    shot("error.png")
+    page.run(edit % ("angel", "angle"))
+    page.wait("return find('complaint').hidden", "the error stays")
+    page.check_pixels("the mended text")
+    page.run("const a = find('text'); a.value = a.value.replace(/angle [0-9.]+/, 'angle 20'); "
+             "a.dispatchEvent(new Event('input'));")
+    page.wait("return view.scene.camera.angle === 20", "the edit is not rendered")
+    page.check_pixels("an edit")
+    page.browser.move("#picture", [(0, 0), (1, 1)])
+    page.wait("return editor.object !== null && document.querySelector('#marks .object')", "no object is marked")
+
+
+def check_comparison(page, shot):
+    width, height, _ = page.pixels()
+    flags = GLASS.replace("-shadows ", "")
+    subprocess.run([page.program, "-input", "s.txt", *flags.split(), "-output", "mine.png"], cwd=page.folder, check=True)
+    data = base64.b64encode((page.folder / "mine.png").read_bytes()).decode()
+    page.run(f"const bytes = Uint8Array.from(atob('{data}'), c => c.charCodeAt(0)); const t = new DataTransfer();"
+             "t.items.add(new File([bytes], 'mine <b>.png'));"
+             "document.dispatchEvent(new DragEvent('drop', {dataTransfer: t, cancelable: true}))")
+    page.wait("return /^cause/.test(find('cause').textContent)", "no cause is told")
+    assert "without -shadows (0 pixels differ)" in page.run("return find('cause').textContent")
+    own = page.pixels()
+    page.browser.click("input[value=reference]")
+    assert page.pixels()[2] != own[2], "the file is not shown"
+    page.browser.click("input[value=slider]")
+    shot("comparison.png")
+    page.browser.click("input[value=own]")
+    page.check_pixels("compared")
+    page.run("document.activeElement.blur(); return 0")
+    page.browser.press("b")
+    seen = set()
+    for _ in range(40):
+        seen.add(page.pixels()[2])
+        time.sleep(0.05)
+    assert len(seen) == 2, f"blinking shows {len(seen)} pictures"
+    page.browser.press("b")
+    page.browser.click("#forget")
+    page.settle()
+
+
+def check_rules(page):
+    """Labels, names and contrast, in every panel."""
+    for panel in ["controls", "editor", "rays", "compare"]:
+        page.browser.click(f"#tab-{panel}")
+        broken = page.run(RULES)
+        assert broken == [], f"{panel}: {broken}"
+
+
+def check_end(page):
+    page.run("document.activeElement.blur(); return 0")
+    page.browser.press("q")
+    assert page.process.wait(20) == 0
+    page.wait("return document.body.classList.contains('ended')", "the page does not say that it has ended")
+
+
+def check_glass(program, browser, folder, shot):
+    page = Page(program, browser, "scene6_14_glass_sphere.txt", GLASS, folder)
+    try:
+        page.settle()
+        page.check_pixels("converged")
+        page.run("find('refine').click(); return 0")
+        check_hand(page)
+        check_touch(page)
+        check_keys(page)
+        check_rays(page, shot)
+        check_editor(page, shot)
+        check_comparison(page, shot)
+        check_rules(page)
+        check_end(page)
+    finally:
+        page.close()
+
+
+def check_rabbit(program, browser, folder, shot):
+    page = Page(program, browser, "scene6_07_bunny_mesh_40k.txt", RABBIT, folder)
+    try:
+        page.settle()
+        page.drag([(0, 0), (30, 8), (60, 16)])
+        page.check_pixels("the rabbit turned")
+        shot("turned.png")
+    finally:
+        page.close()
+
+
+def measure(program, browser, folder, scene, flags):
+    """Pictures a second, and the median delay from the hand's movement to the painted pixels."""
+    page = Page(program, browser, scene, flags, folder)
+    try:
+        page.settle()
+        page.browser.move("#picture", circle(60, 60), 0, 16)
+        page.settle()
+        page.run("view.sketches.length = 0")
+        page.run(DRAG)
+        time.sleep(6)
+        page.run("clearInterval(window.dragging); return 0")
+        sketches = page.run("return view.sketches")
+        span = sketches[-1]["paintedAt"] - sketches[0]["paintedAt"]
+        late = sorted(sketch["paintedAt"] - move for sketch in sketches for move in sketch["moves"])
+        side = statistics.median(sketch["sides"][0] for sketch in sketches)
+        print(f"{scene}: {1000 * (len(sketches) - 1) / span:.1f} pictures/s, median delay {statistics.median(late):.1f} ms, "
+              f"95% within {late[int(0.95 * len(late))]:.1f} ms, median width {side:.0f} pixels")
+    finally:
+        page.close()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("program", nargs="?", default=ROOT / "target/release/raytracer", type=pathlib.Path)
+    parser.add_argument("--screenshots", type=pathlib.Path)
+    parser.add_argument("--measure", action="store_true")
+    options = parser.parse_args()
+    found = find_browser()
+    if not found:
+        print("skipped: there is no Chromium with its driver")
+        return
+    program = options.program.resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        browser = Browser(*found, folder / "profile")
+        shot = lambda name: browser.screenshot(options.screenshots, name)
+        try:
+            if options.measure:
+                for scene, flags in [("scene6_07_bunny_mesh_40k.txt", RABBIT),
+                                     ("scene6_14_glass_sphere.txt", "-size 400 400 -shadows -bounces 5 -weight 0.01")]:
+                    measure(program, browser, folder, scene, flags)
+                return
+            check_rabbit(program, browser, folder, shot)
+            check_glass(program, browser, folder, shot)
+            complaints = [entry["message"] for entry in browser.ask("POST", "/se/log", {"type": "browser"})]
+            assert not complaints, complaints
+        finally:
+            browser.close()
+    print("the live page: pixels equal those of its command lines; hand, keys, rays, editor and comparison work")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,270 @@
+//! The server of the live page, asked over plain sockets: who is let in, what is refused, and that it stays alive.
+
+use crate::live_server::{Server, view};
+use crate::support::{Folder, scene, sphere};
+use serde_json::json;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::thread;
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_picture_of_the_page_is_the_one_that_its_command_line_writes() {
+    let folder =
+        Folder::with_scene(&scene(2, "Sphere { center 0 0 0 radius .7 } Plane { normal 0 1 0 offset -.5 }"));
+    let server = Server::start(folder.path(), "-output o.tga -size 30 20");
+    for words in [
+        "-size 30 20",
+        "-size 33 21 -shadows -jittered_samples 5 -tent_filter 1 -grid auto",
+        "-size 9 9 -grid 3 4 5 -visualize_grid",
+    ] {
+        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        let (meta, bytes) = server.ask("/picture", &question).expect("a picture");
+        let line = meta["command"]
+            .as_str()
+            .expect("a command line")
+            .strip_prefix("raytracer ")
+            .expect("the program");
+        folder.run(line).ok();
+        let pixels: Vec<[u8; 3]> = bytes.chunks(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        assert_eq!(folder.tga("o.tga").pixels, pixels, "{line}");
+    }
+}
+
+#[test]
+fn a_moved_camera_is_the_one_of_its_block() {
+    let text = sphere();
+    let folder = Folder::with_scene(&text);
+    let server = Server::start(folder.path(), "");
+    let block = "PerspectiveCamera { center .1 .2 3 direction 0 -.1 -1 up 0 1 0 angle 33.3 }";
+    let mut moved = view(0, "-size 20 20");
+    moved["camera"] = json!(block);
+    let (_, rest) = text.split_once('\n').expect("the camera has a line");
+    folder.write("s.txt", format!("{block}\n{rest}"));
+    assert_eq!(server.pixels(moved.clone()), folder.render("-size 20 20").pixels);
+    for wrong in ["", "PerspectiveCamera {", "Group { numObjects 0 }", &format!("{block} {block}")] {
+        moved["camera"] = json!(wrong);
+        let question = json!({ "page": 1, "turn": 2, "view": moved, "sketch": null });
+        assert_eq!(server.ask("/picture", &question).unwrap_err().0, 422, "{wrong}");
+    }
+}
+
+#[test]
+fn nobody_gets_in_without_the_key_the_name_and_the_origin() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let status = |headers: &[(&str, &str)]| server.post("/start", headers, b"{}").map(|(status, _)| status);
+    let wrong = "0".repeat(32);
+    let (short, long) = (&server.key[1..], format!("{}0", server.key));
+    let own = format!("http://127.0.0.1:{}", server.port);
+    assert_eq!(status(&[]), Some(200));
+    assert_eq!(status(&[("Origin", &own)]), Some(200));
+    for headers in [
+        [("X-Key", "")],
+        [("X-Key", wrong.as_str())],
+        [("X-Key", short)],
+        [("X-Key", &long)],
+        [("Host", "evil.example")],
+        [("Host", "localhost.evil.example:80")],
+        [("Origin", "http://evil.example")],
+        [("Origin", "null")],
+        [("Origin", "http://127.0.0.1:1")],
+    ] {
+        assert_eq!(status(&headers), Some(403), "{headers:?}");
+    }
+    let get = |path: &str, key: &str| {
+        let request = server.request(&format!("GET {path}{key}"), &[("X-Key", "")], b"");
+        let request = String::from_utf8(request).expect("text").replace("X-Key: \r\n", "");
+        server.send(request.as_bytes()).map(|(status, body)| (status, String::from_utf8(body).expect("text")))
+    };
+    let (status, page) = get("/", &format!("?key={}", server.key)).expect("a page");
+    assert_eq!((status, page.contains("<canvas id=\"picture\"")), (200, true));
+    for (path, key) in
+        [("/", ""), ("/", "?key="), ("/", "?key=x"), ("/start", ""), ("/../s.txt", ""), ("/s.txt", "")]
+    {
+        let (status, text) = get(path, key).expect("an answer");
+        assert_eq!((status, text.contains("canvas")), (403, false), "{path}{key}");
+    }
+    let (status, text) = get("/s.txt", &format!("?key={}", server.key)).expect("an answer");
+    assert_eq!((status, text.as_str()), (404, "there is nothing here\n"));
+}
+
+#[test]
+fn it_listens_on_the_loopback_interface_alone() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let table = std::fs::read_to_string("/proc/net/tcp").unwrap_or_default();
+    let port = format!(":{:04X} ", server.port);
+    let listening: Vec<&str> =
+        table.lines().filter(|line| line.contains(&port) && line.contains(" 0A ")).collect();
+    assert!(listening.iter().all(|line| line.contains("0100007F:")), "{listening:?}");
+}
+
+#[test]
+fn limits_are_kept() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let status = |headers: &[(&str, &str)], body: &[u8]| {
+        server.post("/scene", headers, body).map(|(status, _)| status)
+    };
+    assert_eq!(status(&[("Content-Length", "999999999")], b""), Some(413));
+    assert_eq!(status(&[("Content-Length", "-1")], b""), Some(400));
+    assert_eq!(status(&[("Content-Length", "99999999999999999999999")], b""), Some(400));
+    assert_eq!(status(&[("Transfer-Encoding", "chunked")], b"0\r\n\r\n"), Some(411));
+    assert_eq!(status(&[("A", &"a".repeat(20_000))], b""), Some(431));
+    let many: Vec<(&str, &str)> = vec![("A", "a"); 100];
+    assert_eq!(status(&many, b""), Some(431));
+    for question in [json!({}), json!([]), json!("text"), json!({ "text": 3 })] {
+        assert_eq!(server.ask("/scene", &question).unwrap_err().0, 400);
+    }
+    for words in [
+        "-size 5000 5000",
+        "-size 0 1",
+        "-random_samples 65536",
+        "-bounces 2000000000",
+        "-grid 1290 1290 1290",
+        "-box_filter 1000000",
+        "-output x.png",
+        "-threads 4096",
+        "-json -",
+        "-input /etc/passwd.txt",
+        "-help",
+        "x",
+    ] {
+        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        assert_eq!(server.ask("/picture", &question).unwrap_err().0, 422, "{words}");
+    }
+    let question = json!({ "page": 1, "turn": 1, "view": view(7, ""), "sketch": null });
+    assert_eq!(server.ask("/picture", &question).unwrap_err().0, 410);
+    let huge = json!({ "page": 1, "turn": 1, "view": view(0, ""), "sketch": [1_u64 << 40, 0] });
+    let (meta, _) = server.ask("/picture", &huge).expect("a sketch of the largest size");
+    assert_eq!(meta["size"], json!([2048, 1]));
+    assert_eq!(folder.names(), ["s.txt"]);
+}
+
+#[test]
+fn garbage_and_vanishing_browsers_do_no_harm() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let whole = server.request(
+        "POST /picture",
+        &[],
+        json!({ "page": 1, "turn": 1, "view": view(0, ""), "sketch": null }).to_string().as_bytes(),
+    );
+    for garbage in [
+        &b"\0\0\0\0"[..],
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03",
+        b"GET",
+        b"\r\n\r\n\r\n",
+        b"GET / HTTP/9.9\r\n\r\n",
+        b"POST / HTTP/1.1\r\nHost: \xff\xfe\r\n\r\n",
+        b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+        &[b'a'; 100_000],
+        &whole[..whole.len() - 3],
+        &[&whole[..], b"rest"].concat(),
+    ] {
+        let answer = server.send(garbage);
+        assert!(
+            answer.is_none_or(|(status, _)| status == 200 || (400..=431).contains(&status)),
+            "{garbage:?}"
+        );
+    }
+    // Every part of a request, and then nobody; and a picture that nobody takes.
+    for end in (0..whole.len()).step_by(7) {
+        server.connect().write_all(&whole[..end]).expect("a part");
+    }
+    (0..20).for_each(|_| server.connect().write_all(&whole).expect("a request"));
+    assert!(server.is_alive());
+}
+
+#[test]
+fn idle_strangers_make_room() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let strangers: Vec<TcpStream> = (0..200).map(|_| server.connect()).collect();
+    let start = Instant::now();
+    assert!(server.is_alive() && start.elapsed() < Duration::from_secs(4));
+    drop(strangers);
+}
+
+#[test]
+fn a_request_that_drips_is_not_waited_for() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let whole = server.request("POST /start", &[], b"{}");
+    let mut stream = server.connect();
+    stream.set_read_timeout(Some(Duration::from_millis(100))).expect("a time limit");
+    // At this pace the whole request would take much longer than its head may.
+    let ended = whole.iter().cycle().take(400).any(|byte| {
+        let is_closed = stream.write_all(std::slice::from_ref(byte)).is_err();
+        is_closed || !matches!(stream.read(&mut [0]), Err(error) if is_timeout(&error))
+    });
+    assert!(ended && server.is_alive());
+}
+
+fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
+}
+
+#[test]
+fn a_later_picture_overtakes_an_earlier_one() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "");
+    let question =
+        |turn: u64, words: &str| json!({ "page": 1, "turn": turn, "view": view(0, words), "sketch": null });
+    thread::scope(|scope| {
+        let slow =
+            scope.spawn(|| server.ask("/picture", &question(1, "-size 2000 2000 -random_samples 1024")));
+        thread::sleep(Duration::from_millis(200));
+        let (meta, _) = server.ask("/picture", &question(2, "-size 10 10")).expect("a picture");
+        assert_eq!(meta["size"], json!([10, 10]));
+        let (meta, _) = slow.join().expect("no panic").expect("an answer");
+        assert_eq!(meta["overtaken"], json!(true));
+    });
+}
+
+#[test]
+fn it_ends_when_the_page_says_so() {
+    let folder = Folder::with_scene(&sphere());
+    let mut server = Server::start(folder.path(), "");
+    assert_eq!(server.post("/quit", &[], b"").expect("an answer").0, 200);
+    let start = Instant::now();
+    while server.child.try_wait().expect("a child").is_none() {
+        assert!(start.elapsed() < Duration::from_secs(20), "it goes on");
+        thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(server.child.wait().expect("a status").code(), Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_it_at_once() {
+    let folder = Folder::with_scene(&sphere());
+    let mut server = Server::start(folder.path(), "");
+    let slow = json!({ "page": 1, "turn": 1, "view": view(0, "-size 2000 2000 -random_samples 1024"), "sketch": null });
+    server
+        .connect()
+        .write_all(&server.request("POST /picture", &[], slow.to_string().as_bytes()))
+        .expect("a request");
+    thread::sleep(Duration::from_millis(200));
+    let signal = std::process::Command::new("kill").args(["-INT", &server.child.id().to_string()]).status();
+    assert!(signal.expect("kill").success());
+    let start = Instant::now();
+    while server.child.try_wait().expect("a child").is_none() {
+        assert!(start.elapsed() < Duration::from_secs(20), "it goes on");
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn only_the_pictures_of_the_line_are_written() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-output o.tga -normals n.png -size 9 9");
+    let first = folder.read("o.tga");
+    let (meta, _) = server.ask("/save", &view(0, "-size 8 8 -shadows")).expect("saved");
+    assert_eq!(meta["said"], "saved `o.tga`, `n.png`");
+    assert!(folder.read("o.tga") != first && folder.tga("o.tga").width == 8);
+    assert_eq!(folder.names(), ["n.png", "o.tga", "s.txt"]);
+    let nothing = Server::start(folder.path(), "");
+    assert_eq!(nothing.ask("/save", &view(0, "")).unwrap_err().0, 422);
+}
