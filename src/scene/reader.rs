@@ -296,9 +296,13 @@ mod tests {
 
     #[test]
     fn whole_numbers() {
-        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("99999999999999999999999", u64::MAX)] {
+        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
             assert_eq!(Reader::new(word).whole("x").unwrap(), Some(value), "{word}");
         }
+        let mut reader = Reader::new("18446744073709551616");
+        assert_eq!(reader.whole("x").unwrap(), None);
+        let error = reader.findings.errors[0].to_string();
+        assert!(error.contains("must be below 2^64"), "{error}");
         let error = Reader::new("x").whole("x").unwrap_err().to_string();
         assert!(error.contains("expected a whole"), "{error}");
     }

@@ -11,7 +11,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-folder.txt -output o.tga",
         1,
-        "m-folder.txt:5:25: error: cannot read the mesh `folder.obj`: tried `folder.obj` (Is a directory",
+        "m-folder.txt:5:25: error: cannot read the mesh `folder.obj`: tried `folder.obj` (it is a folder)",
     ),
     (
         "r -input m-empty.txt -output o.tga",

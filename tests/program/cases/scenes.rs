@@ -123,6 +123,6 @@ pub const CASES: &[Case] = &[
     ("r -input bare.txt -output o.tga", 1, "bare.txt:2:22: error: the `Sphere` has no material"),
     ("r -input light.txt -output o.tga", 1, "light.txt:2:22: error: expected a light, found `SpotLight`"),
     ("r -input dark.txt -output o.tga", 0, "WARNING:  No lights specified"),
-    ("r -input deep.txt -output o.tga", 0, ""),
+    ("r -input deep.txt -output o.tga", 0, "warning: no ray hits anything"),
     ("r -input s.txt/s.txt -output o.tga", 1, "s.txt/s.txt: error: cannot read the scene: Not a directory"),
 ];
