@@ -13,10 +13,11 @@ use super::lattice::Lattice;
 use super::options::{CellRule, GridOptions, cubic};
 use super::prim_set::PrimSet;
 use super::ray_aabb::SimdAabb;
-use super::triangle8::Frame;
+use super::triangle8::{Block, Frame};
 use crate::math::aabb::Aabb;
 use crate::memory;
 use crate::world::World;
+use bytemuck::allocation::try_zeroed_vec;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -36,6 +37,8 @@ pub struct AccelerationStructure {
     pub table: Option<CellTable>,
     /// The primitives of the cells; a list counts as one cell.
     pub cells: CellContents,
+    /// The blocks of this structure, followed by those of all structures nested in it. That of a nested one is empty.
+    pub blocks: Vec<Block>,
     /// The nested grids, in the order of the entries that refer to them.
     pub nested: Vec<NestedGrid>,
     /// The primitives that the structure was built from.
@@ -85,7 +88,14 @@ pub struct NestedGrid {
 
 impl AccelerationStructure {
     /// The structure of all finite primitives of a world. An error when it does not fit into memory.
-    pub fn new(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
+    pub fn new(world: &World, options: GridOptions) -> Result<Self, GridTooLarge> {
+        let mut structure = Self::without_blocks(world, options)?;
+        structure.fill_blocks(world)?;
+        Ok(structure)
+    }
+
+    /// The same with indices in place of the blocks.
+    fn without_blocks(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         let Some(cells) = cells else {
             return Self::list(world, PrimSet::All, &bounds, Frame::new(&bounds));
@@ -108,16 +118,49 @@ impl AccelerationStructure {
         }
     }
 
-    /// The size of the structure, including all nested ones.
-    pub fn size(&self) -> StructureSize {
+    /// Fills the blocks of all structures in one list.
+    fn fill_blocks(&mut self, world: &World) -> Result<(), GridTooLarge> {
+        let mut all = vec![];
+        let count = self.place_blocks(0, 0, &mut all);
+        let mut blocks: Vec<Block> = try_zeroed_vec(count).map_err(|()| GridTooLarge)?;
+        let mut rest = blocks.as_mut_slice();
+        let parts = all.into_iter().map(|cells| {
+            let own = rest.split_off_mut(..cells.block_count()).unwrap_or_default();
+            (cells, own)
+        });
+        parts.collect::<Vec<_>>().into_par_iter().for_each(|(cells, own)| cells.fill(world, own));
+        self.blocks = blocks;
+        Ok(())
+    }
+
+    /// Places the blocks of this structure at `first` in the list of all blocks, followed by those of the nested ones,
+    /// and returns where they end. The blocks of the structure around it start at `outer`. The contents are appended to
+    /// `all` in the same order.
+    fn place_blocks<'s>(
+        &'s mut self,
+        outer: usize,
+        first: usize,
+        all: &mut Vec<&'s mut CellContents>,
+    ) -> usize {
+        self.cells.first_block = first - outer;
+        let end = first + self.cells.block_count();
+        all.push(&mut self.cells);
+        let nested =
+            self.nested.iter_mut().flat_map(|nested| nested.spanning.iter_mut().chain([&mut nested.grid]));
+        nested.fold(end, |next, structure| structure.place_blocks(first, next, all))
+    }
+
+    /// The size of the structure, including all nested ones. Its blocks are the first of these.
+    pub fn size(&self, blocks: &[Block]) -> StructureSize {
+        let count = self.cells.block_count();
         let own = StructureSize {
             cells: self.table.as_ref().map_or(1, |table| table.lattice().index_count()),
-            references: self.cells.references(),
-            blocks: self.cells.blocks.len(),
+            references: self.cells.references(&blocks[..count]),
+            blocks: count,
             cost: self.cost,
         };
         let nested = self.nested.iter().flat_map(|nested| nested.spanning.iter().chain([&nested.grid]));
-        nested.fold(own, |all, structure| all + structure.size())
+        nested.fold(own, |all, structure| all + structure.size(&blocks[structure.cells.first_block..]))
     }
 
     /// A list of the parts of `prims` that lie in a box.
@@ -127,6 +170,7 @@ impl AccelerationStructure {
             simd_bounds: SimdAabb::new(bounds),
             table: None,
             cells: CellContents::all(world, &prims, frame)?,
+            blocks: vec![],
             nested: vec![],
             prims,
             cost,
@@ -186,7 +230,8 @@ impl AccelerationStructure {
         let max_origin_distance = max_origin_distance(&lattice.bounds, lattice.cell_size.min_element());
         let simd_bounds = SimdAabb::new(&lattice.bounds);
         let table = Some(CellTable::new(lattice, cells.take_entries())?);
-        Ok(Self { simd_bounds, table, cells, nested: vec![], prims, cost, max_origin_distance })
+        let (blocks, nested) = (vec![], vec![]);
+        Ok(Self { simd_bounds, table, cells, blocks, nested, prims, cost, max_origin_distance })
     }
 }
 

@@ -75,7 +75,9 @@ impl<'w, M: Mode> Caster<'w, M> {
 
     /// The size of the acceleration structure, for tests.
     pub fn size(&self) -> StructureSize {
-        self.structure.as_ref().map_or(StructureSize::default(), |structure| structure.size())
+        self.structure
+            .as_ref()
+            .map_or(StructureSize::default(), |structure| structure.size(&structure.blocks))
     }
 
     /// The nearest hit on the ray.
@@ -153,7 +155,7 @@ impl<'w, M: Mode> Caster<'w, M> {
             return query.best;
         }
         if let Some(structure) = structure {
-            structure.run::<K, M, P, ANY>(kernel, &ray_entry, &mut query, probe);
+            structure.run::<K, M, P, ANY, false>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
         }
         query.best
     }

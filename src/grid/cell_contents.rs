@@ -1,13 +1,15 @@
 //! The contents of the cells, laid out for the inner loop: one 32-bit entry per cell, contiguous blocks of
 //! eight triangles, and a list of the few primitives that are not triangles. They are built from the
-//! [`CellLists`] by a counting sort in two passes, count and fill.
+//! [`CellLists`] by a counting sort in two passes, count and fill. The blocks of all grids are in one list, because a
+//! long list is in large pages where the program's allocator offers them, and then address translation misses less
+//! often. Hence only the indices of the blocks are made at first, and the blocks are filled when all grids are known.
 
 use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
 use super::prim_set::PrimSet;
-use super::triangle8::{Block, Frame, LANES, NONE};
+use super::triangle8::{Block, BlockIndex, Frame, LANES};
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
@@ -29,8 +31,13 @@ pub const NESTED: u32 = 1 << 31;
 pub struct CellContents {
     /// By index of the lattice, until [`take_entries`](Self::take_entries) moves them out.
     entries: Vec<u32>,
-    /// The triangles of all cells, cell by cell.
-    pub blocks: Vec<Block>,
+    /// The indices of the blocks, cell by cell, until [`fill`](Self::fill) has copied them to the blocks.
+    indices: Vec<BlockIndex>,
+    /// The number of blocks.
+    block_count: usize,
+    /// The position of the first block in the list that the blocks of all grids share, relative to that of the grid
+    /// that this one is nested in.
+    pub first_block: usize,
     /// The ids of the other primitives, cell by cell. The last block of a cell holds the range of its own.
     pub non_triangles: Vec<u32>,
     /// The coordinates of the blocks.
@@ -50,9 +57,9 @@ impl CellContents {
         // What `entries` holds changes with each step: lane counts, ends of lanes, starts of lanes, entries.
         let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone())?;
         let lanes = to_ends(lattice, &mut entries)?;
-        let mut ids = filled_with([NONE; LANES], lanes / LANES)?;
-        scatter(cell_lists, prims, triangles, &mut entries, ids.as_flattened_mut());
-        let mut cells = Self::of_ids(world, ids, Frame::new(&lattice.bounds))?;
+        let mut indices = filled_with(BlockIndex::EMPTY, lanes / LANES)?;
+        scatter(cell_lists, prims, triangles, &mut entries, &mut indices);
+        let mut cells = Self::of_indices(indices, Frame::new(&lattice.bounds));
         cells.encode_entries(entries, lattice);
         cells.add_non_triangles(cell_lists, prims, non_triangles)?;
         Ok(cells)
@@ -63,9 +70,14 @@ impl CellContents {
         std::mem::take(&mut self.entries)
     }
 
+    /// The number of blocks.
+    pub fn block_count(&self) -> usize {
+        self.block_count
+    }
+
     /// The first block of the cell with this entry, or none if the entry is not that of a cell with blocks.
     #[inline(always)]
-    pub fn first_block(blocks: &[Block], entry: u32) -> Option<&Block> {
+    pub fn first_block_of(blocks: &[Block], entry: u32) -> Option<&Block> {
         if entry < NESTED && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
     }
 
@@ -74,18 +86,18 @@ impl CellContents {
     pub fn blocks_of(blocks: &[Block], entry: u32) -> &[Block] {
         let first = (entry >> COUNT_BITS) as usize;
         let count = entry & MAX_COUNT;
-        let count = if count < MAX_COUNT { count } else { blocks[first].count };
+        let count = if count < MAX_COUNT { count } else { blocks[first].index.count };
         &blocks[first..first + count as usize]
     }
 
     /// All primitives in a single cell.
     pub fn all(world: &World, prims: &PrimSet, frame: Frame) -> Result<Self, GridTooLarge> {
         let triangles = prims.triangles(world);
-        let mut ids = filled_with([NONE; LANES], triangles.div_ceil(LANES).max(1))?;
-        let lanes = ids.as_flattened_mut().iter_mut();
+        let mut indices = filled_with(BlockIndex::EMPTY, triangles.div_ceil(LANES).max(1))?;
+        let lanes = indices.iter_mut().flat_map(|index| &mut index.ids);
         lanes.zip(0..triangles).for_each(|(lane, i)| *lane = prims.id(i));
-        let mut cells = Self::of_ids(world, ids, frame)?;
-        let last = cells.blocks.len() - 1;
+        let mut cells = Self::of_indices(indices, frame);
+        let last = cells.block_count - 1;
         let non_triangles = triangles..prims.count(world);
         let mut by_block = with_room_for(non_triangles.len())?;
         by_block.extend(non_triangles.map(|i| (last as u32, prims.id(i))));
@@ -93,10 +105,10 @@ impl CellContents {
         Ok(cells)
     }
 
-    /// The number of references to primitives in all cells.
-    pub fn references(&self) -> usize {
-        let ids = self.blocks.iter().flat_map(|block| &block.ids);
-        ids.filter(|&&id| id != NONE).count() + self.non_triangles.len()
+    /// The number of references to primitives in all cells, whose blocks these are.
+    pub fn references(&self, blocks: &[Block]) -> usize {
+        let triangles: usize = blocks.iter().map(|block| block.index.triangles()).sum();
+        triangles + self.non_triangles.len()
     }
 
     /// Sets the entries of these cells, which must be empty, to those of the nested grids in order.
@@ -106,24 +118,29 @@ impl CellContents {
         }
     }
 
-    /// Contents with blocks of these triangles, whose entries and counts are still to be set.
-    fn of_ids(world: &World, ids: Vec<[u32; LANES]>, frame: Frame) -> Result<Self, GridTooLarge> {
-        let mut blocks: Vec<Block> = try_zeroed_vec(ids.len()).map_err(|()| GridTooLarge)?;
+    /// Contents with blocks of these indices, whose entries and counts are still to be set.
+    fn of_indices(indices: Vec<BlockIndex>, frame: Frame) -> Self {
+        let block_count = indices.len();
+        Self { entries: vec![], indices, block_count, first_block: 0, non_triangles: vec![], frame }
+    }
+
+    /// Fills the blocks, which are zeroed and as many as [`block_count`](Self::block_count).
+    pub fn fill(&mut self, world: &World, blocks: &mut [Block]) {
+        let (frame, indices) = (&self.frame, std::mem::take(&mut self.indices));
         let all_in_frame = frame.holds(&world.bounds);
         let zeroed = blocks.par_iter_mut();
-        zeroed.zip(&ids).for_each(|(block, ids)| block.fill(world, &frame, all_in_frame, ids));
-        Ok(Self { entries: vec![], blocks, non_triangles: vec![], frame })
+        zeroed.zip(&indices).for_each(|(block, index)| block.fill(world, frame, all_in_frame, index));
     }
 
     /// Sets the counts of the blocks, and turns the position of each cell's first lane into its entry.
     fn encode_entries(&mut self, mut entries: Vec<u32>, lattice: &Lattice) {
-        let blocks = &mut self.blocks;
-        let mut end = blocks.len() as u32;
+        let indices = &mut self.indices;
+        let mut end = indices.len() as u32;
         for run in lattice.x_runs().rev() {
             for entry in entries[run].iter_mut().rev().filter(|entry| **entry != EMPTY) {
                 let first = *entry / LANES as u32 - 1;
                 let count = end - first;
-                blocks[first as usize].count = count;
+                indices[first as usize].count = count;
                 *entry = first << COUNT_BITS | count.min(MAX_COUNT);
                 end = first;
             }
@@ -149,20 +166,20 @@ impl CellContents {
     /// The index of the last block of a cell that has blocks.
     fn last_block(&self, cell: u32) -> u32 {
         let first = self.entries[cell as usize] >> COUNT_BITS;
-        first + self.blocks[first as usize].count - 1
+        first + self.indices[first as usize].count - 1
     }
 
     /// Stores primitives that are not triangles, given as pairs of the cell's last block and the primitive's
     /// id in ascending order.
     fn set_non_triangles(&mut self, by_block: Vec<(u32, u32)>) -> Result<(), GridTooLarge> {
         self.non_triangles = with_room_for(by_block.len())?;
-        let blocks = &mut self.blocks;
+        let indices = &mut self.indices;
         for (&(block, id), i) in by_block.iter().zip(0..) {
-            let block = &mut blocks[block as usize];
-            if block.non_triangles == [0, 0] {
-                block.non_triangles[0] = i;
+            let index = &mut indices[block as usize];
+            if index.non_triangles == [0, 0] {
+                index.non_triangles[0] = i;
             }
-            block.non_triangles[1] = i + 1;
+            index.non_triangles[1] = i + 1;
             self.non_triangles.push(id);
         }
         Ok(())
@@ -208,13 +225,20 @@ fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge>
 
 /// Writes the ids of the triangles backwards from the `ends` of their cells, which thereby become the starts.
 /// The end of a cell without triangles stays as it is, in the cell's only block.
-fn scatter(cell_lists: &CellLists, prims: &PrimSet, triangles: usize, ends: &mut [u32], lanes: &mut [u32]) {
+fn scatter(
+    cell_lists: &CellLists,
+    prims: &PrimSet,
+    triangles: usize,
+    ends: &mut [u32],
+    indices: &mut [BlockIndex],
+) {
     for i in (0..triangles).rev() {
         let id = prims.id(i);
         for &cell in cell_lists.cells_of(i) {
             let position = &mut ends[cell as usize];
             *position -= 1;
-            lanes[*position as usize - LANES] = id;
+            let lane = *position as usize - LANES;
+            indices[lane / LANES].ids[lane % LANES] = id;
         }
     }
 }
@@ -223,9 +247,11 @@ fn scatter(cell_lists: &CellLists, prims: &PrimSet, triangles: usize, ends: &mut
 mod tests {
     use super::*;
     use crate::grid::cell_lists::widened;
+    use crate::grid::triangle8::NONE;
     use crate::grid::voxelize;
     use crate::math::aabb::Aabb;
     use crate::scene::parser::parse;
+    use bytemuck::Zeroable;
 
     #[test]
     fn blocks_hold_the_primitives_of_the_cell_lists() {
@@ -245,17 +271,19 @@ mod tests {
         let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
         let cell_lists =
             CellLists::new(&lattice, 55, |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
-        let cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
-        assert_eq!(cells.references(), cell_lists.references());
-        let mut blocks = 0;
+        let mut cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
+        let mut blocks = vec![Block::zeroed(); cells.block_count()];
+        cells.fill(&world, &mut blocks);
+        assert_eq!(cells.references(&blocks), cell_lists.references());
+        let mut expected_blocks = 0;
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];
             match cells.entries[index] {
                 EMPTY => {}
                 entry => {
-                    let own = CellContents::blocks_of(&cells.blocks, entry);
-                    found.extend(own.iter().flat_map(|b| b.ids).filter(|&n| n != NONE));
-                    let [start, end] = own[own.len() - 1].non_triangles.map(|i| i as usize);
+                    let own = CellContents::blocks_of(&blocks, entry);
+                    found.extend(own.iter().flat_map(|b| b.index.ids).filter(|&n| n != NONE));
+                    let [start, end] = own[own.len() - 1].index.non_triangles.map(|i| i as usize);
                     found.extend(&cells.non_triangles[start..end]);
                 }
             }
@@ -264,9 +292,9 @@ mod tests {
             assert_eq!(found, expected);
             assert_eq!(cells.entries[index] == EMPTY, expected.is_empty(), "{index}");
             let triangles = expected.iter().filter(|&&n| n < 50).count();
-            blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
+            expected_blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
         }
-        assert_eq!(cells.blocks.len(), blocks);
+        assert_eq!(blocks.len(), expected_blocks);
     }
 
     #[test]
@@ -285,8 +313,10 @@ mod tests {
                 Ok(())
             })
             .unwrap();
-            let cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
-            let own = CellContents::blocks_of(&cells.blocks, cells.entries[cell as usize]);
+            let mut cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
+            let mut blocks = vec![Block::zeroed(); cells.block_count()];
+            cells.fill(&world, &mut blocks);
+            let own = CellContents::blocks_of(&blocks, cells.entries[cell as usize]);
             assert_eq!(own.len(), count.div_ceil(LANES), "{count}");
         }
     }

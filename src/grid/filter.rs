@@ -240,7 +240,7 @@ mod avx2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::triangle8::Frame;
+    use crate::grid::triangle8::{BlockIndex, Frame};
     use crate::math::aabb::Aabb;
     use crate::scene::mesh::Mesh;
     use crate::scene::parser::parse;
@@ -263,7 +263,7 @@ mod tests {
         let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
         let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
         let mut block: Block = bytemuck::Zeroable::zeroed();
-        block.fill(&world, &frame, true, &std::array::from_fn(|i| i as u32));
+        block.fill(&world, &frame, true, &BlockIndex::new(std::array::from_fn(|i| i as u32)));
         block
     }
 

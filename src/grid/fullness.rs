@@ -3,7 +3,6 @@
 use super::build::AccelerationStructure;
 use super::cell_contents::{CellContents, NESTED};
 use super::cell_table::EMPTY;
-use super::triangle8::NONE;
 use crate::world::World;
 
 /// How full the cells of a grid are.
@@ -47,9 +46,10 @@ impl AccelerationStructure {
             let structures = nested.spanning.iter().chain([&nested.grid]);
             return structures.map(|structure| structure.prims.count(world)).sum();
         }
-        let blocks = CellContents::blocks_of(&self.cells.blocks, entry);
-        let triangles = blocks.iter().flat_map(|block| block.ids).filter(|&id| id != NONE).count();
-        let others = blocks.last().map_or(0, |last| last.non_triangles[1] - last.non_triangles[0]);
+        let blocks = CellContents::blocks_of(&self.blocks, entry);
+        let triangles: usize = blocks.iter().map(|block| block.index.triangles()).sum();
+        let others =
+            blocks.last().map_or(0, |last| last.index.non_triangles[1] - last.index.non_triangles[0]);
         triangles + others as usize
     }
 }

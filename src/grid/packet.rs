@@ -146,7 +146,7 @@ impl<M: Mode> Caster<'_, M> {
         rays: &mut [Q],
         probe: &mut P,
     ) {
-        let blocks = grid.cells.blocks.as_slice();
+        let blocks = grid.blocks.as_slice();
         let mut setups = [PacketSetup::default(); PACKET_SIZE / GROUP];
         let (mut passing, mut too_far) = (0, 0);
         for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(GROUP)).enumerate() {
@@ -204,7 +204,7 @@ fn first_occupied_cell<'t>(
     if cursor.entry() == BORDER {
         return None;
     }
-    if let Some(block) = CellContents::first_block(blocks, cursor.entry()) {
+    if let Some(block) = CellContents::first_block_of(blocks, cursor.entry()) {
         prefetch(block);
     }
     Some(cursor)

@@ -128,13 +128,13 @@ impl<'a> RayQuery<'a> {
         let mut changed = false;
         for block in blocks {
             if P::COUNTS {
-                probe.intersections(block.ids.iter().filter(|&&n| n != NONE).count());
+                probe.intersections(block.index.triangles());
             }
             let verdict = kernel.test(block, &filter_state.ray);
             if verdict.possible != 0 {
                 if ANY {
                     if verdict.certain != 0 {
-                        let primitive = block.ids[verdict.certain.trailing_zeros() as usize];
+                        let primitive = block.index.ids[verdict.certain.trailing_zeros() as usize];
                         self.best = Visible { primitive, t_bound: self.ray.t_max };
                         return true;
                     }
@@ -148,7 +148,7 @@ impl<'a> RayQuery<'a> {
             }
         }
         if let Some(last) = blocks.last()
-            && last.non_triangles != [0, 0]
+            && last.index.non_triangles != [0, 0]
             && self.test_non_triangles(cells, last, probe)
         {
             changed = true;
@@ -160,7 +160,7 @@ impl<'a> RayQuery<'a> {
     /// Tests the primitives other than triangles in a cell. `last` is the last block of the cell.
     #[inline(never)]
     fn test_non_triangles<P: Probe>(&mut self, cells: &CellContents, last: &Block, probe: &mut P) -> bool {
-        let [start, end] = last.non_triangles.map(|i| i as usize);
+        let [start, end] = last.index.non_triangles.map(|i| i as usize);
         let non_triangles = &cells.non_triangles[start..end];
         probe.intersections(non_triangles.len());
         non_triangles.iter().fold(false, |changed, &id| (self.is_new(id) && self.test(id)) | changed)
@@ -181,7 +181,7 @@ impl<'a> RayQuery<'a> {
     /// Whether the ray hits any of the lanes that the filter could not decide.
     #[inline(never)]
     fn decide_any(&mut self, block: &Block, possible: u32) -> bool {
-        lanes(possible).any(|lane| self.decide(block.ids[lane]))
+        lanes(possible).any(|lane| self.decide(block.index.ids[lane]))
     }
 
     /// Tests a triangle exactly, unless it was one of the last to be tested, and returns whether the best
@@ -205,7 +205,7 @@ impl<'a> RayQuery<'a> {
         let certain = if M::AS_COURSE { 0 } else { verdict.certain };
         let mut changed = false;
         for lane in lanes(verdict.possible) {
-            let id = block.ids[lane];
+            let id = block.index.ids[lane];
             if id == self.best.primitive {
                 continue;
             }

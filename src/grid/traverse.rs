@@ -12,6 +12,7 @@ use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
+use crate::math::prefetch::prefetch;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
 use crate::mode::Mode;
@@ -24,6 +25,7 @@ pub(crate) trait TraversalKernel: Kernel {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     );
@@ -34,10 +36,11 @@ impl TraversalKernel for Portable {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
-        structure.traverse::<_, M, P, ANY>(self, query, probe);
+        structure.traverse::<_, M, P, ANY>(self, blocks, query, probe);
     }
 }
 
@@ -47,11 +50,12 @@ impl TraversalKernel for Avx2 {
     fn traverse<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { traverse_avx2::<M, P, ANY>(self, structure, query, probe) }
+        unsafe { traverse_avx2::<M, P, ANY>(self, structure, blocks, query, probe) }
     }
 }
 
@@ -61,10 +65,11 @@ impl TraversalKernel for Avx2 {
 fn traverse_avx2<M: Mode, P: Probe, const ANY: bool>(
     avx2: Avx2,
     structure: &AccelerationStructure,
+    blocks: &[Block],
     query: &mut RayQuery,
     probe: &mut P,
 ) {
-    structure.traverse::<_, M, P, ANY>(avx2, query, probe);
+    structure.traverse::<_, M, P, ANY>(avx2, blocks, query, probe);
 }
 
 /// How a ray enters a structure.
@@ -79,16 +84,17 @@ pub enum Entry<F> {
 }
 
 impl AccelerationStructure {
-    /// Looks for a nearer hit in a structure.
+    /// Looks for a nearer hit in a structure, whose blocks are the first of these.
     #[inline(always)]
     fn traverse<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
         let ray_entry = self.ray_entry::<K::F64x4>(kernel, query.ray, query.best.t_bound);
-        self.run::<K, M, P, ANY>(kernel, &ray_entry, query, probe);
+        self.run::<K, M, P, ANY, true>(kernel, &ray_entry, blocks, query, probe);
     }
 
     /// How the ray, up to t = `last`, enters the structure.
@@ -103,10 +109,11 @@ impl AccelerationStructure {
 
     /// The same as [`traverse`](Self::traverse), for a ray that enters the structure in this way.
     #[inline(always)]
-    pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+    pub fn run<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool, const IS_NESTED: bool>(
         &self,
         kernel: K,
         ray_entry: &Entry<K::F64x4>,
+        blocks: &[Block],
         query: &mut RayQuery,
         probe: &mut P,
     ) {
@@ -120,9 +127,18 @@ impl AccelerationStructure {
                 return probe.intersections(untested);
             }
         };
-        let blocks = self.cells.blocks.as_slice();
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.best.t_bound);
         match &self.table {
+            Some(table) if IS_NESTED && !M::AS_COURSE => {
+                self.look_ahead::<K, M, P, ANY>(
+                    kernel,
+                    table.cursor(&interval),
+                    blocks,
+                    &mut filter_state,
+                    query,
+                    probe,
+                );
+            }
             Some(table) => {
                 self.traverse_cells::<K, M, P, ANY>(
                     kernel,
@@ -134,7 +150,8 @@ impl AccelerationStructure {
                 );
             }
             None => {
-                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, blocks, &mut filter_state, probe);
+                let own = &blocks[..self.cells.block_count()];
+                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, &mut filter_state, probe);
             }
         }
     }
@@ -170,7 +187,7 @@ impl AccelerationStructure {
                     let own = CellContents::blocks_of(blocks, entry);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
                 } else if entry != BORDER {
-                    self.test_nested::<K, M, P, ANY>(kernel, entry, filter_state, query, probe)
+                    self.test_nested::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe)
                 } else {
                     return;
                 };
@@ -191,12 +208,69 @@ impl AccelerationStructure {
         }
     }
 
+    /// The same for a grid in a crowded cell. Before a cell is tested, the first block of the next one is prefetched,
+    /// since such a grid is one of so many that its blocks are often not in the cache.
+    #[inline(always)]
+    fn look_ahead<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        mut cursor: CellCursor,
+        blocks: &[Block],
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
+        let mut last_t = cursor.fixed_t(query.best.t_bound);
+        cursor.skip();
+        while cursor.entry() != BORDER {
+            let (entry, exit) = (cursor.entry(), cursor.exit());
+            let unstepped = cursor.step();
+            cursor.skip();
+            if let Some(block) = CellContents::first_block_of(blocks, cursor.entry()) {
+                prefetch(block);
+            }
+            if self.test_entry::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe) {
+                if ANY {
+                    return;
+                }
+                last_t = cursor.fixed_t(query.best.t_bound);
+            }
+            if last_t <= exit {
+                return;
+            }
+            if P::COUNTS {
+                (unstepped.count_ones()..3).for_each(|_| probe.cell());
+            }
+        }
+    }
+
+    /// Tests the contents of a cell that is neither empty nor on the border, and returns whether the best primitive
+    /// changed.
+    #[inline(always)]
+    fn test_entry<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        entry: u32,
+        blocks: &[Block],
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        if entry < NESTED {
+            let own = CellContents::blocks_of(blocks, entry);
+            query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
+        } else {
+            self.test_nested::<K, M, P, ANY>(kernel, entry, blocks, filter_state, query, probe)
+        }
+    }
+
     /// Traverses the nested structures of a cell, and returns whether the best primitive changed.
     #[inline(always)]
     fn test_nested<K: TraversalKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         entry: u32,
+        blocks: &[Block],
         filter_state: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
@@ -204,7 +278,8 @@ impl AccelerationStructure {
         let before = query.best;
         let nested = &self.nested[(entry - NESTED) as usize];
         for structure in nested.spanning.iter().chain([&nested.grid]) {
-            kernel.traverse::<M, P, ANY>(structure, query, probe);
+            let own = &blocks[structure.cells.first_block..];
+            kernel.traverse::<M, P, ANY>(structure, own, query, probe);
             if ANY && query.best != before {
                 return true;
             }
@@ -236,65 +311,4 @@ impl AccelerationStructure {
 fn unlikely() {}
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::options::{CellRule, GridOptions};
-    use crate::grid::{Caster, Instructions};
-    use crate::math::f64x4::Scalar;
-    use crate::scene::parser::parse;
-    use crate::stats::Quiet;
-    use crate::world::World;
-    use glam::DVec3;
-
-    #[test]
-    fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
-        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-             Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
-        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
-        let structure = AccelerationStructure::new(&world, GridOptions::uniform([1; 3])).unwrap();
-        let is_in_proven_range = |x: f64| {
-            let ray = Ray::new(DVec3::X * x, DVec3::Y);
-            structure.is_in_proven_range(&RayLanes::<Scalar>::all_axes(Portable, &ray))
-        };
-        assert!([1000.0, 600.0, 1400.0].into_iter().all(is_in_proven_range));
-        assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));
-    }
-
-    /// Crowded cells have a list of the triangles that span them beside a nested grid of the others.
-    #[test]
-    fn a_crowded_cell_is_searched_in_its_list_and_in_its_nested_grid() {
-        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-             Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
-        let mut vertices = vec![];
-        for k in 0..600 {
-            let corner = (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * f64::from(k)).fract();
-            vertices.extend([DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + 0.04 * side));
-        }
-        for z in [0.3, 0.7] {
-            vertices.extend([
-                DVec3::new(-0.2, -0.2, z),
-                DVec3::new(0.9, 0.1, z),
-                DVec3::new(0.2, 0.8, z + 0.1),
-            ]);
-        }
-        let triangles = (0..602).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let mesh = crate::scene::mesh::Mesh { vertices, triangles };
-        let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
-        let options = GridOptions { cells: Some([2; 3]), rule: CellRule::Nested { max_per_cell: 20 } };
-        let [plain, nested] = [GridOptions::NONE, options]
-            .map(|options| Caster::with(&world, options, Instructions::Portable).unwrap());
-        let structure = nested.structure.as_ref().unwrap();
-        assert!(structure.nested.iter().any(|nested| nested.spanning.is_some()));
-        let mut hits = 0;
-        for k in 0..4000 {
-            let point = |k: f64| (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract();
-            let [from, to] = [3.0 * point(f64::from(k)) - 1.0, point(7.3 * f64::from(k) + 0.5)];
-            let ray = Ray { t_max: 1.2, ..Ray::new(from, to - from) };
-            let expected = plain.closest(&ray, &mut Quiet);
-            assert_eq!(nested.closest(&ray, &mut Quiet), expected, "{ray:?}");
-            assert_eq!(nested.any(&ray, &mut Quiet), expected.is_some(), "{ray:?}");
-            hits += usize::from(expected.is_some());
-        }
-        assert!((1000..3900).contains(&hits), "{hits}");
-    }
-}
+mod tests;

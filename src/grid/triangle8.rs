@@ -27,6 +27,16 @@ pub struct Block {
     pub normal: [[f32; LANES]; 3],
     /// The error bounds of the filter for these triangles.
     pub error_bounds: FilterErrorBounds,
+    /// Which triangles these are.
+    pub index: BlockIndex,
+    /// Fills the last cache line.
+    _padding: [u32; 3],
+}
+
+/// What a block holds, without the coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BlockIndex {
     /// The ids of the triangles in the world; [`NONE`] in an empty lane.
     pub ids: [u32; LANES],
     /// In the last block of a cell: the start and the end of the cell's range in
@@ -34,18 +44,31 @@ pub struct Block {
     pub non_triangles: [u32; 2],
     /// In the first block of a cell: the number of the cell's blocks.
     pub count: u32,
-    /// Fills the last cache line.
-    _padding: [u32; 3],
+}
+
+impl BlockIndex {
+    /// Of a block without triangles.
+    pub const EMPTY: Self = Self::new([NONE; LANES]);
+
+    /// Of a block of these triangles.
+    pub const fn new(ids: [u32; LANES]) -> Self {
+        Self { ids, non_triangles: [0; 2], count: 0 }
+    }
+
+    /// The number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.ids.iter().filter(|&&id| id != NONE).count()
+    }
 }
 
 impl Block {
-    /// Fills a zeroed block with the triangles of these ids, which end at the first [`NONE`]. `all_in_frame`
+    /// Fills a zeroed block with the triangles of an index, whose ids end at the first [`NONE`]. `all_in_frame`
     /// says that all triangles of the world lie in the frame's box, which saves testing them.
-    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool, ids: &[u32; LANES]) {
-        self.ids = *ids;
+    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool, index: &BlockIndex) {
+        self.index = *index;
         self.corner = [[f32::NAN; LANES]; 3];
         let mut block_max_abs_coord = 1.0;
-        let used = ids.iter().take_while(|&&id| id != NONE);
+        let used = index.ids.iter().take_while(|&&id| id != NONE);
         for (lane, &id) in used.enumerate() {
             let corners = world.corners(id as usize);
             let max_abs_coord = if all_in_frame { 1.0 } else { frame.max_abs_coord(corners) };

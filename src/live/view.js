@@ -135,7 +135,7 @@ const view = {
     if (mine !== turn || this.sketching) throw new Refused(OVERTAKEN, '');
     this.paint(meta, bytes, stage);
     find('command').value = meta.command;
-    find('block').value = this.seenWith().block();
+    find('block').value = this.seenWith().block().trimEnd();
     for (const id of ['home', 'keep']) find(id).disabled = !this.camera;
     find('costs').hidden = !meta.costs;
     find('costs').textContent = meta.costs || '';

@@ -223,9 +223,11 @@ def check_rays(page, shot):
     page.run("find('refine').click(); return 0")
     page.run("find('grid').value = 'auto'; controlsChanged()")
     page.settle()
-    page.browser.click("#show-cells")
     page.browser.click("#tracing button")
     page.wait("return traced.rays.cells.length > 3", "no cells are passed")
+    before = page.run(ink)
+    page.browser.click("#show-cells")
+    assert page.run(ink) != before, "the cells are not drawn"
     page.browser.click("#show-cells")
     page.run("find('grid').value = ''; controlsChanged()")
     page.settle()

@@ -13,7 +13,7 @@ use glam::DVec3;
 use raytracer::grid::Instructions;
 use raytracer::grid::cell_lists::widened;
 use raytracer::grid::filter::{self, FilterRay, MAX_DEPTH, Verdict};
-use raytracer::grid::triangle8::{Block, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::grid::triangle8::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
@@ -124,7 +124,7 @@ fn the_filter_is_never_wrong() {
         let world = triangles(rng, &frame);
         let mut block: Block = bytemuck::Zeroable::zeroed();
         let all_within = frame.holds(&world.bounds);
-        block.fill(&world, &frame, all_within, &std::array::from_fn(|lane| lane as u32));
+        block.fill(&world, &frame, all_within, &BlockIndex::new(std::array::from_fn(|lane| lane as u32)));
         let mut without_bounds = block;
         without_bounds.error_bounds = FilterErrorBounds { edge: 0.0, depth: 0.0 };
         let mut counts = [0; 4];
@@ -188,7 +188,8 @@ impl Blocks {
         let block = |first: u32| {
             let mut block: Block = bytemuck::Zeroable::zeroed();
             let number = |lane: usize| Some(first + lane as u32).filter(|&number| number < count);
-            block.fill(world, &frame, true, &std::array::from_fn(|lane| number(lane).unwrap_or(NONE)));
+            let ids = std::array::from_fn(|lane| number(lane).unwrap_or(NONE));
+            block.fill(world, &frame, true, &BlockIndex::new(ids));
             block
         };
         Self { bounds, frame, blocks: (0..count).step_by(LANES).map(block).collect() }

@@ -9,7 +9,7 @@ use crate::support::scenes::world_of_mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 use raytracer::grid::filter::{FilterRay, MAX_DEPTH, Verdict};
-use raytracer::grid::triangle8::{Block, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::grid::triangle8::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
@@ -147,7 +147,7 @@ impl Trial {
         let mut block: Block = bytemuck::Zeroable::zeroed();
         let mut ids = [NONE; LANES];
         ids[0] = id;
-        block.fill(world, &FRAME, true, &ids);
+        block.fill(world, &FRAME, true, &BlockIndex::new(ids));
         let ray = self.ray();
         let is_alone = bound != Bound::V || self.w() > f64::from(-block.error_bounds.edge);
         if bound == Bound::V {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::grid::triangle8::NONE;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 
@@ -33,7 +34,10 @@ fn sizes_add_up() {
 #[test]
 fn a_list_is_a_cell_with_everything_in_it() {
     let list = AccelerationStructure::new(&identical(5), GridOptions::NONE).unwrap();
-    assert_eq!(list.size(), StructureSize { cells: 1, references: 6, blocks: 1, cost: 6 * REFERENCE_COST });
+    assert_eq!(
+        list.size(&list.blocks),
+        StructureSize { cells: 1, references: 6, blocks: 1, cost: 6 * REFERENCE_COST }
+    );
 }
 
 /// The cost of a structure counts abandoned attempts, the cell lists, and a list that takes their place.
@@ -98,4 +102,39 @@ fn a_grid_within_a_cell_has_less_than_half_as_many_cells_as_primitives() {
     let cell = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
     let (_, cells) = nested_cells(&scattered(1000), &PrimSet::All, &cell);
     assert!((300..500).contains(&cells.iter().product::<usize>()), "{cells:?}");
+}
+
+/// The triangles in the blocks of a structure and in those of all nested ones, with the number of levels. The blocks of
+/// each structure hold triangles of that structure only.
+fn triangles_in(structure: &AccelerationStructure, world: &World, blocks: &[Block]) -> (Vec<u32>, usize) {
+    let ids = blocks[..structure.cells.block_count()].iter().flat_map(|block| block.index.ids);
+    let mut triangles: Vec<u32> = ids.filter(|&id| id != NONE).collect();
+    let own: Vec<u32> = (0..structure.prims.triangles(world)).map(|i| structure.prims.id(i)).collect();
+    assert!(triangles.iter().all(|id| own.binary_search(id).is_ok()));
+    let mut levels = 0;
+    for nested in structure.nested.iter().flat_map(|nested| nested.spanning.iter().chain([&nested.grid])) {
+        let (more, below) = triangles_in(nested, world, &blocks[nested.cells.first_block..]);
+        triangles.extend(more);
+        levels = levels.max(below);
+    }
+    (triangles, levels + 1)
+}
+
+#[test]
+fn the_blocks_of_all_grids_are_in_one_list_in_which_each_grid_finds_its_own() {
+    const COUNT: u32 = 4000;
+    // Most triangles are in a corner, whose cell, the last one, therefore has a grid with crowded cells.
+    let world = world(COUNT, |i| {
+        let corner = (DVec3::new(0.618, 0.754, 0.569) * f64::from(i)).fract();
+        let scale = if i % 4 == 0 { 1.0 } else { 0.02 };
+        [DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| 1.0 - scale * (corner + 0.01 * side))
+    });
+    let options = GridOptions { cells: Some([3; 3]), rule: CellRule::Nested { max_per_cell: 20 } };
+    let structure = AccelerationStructure::new(&world, options).unwrap();
+    let (mut triangles, levels) = triangles_in(&structure, &world, &structure.blocks);
+    assert!(levels > 2, "{levels}");
+    assert_eq!(structure.size(&structure.blocks).blocks, structure.blocks.len());
+    triangles.sort_unstable();
+    triangles.dedup();
+    assert_eq!(triangles, (0..COUNT).collect::<Vec<_>>());
 }
