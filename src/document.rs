@@ -5,10 +5,12 @@ use raytracer::causes::Finding;
 use raytracer::cli::Options;
 use raytracer::compare::{Comparison, LargestDifference, Tolerance};
 use raytracer::explain::{CostReport, PixelTree};
+use raytracer::memory::Text;
 use raytracer::render::Cost;
 use raytracer::stats::{Counts, Timings};
 use serde::Serialize;
 use std::fmt::Display;
+use std::io::{self, Write};
 
 mod scene;
 
@@ -157,8 +159,11 @@ impl<'a> Document<'a> {
     }
 
     /// The document in one line. Numbers have all their digits; those that JSON does not have are null.
-    pub fn to_json(&self) -> serde_json::Result<String> {
-        serde_json::to_string(self).map(|text| text + "\n")
+    pub fn to_json(&self) -> io::Result<String> {
+        let mut text = Text::default();
+        serde_json::to_writer(&mut text, self)?;
+        writeln!(text)?;
+        text.into_string()
     }
 }
 

@@ -3,9 +3,10 @@
 use crate::job::Outcome;
 use crate::progress::Progress as Line;
 use crate::signals::Signals;
+use crate::threads::{self, Place};
 use crate::{End, failed};
 use cpu_time::ProcessTime;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
 use raytracer::escape::{escape, quoted, shell_word};
@@ -21,10 +22,7 @@ use std::time::{Duration, Instant};
 pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let mut signals = Signals::hold().map_err(failed)?;
     let ErrorReporting { options, folder, target } = reporting;
-    let threads = |count| -> Result<ThreadPool, String> {
-        ThreadPoolBuilder::new().num_threads(count).build().map_err(failed)
-    };
-    let (many, one) = (threads(options.threads.unwrap_or(0))?, threads(1)?);
+    let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
     // A file that cannot be written is no reason to wait for the measurements.
     let [page_file, csv_file] = prepare(folder)?;
     signals.end_at_once()?;

@@ -21,10 +21,15 @@ pub fn escape(text: &str) -> String {
 
 /// A word between backticks, escaped, and truncated if it is long. Bytes that are not UTF-8 become U+FFFD.
 pub fn quoted(word: impl AsRef<OsStr>) -> String {
+    format!("`{}`", truncated(word))
+}
+
+/// The same without backticks.
+pub fn truncated(word: impl AsRef<OsStr>) -> String {
     let word = word.as_ref().to_string_lossy();
     let shown: String = word.chars().take(MAX_QUOTED).collect();
     let ellipsis = if shown.len() < word.len() { "..." } else { "" };
-    format!("`{}{ellipsis}`", escape(&shown))
+    escape(&shown) + ellipsis
 }
 
 /// Whether `character` is printed unchanged. These are the characters that the standard library does not

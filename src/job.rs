@@ -8,6 +8,7 @@ use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
 use crate::signals::Signals;
 use crate::standard_output;
+use crate::threads::{self, Place};
 use crate::{End, failed};
 use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
@@ -15,6 +16,7 @@ use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
+use raytracer::memory;
 use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -36,10 +38,7 @@ pub struct Outcome {
 /// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
 pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let mut signals = Signals::hold().map_err(failed)?;
-    // This thread is among them: for one thread none is started, and calls from here neither wake another nor wait.
-    let threads =
-        rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).use_current_thread();
-    let threads = Arc::new(threads.build().map_err(failed)?);
+    let threads = Arc::new(threads::pool(options.threads, Place::Here)?);
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
         told.borrow_mut().push(line.to_owned());
@@ -81,15 +80,15 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
-        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
     };
     Ok(Outcome { text, passes })
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
-fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> String {
-    let rendered = rendered.map(|rendered| rendered.text(options));
-    rendered.into_iter().chain(verdict.map(Verdict::text)).collect()
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> Result<String, String> {
+    let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
+    Ok(rendered.into_iter().chain(verdict.map(Verdict::text)).collect())
 }
 
 /// The pictures and files of a comparison.
@@ -146,6 +145,9 @@ impl<'o> Compared<'o> {
     }
 }
 
+/// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
+/// wrong ones, with something to spare.
+const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
 /// Reads a picture to compare.
 fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
     let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
@@ -164,6 +166,8 @@ fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Op
     if options.visualize_grid || options.adaptive.is_some() || !fits {
         return None;
     }
+    let pixels = options.size.iter().map(|&n| n as u64).product::<u64>();
+    memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
     let request = Request { layers: vec![Layer::Color], ..options.request() };
     Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }

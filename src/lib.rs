@@ -39,6 +39,7 @@
 
 #[doc(hidden)]
 pub mod escape;
+pub mod memory;
 mod near_names;
 #[doc(hidden)]
 pub mod math;

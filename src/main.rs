@@ -15,6 +15,7 @@ mod rendering;
 mod signals;
 mod standard_output;
 mod stopping;
+mod threads;
 mod warn;
 
 use job::Outcome;

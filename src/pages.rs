@@ -1,5 +1,11 @@
-//! The program's allocator: large allocations use large pages, where the system offers them. The library has
-//! no allocator of its own, so the choice is left to the program that uses it.
+//! The program's allocator: large allocations use large pages, where the system offers them, and a small one that
+//! the system refuses ends the program with one line. The library has no allocator of its own, so the choice is
+//! left to the program that uses it.
+//!
+//! Lists that grow with the input ask for their memory, and a refused one is an error as any other. The small
+//! blocks between them, names and messages, are asked for by nobody, also within the libraries in use. Where the
+//! system has not even these left, nothing can be computed, and Rust would abort the program, as if it were
+//! faulty. There is nothing to clean up then: what has been rendered is in memory or in a file without a name.
 //!
 //! The first access to a 4 KB page costs more than filling it, and returning the page to the system costs as
 //! much again, some 1.8 microseconds in all. A large page has 512 times the size but costs only 60 times as
@@ -21,7 +27,9 @@
 //! faces, and crate `mimalloc` was no faster than this and took 23 and 395 MiB.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
 use std::ptr;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
 static ALLOCATOR: LargePages = LargePages;
@@ -35,6 +43,41 @@ const LARGE_PAGE: usize = 2 << 20;
 /// The size in bytes from which a block is large. Large pages save time from an eighth of a page on, but a
 /// higher limit keeps the lists of a thousand small grids from taking several times their size.
 const LARGE_BLOCK: usize = LARGE_PAGE / 2;
+
+/// The exit status of an error.
+const FAILURE: i32 = 1;
+
+/// Whether a thread is ending the program for want of a small block.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Ends the program, for want of a small block. Nothing here allocates.
+#[cold]
+fn end_for_want_of(layout: Layout) -> ! {
+    while IS_ENDING.swap(true, Ordering::Relaxed) {
+        // Another thread has said so, and ends this one too.
+        std::thread::yield_now();
+    }
+    let mut line = [0; 80];
+    let room = line.len();
+    let mut rest = line.as_mut_slice();
+    // The line is shorter than its room.
+    let _ = writeln!(rest, "error: not enough memory: at least {} bytes more are needed", layout.size());
+    let length = room - rest.len();
+    // SAFETY: the bytes written are within `line`. Neither function returns to code that needs the block.
+    unsafe {
+        libc::write(libc::STDERR_FILENO, line.as_ptr().cast(), length);
+        libc::_exit(FAILURE)
+    }
+}
+
+/// A small block that the system has given or refused.
+#[inline(always)]
+fn given(memory: *mut u8, layout: Layout) -> *mut u8 {
+    if memory.is_null() {
+        end_for_want_of(layout);
+    }
+    memory
+}
 
 /// Every mapping is aligned to at least this.
 const ALIGNMENT: usize = 4096;
@@ -77,7 +120,7 @@ unsafe impl GlobalAlloc for LargePages {
             return mapped(layout);
         }
         // SAFETY: the caller promises a layout of nonzero size, as the system's allocator requires.
-        unsafe { System.alloc(layout) }
+        given(unsafe { System.alloc(layout) }, layout)
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
@@ -85,7 +128,7 @@ unsafe impl GlobalAlloc for LargePages {
             return mapped(layout);
         }
         // SAFETY: the caller promises a layout of nonzero size, as the system's allocator requires.
-        unsafe { System.alloc_zeroed(layout) }
+        given(unsafe { System.alloc_zeroed(layout) }, layout)
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {

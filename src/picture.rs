@@ -1,5 +1,6 @@
 //! Pictures in memory, and the conversion of their colours to bytes.
 
+use crate::memory::Bytes;
 use crate::scene::Color;
 use std::fmt;
 
@@ -21,7 +22,11 @@ impl fmt::Display for BadSize {
             Self { width: 0, .. } | Self { height: 0, .. } => {
                 f.write_str("a picture needs at least one pixel each way")
             }
-            Self { width, height } => write!(f, "no memory for a picture of {width} x {height} pixels"),
+            Self { width, height } => {
+                let bytes = (*width as u64).saturating_mul(*height as u64).saturating_mul(CHANNELS as u64);
+                let size = Bytes(bytes);
+                write!(f, "no memory for a picture of {width} x {height} pixels, at least {size}")
+            }
         }
     }
 }
@@ -217,6 +222,9 @@ mod tests {
         assert_eq!(message(0, 5), "a picture needs at least one pixel each way");
         assert_eq!(message(5, 0), message(0, 5));
         let size = u32::MAX;
-        assert_eq!(message(size, size), format!("no memory for a picture of {size} x {size} pixels"));
+        assert_eq!(
+            message(size, size),
+            format!("no memory for a picture of {size} x {size} pixels, at least 18.4 EB")
+        );
     }
 }

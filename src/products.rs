@@ -3,6 +3,7 @@
 use crate::failed;
 use raytracer::explain::CostMap;
 use raytracer::image_io::{Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
+use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Color;
@@ -48,7 +49,10 @@ impl Products {
         part: &dyn Fn(Layer) -> Option<Part>,
     ) -> Result<Self, String> {
         let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
-            Layer::Cost(cost) => Ok(Product::Costs(file, cost, Vec::new())),
+            Layer::Cost(cost) => {
+                let [width, height] = request.window_size();
+                Ok(Product::Costs(file, cost, with_room(width * height).map_err(failed)?))
+            }
             layer => {
                 let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                 let part = part(layer);
@@ -71,9 +75,10 @@ impl Products {
         }
     }
 
-    /// Keeps the colours of one more layer.
-    pub fn keep(&mut self) {
-        self.layers.push(Product::Kept(Vec::new()));
+    /// Keeps the colours of one more layer. `size` is the width and height of the picture in pixels.
+    pub fn keep(&mut self, [width, height]: [usize; 2]) -> Result<(), String> {
+        self.layers.push(Product::Kept(with_room(width * height * CHANNELS).map_err(failed)?));
+        Ok(())
     }
 
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {

@@ -54,12 +54,15 @@ impl Renderer {
     /// is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
         let LoadedScene { scene, meshes, source, .. } = loaded;
-        let (meshes, own) = match kept {
-            Meshes::Moved => (vec![], meshes),
-            Meshes::Kept => (meshes.clone(), meshes),
+        let copied = match kept {
+            Meshes::Moved => Ok(vec![]),
+            Meshes::Kept => meshes.iter().map(Mesh::copied).collect(),
         };
-        match World::of_meshes(&scene, own) {
-            Ok(world) => Ok(Self { scene, source, world, meshes, threads: None }),
+        let world = copied
+            .map_err(SceneError::from)
+            .and_then(|copied| Ok((World::of_meshes(&scene, meshes)?, copied)));
+        match world {
+            Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
             Err(error) => Err(LoadError::Scene { source, errors: vec![error] }),
         }
     }

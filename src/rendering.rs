@@ -11,8 +11,9 @@ use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options, Output};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
 use raytracer::fingerprint;
-use raytracer::grid::options::Structure;
+use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::{Exceptional, ImageError, OutputFile};
+use raytracer::memory::{Bytes, Text};
 use raytracer::mode::{Course, Mode};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped};
@@ -24,6 +25,7 @@ use raytracer::trace::Observer;
 use raytracer::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -80,7 +82,7 @@ pub fn render<M: Mode, P: Observer>(
     let part = |layer| request.window.and_then(|window| part_in(window, layer));
     let mut products = Products::begin(files, &request, &part)?;
     if keeps {
-        products.keep();
+        products.keep(options.size)?;
     }
     let world = renderer.world();
     let is_empty = world.finite_count() == 0 && world.planes.is_empty();
@@ -137,13 +139,15 @@ pub fn render<M: Mode, P: Observer>(
 
 impl Rendered {
     /// What there is to print.
-    pub fn text(&self, options: &Options) -> String {
+    pub fn text(&self, options: &Options) -> io::Result<String> {
         let blocks: [Option<&dyn Display>; 3] = [
             options.stats.then_some(&self.report),
             self.costs.as_ref().map(|costs| costs as _),
             self.pixel.as_ref().map(|pixel| pixel as _),
         ];
-        blocks.into_iter().flatten().map(|block| block.to_string()).collect()
+        let mut text = Text::default();
+        blocks.into_iter().flatten().try_for_each(|block| write!(text, "{block}"))?;
+        text.into_string()
     }
 }
 
@@ -202,7 +206,14 @@ fn prepare<'r, M: Mode>(
         }
         structure => renderer.prepare_for(structure, request),
     };
-    prepared.map_err(failed)
+    prepared.map_err(|error| match options.structure {
+        Structure::Grid(Resolution::Cells(cells)) => {
+            // Each cell has an entry, and a few lists are of the same length while the grid is built.
+            let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
+            failed(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
+        }
+        _ => failed(error),
+    })
 }
 
 /// Measures one stage after the other.

@@ -1,9 +1,10 @@
 //! Reads a scene and its meshes from files.
 
 use crate::escape::{escape, quoted};
+use crate::memory::NoMemory;
 use crate::near_names::nearest_file;
 use crate::scene::error::{Problem, SceneError, located};
-use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::mesh::{Mesh, MeshError, parse_obj};
 use crate::scene::parser::{self, Places, Reading};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::warning::SceneWarning;
@@ -56,6 +57,13 @@ pub enum LoadError {
         /// The system's reason.
         error: std::io::Error,
     },
+    /// The system has too little memory for the scene's text.
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// How much it takes.
+        refused: NoMemory,
+    },
     /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
     NotUtf8 {
         /// The file.
@@ -88,6 +96,7 @@ impl fmt::Display for LoadError {
                     near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
                 f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
             }
+            Self::Memory { path, refused } => f.write_str(&located(path, "", &refused.to_string())),
             Self::NotUtf8 { path, line, column, is_utf16 } => {
                 let hint =
                     if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };
@@ -119,7 +128,10 @@ pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
-    let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
+    let bytes = bytes.map_err(|error| match refused(&error, path) {
+        Some(refused) => LoadError::Memory { path: path.to_owned(), refused },
+        None => LoadError::Unreadable { path: path.to_owned(), error },
+    })?;
     let text = decode(path, bytes)?;
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile| {
@@ -190,30 +202,50 @@ fn read_mesh(name: &str, scene_directory: &Path) -> Result<FoundMesh, Problem> {
     for place in places(name, scene_directory) {
         match read_mesh_file(&place) {
             Ok(bytes) => {
-                let mesh = parse_obj(&bytes).map_err(|error| Problem::BadMesh {
-                    file: lossy(&place),
-                    excerpt: mesh_fault::excerpt(&error, &bytes),
-                    error,
+                let mesh = parse_obj(&bytes).map_err(|error| match error {
+                    MeshError::Memory(refused) => Problem::Memory(refused),
+                    error => Problem::BadMesh {
+                        file: lossy(&place),
+                        excerpt: mesh_fault::excerpt(&error, &bytes),
+                        error,
+                    },
                 })?;
                 return Ok((mesh, place));
             }
-            Err(reason) => tried.push((lossy(&place), reason)),
+            Err(Unread::Memory(refused)) => return Err(Problem::Memory(refused)),
+            Err(Unread::Other(reason)) => tried.push((lossy(&place), reason)),
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
 }
 
+/// Why a mesh's file was not read.
+enum Unread {
+    Memory(NoMemory),
+    Other(String),
+}
+
+/// The refusal behind an error of reading a file, if that is what it is.
+fn refused(error: &io::Error, path: &Path) -> Option<NoMemory> {
+    let bytes = || fs::metadata(path).map_or(0, |found| found.len());
+    (error.kind() == io::ErrorKind::OutOfMemory).then(|| NoMemory { bytes: bytes() })
+}
+
 /// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the program
 /// and a device may have no end.
-fn read_mesh_file(place: &Path) -> Result<Vec<u8>, String> {
-    let found = fs::metadata(place).map_err(|error| error.to_string())?;
+fn read_mesh_file(place: &Path) -> Result<Vec<u8>, Unread> {
+    let unread = |error: io::Error| match refused(&error, place) {
+        Some(refused) => Unread::Memory(refused),
+        None => Unread::Other(error.to_string()),
+    };
+    let found = fs::metadata(place).map_err(unread)?;
     if found.is_dir() {
-        return Err("it is a folder".into());
+        return Err(Unread::Other("it is a folder".into()));
     }
     if !found.is_file() {
-        return Err("it is a pipe or a device, not a regular file".into());
+        return Err(Unread::Other("it is a pipe or a device, not a regular file".into()));
     }
-    fs::read(place).map_err(|error| error.to_string())
+    fs::read(place).map_err(unread)
 }
 
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then

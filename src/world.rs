@@ -11,6 +11,7 @@ use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
+use crate::memory::{self, NoMemory};
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::SceneError;
 use crate::scene::limits;
@@ -90,37 +91,37 @@ pub struct SurfacePoint {
 impl World {
     /// The world of a scene. `meshes` are those that the scene names, in its order.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
-        Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
+        Self::build(scene, memory::collected(meshes.iter().map(Cow::Borrowed))?)
     }
 
     /// The same as [`World::new`], but a mesh that can be taken over is not copied.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
-        Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
+        Self::build(scene, memory::collected(meshes.into_iter().map(Cow::Owned))?)
     }
 
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
         limits::check(scene)?;
-        let mut builder = Builder::new(Self::without_objects(scene), scene, meshes);
-        placements(scene).try_for_each(|placement| builder.place(&placement))?;
+        let mut builder = Builder::new(Self::without_objects(scene)?, scene, meshes)?;
+        placements(scene).try_for_each(|placement| builder.place(&placement?))?;
         builder.finish()
     }
 
-    fn without_objects(scene: &Scene) -> Self {
-        Self {
+    fn without_objects(scene: &Scene) -> Result<Self, NoMemory> {
+        Ok(Self {
             vertices: vec![],
             triangles: vec![],
             spheres: vec![],
             ellipsoids: vec![],
             planes: vec![],
-            materials: scene.materials.clone(),
-            lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),
+            materials: memory::copied(&scene.materials)?,
+            lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
             material_runs: vec![],
-        }
+        })
     }
 
     /// The number of primitives with finite bounds: all but the planes.

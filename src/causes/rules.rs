@@ -132,7 +132,9 @@ pub fn colors(
     finder: &impl Finder,
     rule: Option<Rule>,
 ) -> Result<FloatPicture, BadSize> {
+    let [width, height] = request.window_size();
     let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let spaces = spaces.map_err(|_| BadSize { width, height })?;
     let textbook = Textbook { finder, effects: request.effects, rule, spaces: &spaces };
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);
     paint(&renderer.camera(request), request, shift, &|ray| textbook.color(ray))

@@ -5,6 +5,7 @@
 
 use super::Original;
 use crate::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
+use crate::memory;
 use crate::picture::Picture;
 use crate::render::Request;
 use crate::scene::{Color, Light};
@@ -51,7 +52,7 @@ fn count<'p>(
     a: &Picture,
     b: &Picture,
 ) -> Option<usize> {
-    let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b);
+    let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b)?;
     let is_enough = |count: usize| {
         let count = count as f64;
         count >= (MIN_SHARE * away_from_edges as f64).max(MIN_SHARE_OF_ALL * all as f64).max(MIN_PIXELS)
@@ -85,9 +86,10 @@ struct Differing {
 }
 
 impl Differing {
-    fn new(original: &Original, a: &Picture, b: &Picture) -> Self {
+    /// None where there is no memory for them.
+    fn new(original: &Original, a: &Picture, b: &Picture) -> Option<Self> {
         let [width, height] = original.request.size;
-        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b));
+        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b).ok()?);
         let differs = |at: usize| !nearly(a[at], b[at]);
         let neighbours = |x: usize, y: usize| {
             let columns = x.saturating_sub(1)..(x + 2).min(width);
@@ -105,10 +107,12 @@ impl Differing {
             if !edges.is_near_edge(x, y) {
                 found.away_from_edges += 1;
                 let is_scattered = is_darker(a[at], b[at]) && neighbours(x, y) <= MAX_NEIGHBOURS;
-                found.scattered.extend(is_scattered.then_some(at));
+                if is_scattered {
+                    memory::push(&mut found.scattered, at).ok()?;
+                }
             }
         }
-        found
+        Some(found)
     }
 }
 

@@ -92,7 +92,7 @@ mod tests {
     }
 
     fn matrix(scene: &Scene) -> DAffine3 {
-        placements(scene).next().unwrap().matrix
+        placements(scene).next().unwrap().unwrap().matrix
     }
 
     const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";

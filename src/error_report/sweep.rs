@@ -299,6 +299,10 @@ impl<'a> Sweep<'a> {
             Ok(probe) => Ok(Some((picture, probe))),
             Err(Stopped::Cancelled { .. }) => Ok(None),
             Err(Stopped::Output(never)) => match never {},
+            Err(Stopped::Memory(_)) => {
+                let [width, height] = request.window_size();
+                Err(BadSize { width, height }.into())
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ mod references;
 use crate::job::Outcome;
 use crate::progress::Progress;
 use crate::signals::Signals;
+use crate::threads::{self, Place};
 use crate::{End, failed};
 use folder::Folder;
 use rayon::ThreadPool;
@@ -22,8 +23,7 @@ use std::sync::Arc;
 /// Compares everything with its reference. Warnings go to `tell`.
 pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let mut signals = Signals::hold().map_err(failed)?;
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
-    let threads: Arc<ThreadPool> = Arc::new(threads.use_current_thread().build().map_err(failed)?);
+    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
     // A file that cannot be written is no reason to wait for the comparison.

@@ -148,7 +148,7 @@ fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, String> {
 /// The pictures of the command lines in a file, in the order in which they are first written.
 fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, String> {
     let shown = quoted(file);
-    if !file.is_file() {
+    if file.exists() && !file.is_file() {
         return Err(failed(format!("cannot read the commands {shown}: it is not a regular file")));
     }
     let text = std::fs::read_to_string(file);

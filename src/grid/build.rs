@@ -5,7 +5,7 @@
 use super::allowance::{Allowance, separates};
 use super::budget::{Budget, REFERENCE_COST};
 use super::cell_contents::CellContents;
-use super::cell_lists::{CellLists, widened};
+use super::cell_lists::{CellLists, widened, with_room_for};
 use super::cell_table::CellTable;
 use super::error::GridTooLarge;
 use super::fitting::{FittedLattice, bounds_of, cell_lists, padding};
@@ -15,6 +15,7 @@ use super::prim_set::PrimSet;
 use super::ray_aabb::SimdAabb;
 use super::triangle8::{Block, Frame};
 use crate::math::aabb::Aabb;
+use crate::memory;
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use glam::DVec3;
@@ -207,7 +208,7 @@ impl AccelerationStructure {
             return Ok(grid);
         };
         let nest = |(cell, ids): &(u32, Vec<u32>)| {
-            let ids = ids.iter().map(|&i| grid.prims.id(i as usize)).collect();
+            let ids = ids.iter().map(|&i| grid.prims.id(i as usize));
             NestedGrid::new(world, ids, &padded_cell(&lattice, *cell), nested_allowance)
         };
         grid.nested = crowded.par_iter().map(nest).collect::<Result<Vec<_>, _>>()?;
@@ -258,9 +259,19 @@ fn padded_cell(lattice: &Lattice, index: u32) -> Aabb {
 
 impl NestedGrid {
     /// The nested grid of the primitives with these ids, restricted to a cell.
-    fn new(world: &World, ids: Vec<u32>, cell: &Aabb, allowance: Allowance) -> Result<Self, GridTooLarge> {
-        let (mut spanning, mut grid): (Vec<u32>, _) =
-            ids.into_iter().partition(|&id| spans(&world.box_of(id), cell));
+    fn new(
+        world: &World,
+        ids: impl ExactSizeIterator<Item = u32>,
+        cell: &Aabb,
+        allowance: Allowance,
+    ) -> Result<Self, GridTooLarge> {
+        let (mut spanning, mut grid) = (vec![], with_room_for(ids.len())?);
+        for id in ids {
+            match spans(&world.box_of(id), cell) {
+                true => memory::push(&mut spanning, id).map_err(|_| GridTooLarge)?,
+                false => grid.push(id),
+            }
+        }
         if spanning.len() > MAX_SPANNING {
             grid.append(&mut spanning);
             grid.sort_unstable();

@@ -99,7 +99,9 @@ impl CellContents {
         let mut cells = Self::of_indices(indices, frame);
         let last = cells.block_count - 1;
         let non_triangles = triangles..prims.count(world);
-        cells.set_non_triangles(non_triangles.map(|i| (last as u32, prims.id(i))).collect())?;
+        let mut by_block = with_room_for(non_triangles.len())?;
+        by_block.extend(non_triangles.map(|i| (last as u32, prims.id(i))));
+        cells.set_non_triangles(by_block)?;
         Ok(cells)
     }
 

@@ -123,8 +123,8 @@ impl Chunk {
         cells_of: &impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge>,
     ) -> Result<Self, GridTooLarge> {
         let mut touched = TouchedCells::new(budget);
-        touched.indices.reserve(4 * ids.len());
-        let mut ends = Vec::with_capacity(ids.len());
+        touched.indices = with_room_for(4 * ids.len())?;
+        let mut ends = with_room_for(ids.len())?;
         for id in ids {
             let before = touched.indices.len();
             cells_of(id, &mut touched)?;
@@ -137,19 +137,21 @@ impl Chunk {
     /// Moves the references in crowded cells from this chunk, whose first primitive is `first`, to the lists
     /// of those cells.
     fn take(&mut self, first: u32, counts: &[u32], max_per_cell: usize, crowded: &mut [(u32, Vec<u32>)]) {
-        let all = std::mem::take(&mut self.cells);
-        let mut start = 0;
+        let (mut start, mut kept) = (0, 0);
         for (id, end) in (first..).zip(&mut self.ends) {
-            for &cell in &all[start..*end as usize] {
+            for i in start..*end as usize {
+                let cell = self.cells[i];
                 if counts[cell as usize] as usize <= max_per_cell {
-                    self.cells.push(cell);
+                    self.cells[kept] = cell;
+                    kept += 1;
                 } else if let Ok(i) = crowded.binary_search_by_key(&cell, |c| c.0) {
                     crowded[i].1.push(id);
                 }
             }
             start = *end as usize;
-            *end = self.cells.len() as u32;
+            *end = kept as u32;
         }
+        self.cells.truncate(kept);
     }
 }
 

@@ -219,7 +219,7 @@ mod avx2 {
         let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
         let depth_inside = _mm256_min_ps(depth, before);
         let [edge_error_bound, depth_error_bound] =
-            [&block.error_bounds.edge, &block.error_bounds.depth].map(|x| _mm256_broadcast_ss(x));
+            [&block.error_bounds.edge, &block.error_bounds.depth].map(|x| _mm256_set1_ps(*x));
         let possible = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge_error_bound),
             _mm256_cmp_ps::<_CMP_GE_OQ>(depth_inside, depth_error_bound),

@@ -6,6 +6,7 @@ use super::float_rows::Content;
 use super::part::Part;
 use super::spool::Spool;
 use super::writer::PictureWriter;
+use crate::memory;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
@@ -159,8 +160,13 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
+/// The memory that is taken while there is a temporary file, in bytes: names and a buffer, with much to spare.
+const WORKING_MEMORY: u64 = 1 << 20;
+
 /// A new file in the target's folder, with the permissions of any new file. It is removed when it is dropped.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+    // A program that ends for want of memory removes nothing.
+    memory::ask(WORKING_MEMORY)?;
     let open = |path: &Path| OpenOptions::new().write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(target), open)
 }

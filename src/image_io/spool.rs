@@ -1,12 +1,13 @@
 //! The spool, which holds the bytes of a file until the file is complete.
 
 use super::part_file::Source;
+use crate::memory::{make_room, with_room};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Seek, Write};
 use std::path::PathBuf;
 
-/// Bytes in memory or, if there are more than [`IN_MEMORY`], in a temporary file without a name, which the
-/// system removes however the program ends.
+/// Bytes in memory or, if there are more than [`IN_MEMORY`] or than there is memory for, in a temporary file
+/// without a name, which the system removes however the program ends.
 pub(super) struct Spool {
     memory: Vec<u8>,
     file: Option<BufWriter<File>>,
@@ -25,7 +26,8 @@ const BUFFER_SIZE: usize = 1 << 18;
 impl Spool {
     /// An empty spool that is expected to hold this number of bytes.
     pub fn new(folder: PathBuf, expected: usize) -> Self {
-        Self { memory: Vec::with_capacity(expected.min(IN_MEMORY)), file: None, folder, reversed: None }
+        let memory = with_room(expected.min(IN_MEMORY)).unwrap_or_default();
+        Self { memory, file: None, folder, reversed: None }
     }
 
     /// Says that a header of this many bytes precedes rows of this many bytes each, of which the last is to be written first.
@@ -82,7 +84,8 @@ impl Write for Spool {
         if let Some(file) = &mut self.file {
             return file.write(bytes);
         }
-        if self.memory.len() + bytes.len() > IN_MEMORY {
+        let fits = self.memory.len() + bytes.len() <= IN_MEMORY;
+        if !fits || make_room(&mut self.memory, bytes.len()).is_err() {
             let mut file = BufWriter::with_capacity(BUFFER_SIZE, tempfile::tempfile_in(&self.folder)?);
             file.write_all(&std::mem::take(&mut self.memory))?;
             return self.file.insert(file).write(bytes);

@@ -193,6 +193,7 @@ impl<'r> Easel<'r> {
             Err(Stopped::Cancelled { .. }) if turn.is_overtaken() => return Err(Unpainted::Overtaken),
             Err(Stopped::Cancelled { .. }) => return Err(Unpainted::TooSlow),
             Err(Stopped::Output(never)) => match never {},
+            Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
         }
         let costs = subject.cost.map(|cost| CostReport {
             map: CostMap { cost, size: request.size, counts: std::mem::take(&mut colors.counts) },

@@ -51,7 +51,9 @@ impl Server {
     /// Opens the scene, and listens on the loopback interface. An error is a line, or the message for a scene.
     pub fn open(setup: &Setup) -> Result<Self, String> {
         let failed = |error: &dyn Display| format!("error: cannot serve the page: {error}");
-        let threads = ThreadPoolBuilder::new().num_threads(setup.options.threads.unwrap_or(0)).build();
+        let cores = || thread::available_parallelism().map_or(1, usize::from);
+        let count = setup.options.threads.unwrap_or_else(cores);
+        let threads = ThreadPoolBuilder::new().num_threads(count).build();
         let threads = Arc::new(threads.map_err(|error| failed(&error))?);
         let stage = Stage::open(setup.input, threads).map_err(|error: LoadError| error.to_string())?;
         let app = App::new(setup, stage).map_err(|error| failed(&error))?;

@@ -18,6 +18,7 @@ use crate::camera::{Camera, Eye};
 use crate::grid::Caster;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::world::{Primitive, World};
 use edge_functions::InvDepthPlane;
@@ -62,7 +63,8 @@ const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
     /// The first hits in a world of triangles and planes, for the rays through the pixels' centres in these
-    /// rows. None if the world has other primitives, or if casting the rays is cheaper.
+    /// rows. None if the world has other primitives, if casting the rays is cheaper, or where there is no memory
+    /// for them.
     pub fn new<M: Mode>(
         camera: &Camera,
         caster: &Caster<M>,
@@ -80,17 +82,18 @@ impl VisibilityBuffer {
             return None;
         }
         let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone())?;
-        let bins = bins(&viewport, world);
+        let bins = bins(&viewport, world).ok()?;
         let work = bins.iter().flatten().fold(0usize, |work, bin| work.saturating_add(bin.pixels));
         if work > PIXELS_PER_RAY * pixels {
             return None;
         }
-        let planes: Vec<InvDepthPlane> =
-            world.planes.iter().map(|plane| InvDepthPlane::of_plane(&viewport, plane)).collect();
+        let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(&viewport, plane));
+        let planes = memory::collected(planes).ok()?;
         let stride = width + tile::LANES;
-        let mut visible_ids = vec![NOTHING; stride * rows.len()];
-        visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate().for_each(|(k, visible_ids)| {
-            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids);
+        let mut visible_ids = memory::filled(NOTHING, stride * rows.len()).ok()?;
+        let tiles = visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate();
+        let drawn = tiles.try_for_each(|(k, visible_ids)| {
+            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids)?;
             for side in [FRONTS, BACKS] {
                 let bounds = bins.iter().flat_map(|bins| &bins[k].sides[side]);
                 bounds.for_each(|triangle_bounds| tile.draw(triangle_bounds, world));
@@ -98,7 +101,9 @@ impl VisibilityBuffer {
             for (plane, id) in planes.iter().zip(world.first_plane()..) {
                 tile.fill(plane, id);
             }
+            Ok::<(), NoMemory>(())
         });
+        drawn.ok()?;
         Some(Self { stride, first_row: rows.start, visible_ids })
     }
 
@@ -141,14 +146,14 @@ const BACKS: usize = 1;
 
 /// The bins of all tiles, for each part of the triangles separately, so that threads can fill them in
 /// parallel.
-fn bins(viewport: &Viewport, world: &World) -> Vec<Vec<TileBin>> {
+fn bins(viewport: &Viewport, world: &World) -> Result<Vec<Vec<TileBin>>, NoMemory> {
     const TRIANGLES_PER_PART: usize = 1 << 14;
-    let vertices: Vec<ScreenVertex> =
-        world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
+    let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len())?;
+    world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
     let count = world.triangles.len();
     let parts = (0..count.div_ceil(TRIANGLES_PER_PART)).into_par_iter();
     let bins = parts.map(|part| {
-        let mut bins = vec![TileBin::default(); viewport.rows.len().div_ceil(TILE_ROWS)];
+        let mut bins = memory::filled(TileBin::default(), viewport.rows.len().div_ceil(TILE_ROWS))?;
         for id in part * TRIANGLES_PER_PART..count.min((part + 1) * TRIANGLES_PER_PART) {
             if let Some((triangle_bounds, is_front)) =
                 TriangleBounds::new(viewport, world, &vertices, id as u32)
@@ -156,12 +161,12 @@ fn bins(viewport: &Viewport, world: &World) -> Vec<Vec<TileBin>> {
                 let (side, rows) = (if is_front { FRONTS } else { BACKS }, triangle_bounds.rows.range());
                 let [first, last] = [rows.start, rows.end - 1].map(|j| (j - viewport.rows.start) / TILE_ROWS);
                 for bin in &mut bins[first..=last] {
-                    bin.sides[side].push(triangle_bounds);
+                    memory::push(&mut bin.sides[side], triangle_bounds)?;
                 }
                 bins[first].pixels += triangle_bounds.pixels();
             }
         }
-        bins
+        Ok(bins)
     });
     bins.collect()
 }

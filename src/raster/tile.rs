@@ -11,6 +11,7 @@ use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
 use super::{Affine, TILE_ROWS, UNSURE, Viewport};
 use crate::math::extremes::{max3, min3};
+use crate::memory::{self, NoMemory};
 use crate::world::World;
 use std::ops::Range;
 
@@ -64,10 +65,15 @@ impl AffineRow {
 }
 
 impl<'c> Tile<'c> {
-    pub fn new(viewport: &'c Viewport, first_row: usize, stride: usize, visible_ids: &'c mut [u32]) -> Self {
+    pub fn new(
+        viewport: &'c Viewport,
+        first_row: usize,
+        stride: usize,
+        visible_ids: &'c mut [u32],
+    ) -> Result<Self, NoMemory> {
         let rows = first_row..first_row + visible_ids.len() / stride;
-        let far = vec![0.0; TILE_ROWS * stride];
-        Self { viewport, rows, stride, min_inv_depths: far.clone(), max_inv_depths: far, visible_ids }
+        let far = || memory::filled(0.0, TILE_ROWS * stride);
+        Ok(Self { viewport, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
     }
 
     /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded.

@@ -58,7 +58,9 @@ impl Occupancy {
         if !bounds.is_empty() {
             let budget = Budget::unlimited();
             let mut touched = TouchedCells::new(&budget);
-            placements(scene).try_for_each(|placement| occupancy.insert(&placement, meshes, &mut touched))?;
+            for placement in placements(scene) {
+                occupancy.insert(&placement.map_err(|_| GridTooLarge)?, meshes, &mut touched)?;
+            }
         }
         Ok(occupancy)
     }

@@ -15,6 +15,7 @@ pub use request::{Request, View, Window};
 
 use crate::camera::Camera;
 use crate::grid::Caster;
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::adaptive::{Adaptive, Stratum};
@@ -60,6 +61,8 @@ pub enum Stopped<E> {
     },
     /// The callback that takes the rows failed.
     Output(E),
+    /// The system has too little memory for the rows in progress.
+    Memory(NoMemory),
 }
 
 impl<E: fmt::Display> fmt::Display for Stopped<E> {
@@ -67,11 +70,18 @@ impl<E: fmt::Display> fmt::Display for Stopped<E> {
         match self {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output(error) => error.fmt(f),
+            Self::Memory(refused) => refused.fmt(f),
         }
     }
 }
 
 impl<E: std::error::Error> std::error::Error for Stopped<E> {}
+
+impl<E> From<NoMemory> for Stopped<E> {
+    fn from(refused: NoMemory) -> Self {
+        Self::Memory(refused)
+    }
+}
 
 /// Renders the layers of a request, and returns the probe.
 ///
@@ -88,8 +98,7 @@ pub fn render<M: Mode, P: Observer, E>(
 ) -> Result<P, Stopped<E>> {
     for (k, layer) in request.layers.iter().enumerate() {
         if let Layer::Filter { zoom } = *layer {
-            render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))
-                .map_err(Stopped::Output)?;
+            render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
     let spare = Spare::default();
@@ -116,7 +125,7 @@ pub fn strata<M: Mode>(
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
     let spare = Spare::default();
-    Setting { camera, caster, view, request, spare: &spare }.strata(settings, pixel)
+    Setting { camera, caster, view, request, spare: &spare }.strata(settings, pixel).unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without
@@ -138,6 +147,10 @@ pub fn render_in_memory<M: Mode, P: Observer>(
         Ok(probe) => probe,
         Err(Stopped::Cancelled { .. }) => P::default(),
         Err(Stopped::Output(never)) => match never {},
+        Err(Stopped::Memory(_)) => {
+            let [width, height] = request.window_size();
+            return Err(BadSize { width, height });
+        }
     };
     Ok((pictures, probe))
 }
@@ -151,7 +164,7 @@ fn render_filter<E>(
     [width, height]: [usize; 2],
     zoom: usize,
     take_row: &mut dyn FnMut(&[Color]) -> Result<(), E>,
-) -> Result<(), E> {
+) -> Result<(), Stopped<E>> {
     let middle = width / 2;
     let supported = middle.saturating_sub(filter.support())..=middle + filter.support();
     // The offset from the middle pixel's centre, in pixels.
@@ -166,7 +179,7 @@ fn render_filter<E>(
                 0.5 * Color::Z
             }
         };
-        take_row(&(0..=width * zoom).map(color).collect::<Vec<_>>())?;
+        take_row(&memory::collected((0..width * zoom + 1).map(color))?).map_err(Stopped::Output)?;
     }
     Ok(())
 }

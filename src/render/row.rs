@@ -7,6 +7,7 @@ use super::spare::Spare;
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::render::grid_view::Face;
@@ -77,17 +78,17 @@ impl<M: Mode> Setting<'_, M> {
         j: usize,
         is_shown: bool,
         refinement: Option<Refinement>,
-    ) -> Row<P> {
-        let mut painter: Painter<M, P> = Painter { refinement, ..self.painter(visibility, j, is_shown) };
+    ) -> Result<Row<P>, NoMemory> {
+        let mut painter: Painter<M, P> = Painter { refinement, ..self.painter(visibility, j, is_shown)? };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
             columns.for_each(|column| painter.paint_and_count(column, &mut packet));
-            return painter.row;
+            return Ok(painter.row);
         }
         for first in columns.clone().step_by(SamplePacket::SIZE) {
             painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
         }
-        painter.row
+        Ok(painter.row)
     }
 
     /// The columns whose samples contribute to the row.
@@ -103,9 +104,9 @@ impl<M: Mode> Setting<'_, M> {
         visibility: Option<&'a VisibilityBuffer>,
         j: usize,
         is_shown: bool,
-    ) -> Painter<'a, M, P> {
+    ) -> Result<Painter<'a, M, P>, NoMemory> {
         let Setting { request, .. } = *self;
-        Painter {
+        Ok(Painter {
             setting: *self,
             visibility,
             is_shown,
@@ -115,24 +116,24 @@ impl<M: Mode> Setting<'_, M> {
             sum: Sum::default(),
             plots: plots(request, is_shown),
             refinement: None,
-            row: self.empty_row(j),
-        }
+            row: self.empty_row(j)?,
+        })
     }
 
-    fn empty_row<P: Observer>(&self, j: usize) -> Row<P> {
+    fn empty_row<P: Observer>(&self, j: usize) -> Result<Row<P>, NoMemory> {
         let Setting { request, .. } = *self;
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
-            (true, 0) => Colors::Finished(self.spare.list(request.columns().len())),
+            (true, 0) => Colors::Finished(self.spare.list(request.columns().len())?),
             (true, _) => {
-                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
+                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size)?)
             }
         };
         let layers = request.layers.iter().map(|layer| match layer {
-            Layer::Color | Layer::Filter { .. } => vec![],
-            _ => Vec::with_capacity(layer.colors_per_row(request.columns().len())),
+            Layer::Color | Layer::Filter { .. } => Ok(vec![]),
+            _ => memory::with_room(layer.colors_per_row(request.columns().len())),
         });
-        Row { j, probe: P::default(), colors, layers: layers.collect() }
+        Ok(Row { j, probe: P::default(), colors, layers: layers.collect::<Result<_, _>>()? })
     }
 }
 

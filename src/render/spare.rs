@@ -1,5 +1,6 @@
 //! Memory for rows of colours that is used again: the first access to new memory costs more than filling it.
 
+use crate::memory::NoMemory;
 use crate::scene::Color;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -9,11 +10,11 @@ pub struct Spare(Mutex<Vec<Vec<Color>>>);
 
 impl Spare {
     /// An empty list with room for a number of colours.
-    pub fn list(&self, room: usize) -> Vec<Color> {
+    pub fn list(&self, room: usize) -> Result<Vec<Color>, NoMemory> {
         let mut list = self.lists().pop().unwrap_or_default();
         list.clear();
-        list.reserve_exact(room);
-        list
+        list.try_reserve_exact(room).map_err(|_| NoMemory::for_list::<Color>(room))?;
+        Ok(list)
     }
 
     /// Keeps a list for later.

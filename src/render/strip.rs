@@ -11,6 +11,7 @@ use super::row::{Colors, Row, Setting};
 use super::spare::Spare;
 use super::tally::{Tally, in_parallel};
 use super::{Stopped, TakeRow};
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::sampling::film::Film;
@@ -77,8 +78,7 @@ impl<'a, M: Mode> Strip<'a, M> {
     pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
         let request = self.setting.request;
         if Self::hands_out_at_once(request) {
-            let cancelled = self.cancelled_above(self.rows.end);
-            let finished = self.finish::<P>(tally).ok_or(cancelled)?;
+            let finished = self.finish::<P>(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
             return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
         }
         let visibility = self.visibility::<P>(self.rows.clone());
@@ -87,12 +87,12 @@ impl<'a, M: Mode> Strip<'a, M> {
             let first = end.saturating_sub(ROWS_PER_THREAD * rayon::current_num_threads());
             let rows = first.max(self.rows.start)..end;
             let part = Strip { setting: self.setting, rows: rows.clone() };
-            let mut finished = Finished { probe, rows: vec![vec![]; rows.len()] };
+            let mut finished = Finished { probe, rows: memory::filled(vec![], rows.len())? };
             let mut film = Film::starting_at(request.filter, request.size, rows.start);
-            let traced = part.trace(rows.clone(), visibility.as_ref(), tally);
+            let traced = part.trace(rows.clone(), visibility.as_ref(), tally)?;
             let complete = traced.iter().rev().take_while(|row| row.is_some()).count();
             for row in traced.into_iter().skip(rows.len() - complete).flatten() {
-                finished.take(row, &part, &mut film);
+                finished.take(row, &part, &mut film)?;
             }
             probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
             if complete < rows.len() {
@@ -115,21 +115,22 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    fn finish<P: Observer>(&self, tally: &Tally) -> Option<Finished<P>> {
+    fn finish<P: Observer>(&self, tally: &Tally) -> Result<Option<Finished<P>>, NoMemory> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished = Finished { probe: P::default(), rows: vec![vec![]; self.rows.len()] };
+        let mut finished = Finished { probe: P::default(), rows: memory::filled(vec![], self.rows.len())? };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
             let visibility = self.visibility::<P>(rows.clone());
-            for row in self.trace(rows, visibility.as_ref(), tally) {
-                finished.take(row?, self, &mut film);
+            for row in self.trace(rows, visibility.as_ref(), tally)? {
+                let Some(row) = row else { return Ok(None) };
+                finished.take(row, self, &mut film)?;
             }
         }
-        Some(finished)
+        Ok(Some(finished))
     }
 
     /// The number of rows that are traced before they are added to the film: at least one for each thread.
@@ -146,12 +147,12 @@ impl<'a, M: Mode> Strip<'a, M> {
         rows: Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Vec<Option<Row<P>>> {
+    ) -> Result<Vec<Option<Row<P>>>, NoMemory> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<P>() => match self.trace_first::<P>(&rows, tally) {
+            Some(_) if request.traces_colors::<P>() => match self.trace_first::<P>(&rows, tally)? {
                 Some(first) => first,
-                None => return rows.map(|_| None).collect(),
+                None => return memory::collected(rows.map(|_| None)),
             },
             _ => (vec![], vec![]),
         };
@@ -159,19 +160,19 @@ impl<'a, M: Mode> Strip<'a, M> {
         let trace = |j: usize| {
             let is_shown = self.rows.contains(&j);
             let refinement = self.refinement(&first, first_row, j);
-            let row = self.setting.row::<P>(visibility, j, is_shown, refinement);
+            let row = self.setting.row::<P>(visibility, j, is_shown, refinement)?;
             if is_shown {
                 tally.row_is_done(row.probe.counts().rays());
             }
-            row
+            Ok(row)
         };
-        let mut traced = in_parallel(rows.clone(), tally, trace);
+        let mut traced = in_parallel(rows.clone(), tally, trace)?;
         for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
             if let Some(row) = row {
                 row.probe = std::mem::take(&mut row.probe).merge(probe);
             }
         }
-        traced
+        Ok(traced)
     }
 
     /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
@@ -179,10 +180,16 @@ impl<'a, M: Mode> Strip<'a, M> {
         &self,
         rows: &Range<usize>,
         tally: &Tally,
-    ) -> Option<(Vec<FirstSamples>, Vec<P>)> {
+    ) -> Result<Option<(Vec<FirstSamples>, Vec<P>)>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all, tally, |j| self.setting.first_samples(j));
-        traced.into_iter().collect::<Option<Vec<_>>>().map(|rows| rows.into_iter().unzip())
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(j))?;
+        let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
+        for row in traced {
+            let Some((samples, probe)) = row else { return Ok(None) };
+            first.push(samples);
+            probes.push(probe);
+        }
+        Ok(Some((first, probes)))
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
@@ -201,7 +208,7 @@ impl<'a, M: Mode> Strip<'a, M> {
 }
 
 impl<P: Observer> Finished<P> {
-    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) {
+    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) -> Result<(), NoMemory> {
         let Setting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
@@ -209,19 +216,17 @@ impl<P: Observer> Finished<P> {
             self.rows[i] = row.layers;
         }
         match row.colors {
-            Colors::Unwanted => {}
-            Colors::Finished(colors) => {
-                if let Some(i) = index(row.j) {
-                    set_colors(&mut self.rows[i], request, colors);
-                }
-            }
+            Colors::Unwanted => Ok(()),
+            Colors::Finished(colors) => match index(row.j) {
+                Some(i) => set_colors(&mut self.rows[i], request, colors),
+                None => Ok(()),
+            },
             Colors::Spread(spread) => film.add(spread, |j, colors| {
-                if let Some(i) = index(j) {
-                    let columns = request.columns();
-                    let mut list = strip.setting.spare.list(columns.len());
-                    list.extend(colors.skip(columns.start).take(columns.len()));
-                    set_colors(&mut self.rows[i], request, list);
-                }
+                let Some(i) = index(j) else { return Ok(()) };
+                let columns = request.columns();
+                let mut list = strip.setting.spare.list(columns.len())?;
+                list.extend(colors.skip(columns.start).take(columns.len()));
+                set_colors(&mut self.rows[i], request, list)
             }),
         }
     }
@@ -244,12 +249,15 @@ impl<P: Observer> Finished<P> {
 }
 
 /// Sets the colours of a row in all its layers of colours.
-fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) {
+fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) -> Result<(), NoMemory> {
     let mut wanted = request.layers.iter().zip(layers).filter(|(layer, _)| matches!(layer, Layer::Color));
     if let Some((_, first)) = wanted.next() {
-        wanted.for_each(|(_, other)| other.clone_from(&colors));
+        for (_, other) in wanted {
+            *other = memory::copied(&colors)?;
+        }
         *first = colors;
     }
+    Ok(())
 }
 
 #[cfg(test)]

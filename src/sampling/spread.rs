@@ -9,6 +9,7 @@ use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
+use crate::memory::{self, NoMemory};
 use crate::scene::Color;
 use glam::DVec2;
 use std::ops::RangeInclusive;
@@ -84,23 +85,28 @@ pub struct Spread {
 
 impl Spread {
     /// An empty spread for row `row` of a picture with this width and height.
-    pub fn new(filter: Filter, instructions: Instructions, row: usize, [width, height]: [usize; 2]) -> Self {
+    pub fn new(
+        filter: Filter,
+        instructions: Instructions,
+        row: usize,
+        [width, height]: [usize; 2],
+    ) -> Result<Self, NoMemory> {
         // A support beyond the picture's size makes no difference.
         let support = filter.support().min(width.max(height));
         let target_rows = row.saturating_sub(support)..=(row + support).min(height - 1);
         let rows = target_rows.end() - target_rows.start() + 1;
         let reach = support.min(width - 1);
-        Self {
+        Ok(Self {
             filter,
             instructions,
             width,
             row,
             target_rows,
             reach,
-            sums: vec![Sum::default(); rows * width],
+            sums: memory::filled(Sum::default(), rows * width)?,
             batch: Box::default(),
-            target_columns: vec![TargetColumn::default(); 2 * reach + 1],
-        }
+            target_columns: memory::filled(TargetColumn::default(), 2 * reach + 1)?,
+        })
     }
 
     /// The memory in bytes that the sums of one spread take at most.
@@ -225,7 +231,7 @@ mod tests {
     fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
         let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
         let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
-        let mut spread = Spread::new(filter, Instructions::Portable, y, size);
+        let mut spread = Spread::new(filter, Instructions::Portable, y, size).unwrap();
         spread.add(x, offset, Color::splat(2.0), 1.0);
         assert_eq!(spread.target_rows, 1..=4);
         for (row, sums) in spread.sums() {
@@ -263,7 +269,7 @@ mod tests {
             .flat_map(|x| sampler.offsets((x * size[1] + row) as u64).map(move |offset| (x, offset)))
             .collect();
         for instructions in Instructions::available() {
-            let mut spread = Spread::new(filter, instructions, row, size);
+            let mut spread = Spread::new(filter, instructions, row, size).unwrap();
             for (k, (x, offset)) in samples.iter().enumerate() {
                 spread.add(*x, *offset, color(k, exceptions), area(k));
             }
@@ -318,7 +324,7 @@ mod tests {
     fn the_largest_spread_takes_the_bytes_that_are_announced() {
         for (radius, size) in [(2.7, [3, 9]), (9.0, [3, 4])] {
             let filter = Filter::Box { radius };
-            let spread = |row| Spread::new(filter, Instructions::Portable, row, size);
+            let spread = |row| Spread::new(filter, Instructions::Portable, row, size).unwrap();
             let largest = (0..size[1]).map(|row| size_of_val(&*spread(row).sums)).max();
             assert_eq!(largest, Some(Spread::bytes(filter, size)));
         }

@@ -4,6 +4,7 @@ use super::Position;
 use super::excerpt;
 use super::mesh::MeshError;
 use crate::escape::{self, escape};
+use crate::memory::NoMemory;
 use std::fmt;
 use std::path::Path;
 
@@ -120,6 +121,8 @@ pub enum Problem {
     SingularTransform,
     /// More primitives than 32-bit ids can tell apart.
     TooManyPrimitives,
+    /// The system has too little memory for the scene.
+    Memory(NoMemory),
     /// A mesh file that could not be read.
     MeshUnreadable {
         /// The name as written.
@@ -153,9 +156,14 @@ impl SceneError {
     }
 
     /// The whole message in several lines, without a final line end: file, line and column, the description,
-    /// the line of `text` with a caret under the position, and the hint if there is one.
+    /// the line of `text` with a caret under the position, and the hint if there is one. Too little memory is a
+    /// line without a position.
     pub fn render(&self, path: &Path, text: &str) -> String {
         let Position { line, column } = self.at;
+        if let Problem::Memory(_) = self.problem {
+            // No word of the text is wrong.
+            return located(path, "", &self.problem.to_string());
+        }
         let shown = excerpt::with_caret(text, self.at);
         let in_mesh = self.problem.in_mesh().unwrap_or_default();
         let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
@@ -175,6 +183,13 @@ impl Problem {
 }
 
 impl std::error::Error for SceneError {}
+
+/// No position is to blame, so it is the start of the text.
+impl From<NoMemory> for SceneError {
+    fn from(refused: NoMemory) -> Self {
+        Self::new(Position { line: 1, column: 1 }, Problem::Memory(refused))
+    }
+}
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -225,6 +240,7 @@ impl fmt::Display for Problem {
                 write!(f, "the transformation is singular: it flattens the object")
             }
             Self::TooManyPrimitives => write!(f, "the scene has too many primitives for 32-bit ids"),
+            Self::Memory(refused) => refused.fmt(f),
             Self::MeshUnreadable { name, tried } => write_unreadable(f, name, tried),
             Self::BadMesh { file, error, .. } => write!(f, "in the mesh {}: {error}", quoted(file)),
         }
@@ -238,7 +254,7 @@ pub fn located(path: &Path, position: &str, message: &str) -> String {
 
 /// The same with another word than `error`.
 pub fn labelled(path: &Path, position: &str, label: &str, message: &str) -> String {
-    format!("{}{position}: {label}: {message}", escape(&path.to_string_lossy()))
+    format!("{}{position}: {label}: {message}", escape::truncated(path))
 }
 
 fn declared_materials(count: usize) -> String {

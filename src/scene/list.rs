@@ -2,6 +2,7 @@
 
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
+use crate::memory;
 
 /// The announced length of a list, to compare with the actual one.
 pub struct Announced {
@@ -81,7 +82,7 @@ pub fn counted_list<T: Clone>(
             }
             recovered.map(|()| instead.clone())
         })?;
-        items.push(next);
+        memory::push(&mut items, next)?;
     }
     if !reader.is_at("}") {
         announced.give_up(reader);

@@ -6,8 +6,9 @@
 //! colours, and comments in any encoding. Files of positions and triangles only take a faster path, in
 //! `plain_obj`.
 
-use super::obj_lines::{RelevantLines, is_newline, keyword, without_comment, words};
+use super::obj_lines::{RelevantLines, is_newline, keyword, with_continued_lines, without_comment, words};
 use super::plain_obj;
+use crate::memory::{self, NoMemory, make_room};
 use glam::DVec3;
 use std::cell::Cell;
 use std::fmt;
@@ -21,6 +22,13 @@ pub struct Mesh {
     pub vertices: Vec<DVec3>,
     /// The indices of each triangle's vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// A copy.
+    pub fn copied(&self) -> Result<Self, NoMemory> {
+        Ok(Self { vertices: memory::copied(&self.vertices)?, triangles: memory::copied(&self.triangles)? })
+    }
 }
 
 /// An error in a mesh file. Lines are counted from 1.
@@ -60,6 +68,8 @@ pub enum MeshError {
         /// The line.
         line: usize,
     },
+    /// The system has too little memory for the mesh.
+    Memory(NoMemory),
     /// Any other error of the OBJ parser.
     Other {
         /// The line.
@@ -70,6 +80,12 @@ pub enum MeshError {
 }
 
 impl std::error::Error for MeshError {}
+
+impl From<NoMemory> for MeshError {
+    fn from(refused: NoMemory) -> Self {
+        Self::Memory(refused)
+    }
+}
 
 impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -85,6 +101,7 @@ impl fmt::Display for MeshError {
                 write!(f, "line {line}: a face names a vertex that does not exist; the mesh has {vertices}")
             }
             Self::NotText { line } => write!(f, "line {line}: not UTF-8 text"),
+            Self::Memory(refused) => refused.fmt(f),
             Self::Other { line, message } => write!(f, "line {line}: {message}"),
         }
     }
@@ -93,11 +110,15 @@ impl fmt::Display for MeshError {
 /// Reads a mesh from the bytes of an OBJ file.
 ///
 /// Polygons become fans of triangles around their first vertex. Points, lines, curves and everything else
-/// except positions and faces are ignored. Errors: the first error found.
+/// except positions and faces are ignored. A backslash at the end of a line continues it on the next one.
+/// Errors: the first error found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    match plain_obj::parse(text) {
-        Some((vertices, triangles)) => Ok(Mesh { vertices, triangles }),
+    if let Some((vertices, triangles)) = plain_obj::parse(text)? {
+        return Ok(Mesh { vertices, triangles });
+    }
+    match with_continued_lines(text)? {
+        Some(text) => parse_obj_fully(&text),
         None => parse_obj_fully(text),
     }
 }
@@ -121,6 +142,7 @@ fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
         ignore_lines: true,
         ..Default::default()
     };
+    memory::ask(bytes_to_parse(text))?;
     let line = Cell::new(0);
     let mut relevant = RelevantLines::new(text, &line);
     // The filter removes the references to material libraries, so this loader is never called.
@@ -129,22 +151,55 @@ fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
         return Err(MeshError::FewCorners { line });
     }
     let (models, _) = read.map_err(|error| explain(error, text, line.get()))?;
-    Ok(joined(&models))
+    Ok(joined(&models)?)
+}
+
+/// An upper bound on the memory that the OBJ parser takes without asking, in bytes.
+fn bytes_to_parse(text: &[u8]) -> u64 {
+    /// A face with room for four corners, each of a position, a texture coordinate and a normal.
+    const FACE: usize = 112;
+    const CORNER: usize = 24;
+    /// An entry of the map from the file's vertices to the mesh's, of which an eighth stays empty.
+    const MAP_ENTRY: usize = 17;
+    let (mut vertices, mut faces, mut corners, mut long) = (0, 0, 0, 0);
+    for line in text.split(is_newline) {
+        match keyword(line) {
+            b"v" => vertices += 1,
+            b"f" => {
+                let count = words(line).skip(1).count();
+                (faces, corners) = (faces + 1, corners + count);
+                // More corners than four are in a list of their own.
+                long += if count > 4 { grown(count, CORNER) } else { 0 };
+            }
+            _ => {}
+        }
+    }
+    let positions = 2 * grown(3 * vertices, size_of::<f64>()) + grown(vertices + vertices / 7, MAP_ENTRY);
+    let indices = grown(3 * corners, size_of::<u32>()) + grown(faces, size_of::<u32>());
+    (positions + grown(faces, FACE) + long + indices) as u64
+}
+
+/// The bytes that a list of this number of elements takes at most while it grows: the old list stays until its
+/// elements are in one of twice the length.
+fn grown(count: usize, size: usize) -> usize {
+    count.next_power_of_two() / 2 * 3 * size
 }
 
 /// The models joined into one mesh. There is only one model, since the filter removes the lines that would
 /// start another, but this function does not rely on it.
-fn joined(models: &[tobj::Model]) -> Mesh {
+fn joined(models: &[tobj::Model]) -> Result<Mesh, NoMemory> {
     let mut mesh = Mesh::default();
     for model in models {
         let first = mesh.vertices.len() as u32;
         let (vertices, _) = model.mesh.positions.as_chunks();
+        make_room(&mut mesh.vertices, vertices.len())?;
         mesh.vertices.extend(vertices.iter().map(|&vertex| DVec3::from_array(vertex)));
         let (triangles, _) = model.mesh.indices.as_chunks();
+        make_room(&mut mesh.triangles, triangles.len())?;
         mesh.triangles
             .extend(triangles.iter().map(|corners: &[u32; 3]| corners.map(|corner| first + corner)));
     }
-    mesh
+    Ok(mesh)
 }
 
 /// Converts an error of the OBJ parser, which stopped after `line`.

@@ -9,7 +9,7 @@ impl MeshError {
     /// The line of the error; none for an error of the whole file.
     pub fn line(&self) -> Option<usize> {
         match *self {
-            Self::NoFaces => None,
+            Self::NoFaces | Self::Memory(_) => None,
             Self::BadVertex { line }
             | Self::NotFinite { line }
             | Self::BadFace { line }
@@ -55,7 +55,7 @@ fn wrong_part(error: &MeshError, line: &[u8], text: &[u8]) -> usize {
             return str::from_utf8(line).map_or_else(|error| error.valid_up_to(), |_| 0);
         }
         MeshError::FewCorners { .. } => None,
-        MeshError::NoFaces | MeshError::Other { .. } => words(content).next(),
+        MeshError::NoFaces | MeshError::Memory(_) | MeshError::Other { .. } => words(content).next(),
     };
     match wrong {
         // A word is a slice of its line.

@@ -1,5 +1,6 @@
 //! Filters the lines of an OBJ text: only vertex positions and faces are passed to the parser.
 
+use crate::memory::{NoMemory, with_room};
 use std::cell::Cell;
 use std::io::{BufRead, Read};
 
@@ -93,6 +94,36 @@ impl BufRead for RelevantLines<'_> {
             self.current = self.current.get(amount..).unwrap_or_default();
         }
     }
+}
+
+/// A text in which no line is continued by a backslash at its end; none if that is so already.
+///
+/// The parts of a continued line become one line, with empty lines after it, so that every other line keeps its
+/// number. A comment is not continued: its last word may well be the name of a folder.
+pub fn with_continued_lines(text: &[u8]) -> Result<Option<Vec<u8>>, NoMemory> {
+    if !text.split(is_newline).any(|line| unfinished(line).is_some()) {
+        return Ok(None);
+    }
+    let mut joined = with_room(text.len() + 1)?;
+    let mut owed = 0;
+    for line in text.split(is_newline) {
+        if let Some(part) = unfinished(line) {
+            joined.extend_from_slice(part);
+            joined.push(b' ');
+            owed += 1;
+        } else {
+            joined.extend_from_slice(line);
+            joined.extend(std::iter::repeat_n(b'\n', owed + 1));
+            owed = 0;
+        }
+    }
+    Ok(Some(joined))
+}
+
+/// A line that is continued on the next one, without its backslash.
+fn unfinished(line: &[u8]) -> Option<&[u8]> {
+    let part = line.strip_suffix(b"\r").unwrap_or(line).strip_suffix(b"\\")?;
+    (!part.contains(&b'#')).then_some(part)
 }
 
 /// Whether a byte ends a line.

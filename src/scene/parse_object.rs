@@ -8,6 +8,7 @@ use super::parse_primitive::{parse_box, parse_plane, parse_sphere, parse_triangl
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
+use crate::memory::{self, NoMemory};
 use glam::DAffine3;
 use std::collections::HashMap;
 
@@ -53,9 +54,11 @@ enum Step {
 
 impl ObjectTree {
     /// Replaces the declared materials.
-    pub fn declare(&mut self, materials: Vec<(Material, Position)>) {
+    pub fn declare(&mut self, materials: Vec<(Material, Position)>) -> Result<(), NoMemory> {
         self.declared = materials.len();
-        (self.materials, self.material_positions) = materials.into_iter().unzip();
+        self.material_positions = memory::collected(materials.iter().map(|&(_, at)| at))?;
+        self.materials = memory::collected(materials.into_iter().map(|(material, _)| material))?;
+        Ok(())
     }
 
     /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
@@ -72,13 +75,18 @@ impl ObjectTree {
             let depth = reader.depth;
             let step = self.step(reader, &mut innermost);
             match step.or_else(|error| self.recover(reader, error, &mut innermost, depth))? {
-                Step::Opened(inner) => ancestors.push(std::mem::replace(&mut innermost, inner)),
-                Step::Finished(object, at) => innermost.add_child(self.add(object, at)),
+                Step::Opened(inner) => {
+                    memory::push(&mut ancestors, std::mem::replace(&mut innermost, inner))?;
+                }
+                Step::Finished(object, at) => {
+                    let id = self.add(object, at)?;
+                    innermost.add_child(id)?;
+                }
                 Step::Closed(object, at) => {
-                    let id = self.add(object, at);
+                    let id = self.add(object, at)?;
                     let Some(parent) = ancestors.pop() else { return Ok(id) };
                     innermost = parent;
-                    innermost.add_child(id);
+                    innermost.add_child(id)?;
                 }
             }
         }
@@ -93,6 +101,9 @@ impl ObjectTree {
         innermost: &mut Open,
         depth: usize,
     ) -> Parsed<Step> {
+        if let Problem::Memory(_) = error.problem {
+            return Err(error);
+        }
         let is_whole = reader.recover(error.clone(), depth).is_ok();
         if let Open::Group { announced, .. } = innermost
             && !is_whole
@@ -114,10 +125,10 @@ impl ObjectTree {
         }
     }
 
-    fn add(&mut self, object: Object, at: Position) -> ObjectId {
-        self.objects.push(object);
-        self.positions.push(at);
-        self.objects.len() - 1
+    fn add(&mut self, object: Object, at: Position) -> Result<ObjectId, NoMemory> {
+        memory::push(&mut self.objects, object)?;
+        memory::push(&mut self.positions, at)?;
+        Ok(self.objects.len() - 1)
     }
 
     fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
@@ -180,8 +191,8 @@ impl ObjectTree {
                 Phong::default()
             }
         };
-        self.material_positions.push(at);
-        self.materials.push(Material::Phong(phong));
+        memory::push(&mut self.material_positions, at)?;
+        memory::push(&mut self.materials, Material::Phong(phong))?;
         self.current_material = Some(self.materials.len() - 1);
         Ok(())
     }
@@ -267,17 +278,19 @@ impl ObjectTree {
             reader.report(bad_value(word, "obj_file", "must end in `.obj`"));
         }
         reader.take();
-        Ok(self.mesh_index(word.text, word.at))
+        Ok(self.mesh_index(word.text, word.at)?)
     }
 
-    fn mesh_index(&mut self, name: &str, at: Position) -> usize {
+    fn mesh_index(&mut self, name: &str, at: Position) -> Result<usize, NoMemory> {
         if let Some(&index) = self.mesh_indices.get(name) {
-            return index;
+            return Ok(index);
         }
         let index = self.meshes.len();
-        self.meshes.push(MeshFile { name: name.to_owned(), at });
+        let count = self.mesh_indices.capacity().saturating_mul(2);
+        self.mesh_indices.try_reserve(1).map_err(|_| NoMemory::for_list::<(String, usize)>(count))?;
+        memory::push(&mut self.meshes, MeshFile { name: name.to_owned(), at })?;
         self.mesh_indices.insert(name.to_owned(), index);
-        index
+        Ok(index)
     }
 }
 
@@ -303,11 +316,12 @@ impl Open {
         *at
     }
 
-    fn add_child(&mut self, id: ObjectId) {
+    fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
         match self {
-            Self::Group { children, .. } => children.push(id),
+            Self::Group { children, .. } => memory::push(children, id)?,
             Self::Transform { child, .. } => *child = Some(id),
         }
+        Ok(())
     }
 }
 

@@ -1,19 +1,41 @@
 //! A fast parser for OBJ texts that contain only positions and triangles, which scans parts of the text in
 //! parallel.
 
+use crate::memory::{NoMemory, collected, filled, push, with_room};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::mem;
 
 /// Parses a text that consists of `v x y z` and `f i j k` lines, blank lines and comments. None if it
 /// contains anything else, so that the full parser has to accept or reject it.
 ///
 /// The result is identical to that of the full parser, except that the vertices are in the order of the file.
-pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
-    let parts = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect::<Option<_>>()?;
-    let Part { mut vertices, mut faces } = joined(parts);
+pub fn parse(text: &[u8]) -> Result<Option<VerticesAndTriangles>, NoMemory> {
+    match parse_plain(text) {
+        Ok(mesh) => Ok(Some(mesh)),
+        Err(Unread::NotPlain) => Ok(None),
+        Err(Unread::Memory(refused)) => Err(refused),
+    }
+}
+
+fn parse_plain(text: &[u8]) -> Result<VerticesAndTriangles, Unread> {
+    let chunks = chunks(text, chunk_size(text.len()));
+    let parts = chunks.into_par_iter().map(scan).collect::<Result<_, _>>()?;
+    let Part { mut vertices, mut faces } = joined(parts)?;
     keep_used(&mut vertices, &mut faces)?;
-    (!faces.is_empty()).then_some((vertices, faces))
+    if faces.is_empty() { Err(Unread::NotPlain) } else { Ok((vertices, faces)) }
+}
+
+/// Why a text was not read.
+enum Unread {
+    /// It contains something else than plain positions and triangles.
+    NotPlain,
+    Memory(NoMemory),
+}
+
+impl From<NoMemory> for Unread {
+    fn from(refused: NoMemory) -> Self {
+        Self::Memory(refused)
+    }
 }
 
 /// Positions, and triangles as indices into them.
@@ -46,50 +68,63 @@ fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
     chunks
 }
 
-fn scan(mut text: &[u8]) -> Option<Part> {
+fn scan(mut text: &[u8]) -> Result<Part, Unread> {
     // The capacities are about twice those that a mesh with two faces per vertex needs, so that the lists do
     // not grow. Memory that is reserved but not touched costs nothing.
-    let mut part =
-        Part { vertices: Vec::with_capacity(text.len() / 30), faces: Vec::with_capacity(text.len() / 15) };
+    let mut part = Part { vertices: with_room(text.len() / 30)?, faces: with_room(text.len() / 15)? };
     while let Some((&first, rest)) = text.split_first() {
         text = match first {
             b'v' => {
-                let (x, rest) = number(rest)?;
-                let (y, rest) = number(rest)?;
-                let (z, rest) = number(rest)?;
-                part.vertices.push(DVec3::new(x, y, z));
-                line_end(rest)?
+                let (vertex, rest) = vertex(rest).ok_or(Unread::NotPlain)?;
+                push(&mut part.vertices, vertex)?;
+                rest
             }
             b'f' => {
-                let (a, rest) = corner(rest)?;
-                let (b, rest) = corner(rest)?;
-                let (c, rest) = corner(rest)?;
-                part.faces.push([a, b, c]);
-                line_end(rest)?
+                let (face, rest) = face(rest).ok_or(Unread::NotPlain)?;
+                push(&mut part.faces, face)?;
+                rest
             }
             b'#' => &rest[rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len())..],
             b'\n' | b'\r' => rest,
-            _ => return None,
+            _ => return Err(Unread::NotPlain),
         };
     }
-    Some(part)
+    Ok(part)
 }
 
-fn joined(mut parts: Vec<Part>) -> Part {
+fn joined(mut parts: Vec<Part>) -> Result<Part, NoMemory> {
     if parts.len() == 1
         && let Some(part) = parts.pop()
     {
-        return part;
+        return Ok(part);
     }
     let mut all = Part {
-        vertices: Vec::with_capacity(parts.iter().map(|part| part.vertices.len()).sum()),
-        faces: Vec::with_capacity(parts.iter().map(|part| part.faces.len()).sum()),
+        vertices: with_room(parts.iter().map(|part| part.vertices.len()).sum())?,
+        faces: with_room(parts.iter().map(|part| part.faces.len()).sum())?,
     };
     for part in parts {
         all.vertices.extend(part.vertices);
         all.faces.extend(part.faces);
     }
-    all
+    Ok(all)
+}
+
+/// The position on the rest of a line that starts with `v`.
+#[inline(always)]
+fn vertex(rest: &[u8]) -> Option<(DVec3, &[u8])> {
+    let (x, rest) = number(rest)?;
+    let (y, rest) = number(rest)?;
+    let (z, rest) = number(rest)?;
+    Some((DVec3::new(x, y, z), line_end(rest)?))
+}
+
+/// The corners on the rest of a line that starts with `f`.
+#[inline(always)]
+fn face(rest: &[u8]) -> Option<([u32; 3], &[u8])> {
+    let (a, rest) = corner(rest)?;
+    let (b, rest) = corner(rest)?;
+    let (c, rest) = corner(rest)?;
+    Some(([a, b, c], line_end(rest)?))
 }
 
 /// The text after one or more leading blanks; none if there is no blank.
@@ -216,21 +251,24 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
 }
 
 /// Removes the vertices that no face uses, and converts the corners of faces to indices of the remaining
-/// ones. None if a corner names a vertex that does not exist.
-fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Option<()> {
-    let mut used = vec![false; vertices.len()];
+/// ones. A corner that names a vertex which does not exist is not plain.
+fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Result<(), Unread> {
+    let mut used = filled(false, vertices.len())?;
     for corner in faces.as_flattened_mut() {
-        *corner = corner.checked_sub(1)?;
-        *used.get_mut(*corner as usize)? = true;
+        *corner = corner.checked_sub(1).ok_or(Unread::NotPlain)?;
+        *used.get_mut(*corner as usize).ok_or(Unread::NotPlain)? = true;
     }
     if used.contains(&false) {
-        let before = used.iter().scan(0, |count, &used| Some(mem::replace(count, *count + u32::from(used))));
-        let new_indices: Vec<u32> = before.collect();
+        let mut next = 0;
+        let new_indices = collected(used.iter().map(|&used| {
+            next += u32::from(used);
+            next - u32::from(used)
+        }))?;
         faces.as_flattened_mut().iter_mut().for_each(|corner| *corner = new_indices[*corner as usize]);
         let mut used = used.into_iter();
         vertices.retain(|_| used.next().unwrap_or(false));
     }
-    Some(())
+    Ok(())
 }
 
 #[cfg(test)]

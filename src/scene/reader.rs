@@ -131,16 +131,18 @@ impl<'a> Reader<'a> {
         Ok(number)
     }
 
-    /// Takes a non-negative integer; none if it is another number, which is recorded. One that is too large
-    /// for the type becomes the largest of the type, which no list is long enough to match.
+    /// Takes a non-negative integer below 2^64; none if it is another number, which is recorded.
     pub fn whole(&mut self, field: &str) -> Parsed<Option<u64>> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
-        if is_digits(digits) {
+        if is_digits(digits)
+            && let Ok(number) = digits.parse()
+        {
             self.take();
-            return Ok(Some(digits.parse().unwrap_or(u64::MAX)));
+            return Ok(Some(number));
         }
         let rule = match parse_number(word.text) {
+            Some(_) if is_digits(digits) => "must be below 2^64",
             Some(number) if number < 0.0 => "must not be negative",
             Some(_) => "must be a whole number",
             None => return Err(self.not_a_number("a whole number", field)),
@@ -294,9 +296,13 @@ mod tests {
 
     #[test]
     fn whole_numbers() {
-        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("99999999999999999999999", u64::MAX)] {
+        for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
             assert_eq!(Reader::new(word).whole("x").unwrap(), Some(value), "{word}");
         }
+        let mut reader = Reader::new("18446744073709551616");
+        assert_eq!(reader.whole("x").unwrap(), None);
+        let error = reader.findings.errors[0].to_string();
+        assert!(error.contains("must be below 2^64"), "{error}");
         let error = Reader::new("x").whole("x").unwrap_err().to_string();
         assert!(error.contains("expected a whole"), "{error}");
     }

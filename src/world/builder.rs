@@ -5,6 +5,7 @@ use super::World;
 use super::placement::{Placement, course_sphere_box};
 use crate::math::aabb::Aabb;
 use crate::math::robust;
+use crate::memory::{self, NoMemory};
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
@@ -29,14 +30,14 @@ pub struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// Starts from a world without objects. `meshes` are those that the scene names, in its order.
-    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Self {
-        let mut uses = vec![0; meshes.len()];
+    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Result<Self, NoMemory> {
+        let mut uses = memory::filled(0, meshes.len())?;
         for object in &scene.objects {
             if let Object::Mesh { mesh, .. } = object {
                 uses[*mesh] += 1;
             }
         }
-        Self { meshes, files: &scene.meshes, uses, world, materials: Default::default() }
+        Ok(Self { meshes, files: &scene.meshes, uses, world, materials: Default::default() })
     }
 
     /// Places an object. An error tells the position of the object or of the transform around it.
@@ -47,10 +48,10 @@ impl<'a> Builder<'a> {
         let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
-                self.triangles(vertices.map(map), &[[0, 1, 2]], placement, material)
+                self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, material)
             }
             Object::Box { min, max, material } => {
-                let corners = Aabb { min, max }.corners().map(map);
+                let corners = Aabb { min, max }.corners().into_iter().map(map);
                 self.triangles(corners, &BOX_FACES, placement, material)
             }
             Object::Mesh { mesh, material } => {
@@ -77,14 +78,16 @@ impl<'a> Builder<'a> {
 
     fn triangles(
         &mut self,
-        vertices: impl IntoIterator<Item = DVec3>,
+        vertices: impl ExactSizeIterator<Item = DVec3>,
         faces: &[[u32; 3]],
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
+        memory::make_room(&mut world.vertices, vertices.len())?;
         world.vertices.extend(vertices);
+        memory::make_room(&mut world.triangles, faces.len())?;
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
         self.finish_triangles(first, count, placement, material)
     }
@@ -123,7 +126,7 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        push_run(&mut self.materials[0], first, material);
+        push_run(&mut self.materials[0], first, material)?;
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -150,13 +153,14 @@ impl<'a> Builder<'a> {
             return Err(placement.error(Problem::SingularTransform));
         }
         let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
-            push_run(&mut self.materials[1], self.world.spheres.len(), material);
-            self.world.spheres.push(Sphere { center: center_in_world, radius: scale * radius });
+            push_run(&mut self.materials[1], self.world.spheres.len(), material)?;
+            let sphere = Sphere { center: center_in_world, radius: scale * radius };
+            memory::push(&mut self.world.spheres, sphere)?;
             [scale * radius; 3]
         } else {
-            push_run(&mut self.materials[2], self.world.ellipsoids.len(), material);
+            push_run(&mut self.materials[2], self.world.ellipsoids.len(), material)?;
             let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
-            self.world.ellipsoids.push(ellipsoid);
+            memory::push(&mut self.world.ellipsoids, ellipsoid)?;
             ellipsoid.half_lengths()
         };
         if half_lengths.iter().any(|&length| length < SMALLEST_RADIUS) {
@@ -174,12 +178,12 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         let normal = robust::unit(normal);
-        push_run(&mut self.materials[3], self.world.planes.len(), material);
+        push_run(&mut self.materials[3], self.world.planes.len(), material)?;
         let plane = match placement.transform {
             None => Plane { normal, offset },
             Some(_) => transformed_plane(normal, offset, placement)?,
         };
-        self.world.planes.push(plane);
+        memory::push(&mut self.world.planes, plane)?;
         if !plane.normal.is_finite() {
             return Err(placement.error(Problem::NoNormal));
         }
@@ -200,6 +204,7 @@ impl<'a> Builder<'a> {
         let counts = [world.triangles.len(), world.spheres.len(), world.ellipsoids.len(), world.planes.len()];
         let mut start = 0;
         for (runs, count) in self.materials.into_iter().zip(counts) {
+            memory::make_room(&mut world.material_runs, runs.len())?;
             world.material_runs.extend(runs.into_iter().map(|(first, material)| (first + start, material)));
             start += count as u32;
         }
@@ -240,9 +245,10 @@ const BOX_FACES: [[u32; 3]; 12] = [
 ];
 
 /// Starts a new run of primitives with this material at index `first`, unless the last run has the same one.
-fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
-    if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
-        runs.push((first as u32, material as u32));
+fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) -> Result<(), NoMemory> {
+    match runs.last() {
+        Some(&(_, last)) if last as MaterialId == material => Ok(()),
+        _ => memory::push(runs, (first as u32, material as u32)),
     }
 }
 

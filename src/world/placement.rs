@@ -2,6 +2,7 @@
 
 use crate::math::aabb::Aabb;
 use crate::math::robust;
+use crate::memory::{NoMemory, make_room};
 use crate::primitive::sphere::Sphere;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::{Object, ObjectId, Position, Scene};
@@ -32,17 +33,21 @@ impl Placement<'_> {
 
 /// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
 /// the depth of the tree is limited by nothing but memory.
-pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
+pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, NoMemory>> {
     let mut stack: Vec<(ObjectId, DAffine3, Option<Position>)> = vec![(scene.root, DAffine3::IDENTITY, None)];
     std::iter::from_fn(move || {
         loop {
             let (id, matrix, transform) = stack.pop()?;
             match &scene.objects[id] {
                 Object::Group(children) => {
+                    if let Err(refused) = make_room(&mut stack, children.len()) {
+                        return Some(Err(refused));
+                    }
                     stack.extend(children.iter().rev().map(|&c| (c, matrix, transform)))
                 }
+                // It takes the room of the transform, which has just been taken off.
                 Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
-                object => return Some(Placement { object, matrix, transform }),
+                object => return Some(Ok(Placement { object, matrix, transform })),
             }
         }
     })

@@ -2,6 +2,7 @@
 //! documents.
 
 mod broken_rules;
+mod cases;
 mod causes;
 mod check_your_own;
 mod command_line;
@@ -22,6 +23,7 @@ mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
+mod little_memory;
 #[cfg(feature = "gui")]
 mod live;
 #[cfg(feature = "gui")]

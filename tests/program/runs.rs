@@ -199,7 +199,7 @@ fn a_grid_that_does_not_fit_into_memory_is_one_line() {
         let mut command = std::process::Command::new("sh");
         command.args(["-c", "ulimit -v 180000 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raytracer")]);
         let run = finish(command.args(line.split_whitespace()).current_dir(folder.path()));
-        let expected = "error: the grid does not fit into memory: use fewer cells";
+        let expected = "error: the grid does not fit into memory: use fewer cells; the entries of its cells alone are 108.0 MB";
         assert_eq!(only_line(&run.message(1)), expected, "{flags}");
     }
     assert_eq!(folder.names(), ["s.txt"]);

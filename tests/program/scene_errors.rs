@@ -157,8 +157,8 @@ const WITH_CAMERA: &[(&str, &str)] = &[
     ("Group { numObjects @many }", "expected a whole number for `numObjects`, found `many`"),
     ("Group { numObjects 1 @}", "`numObjects` announces 1, but only 0 found"),
     (
-        "Group { numObjects 99999999999999999999999 @}",
-        "`numObjects` announces 18446744073709551615, but only 0 found",
+        "Group { numObjects @99999999999999999999999 }",
+        "`numObjects` must be below 2^64, found `99999999999999999999999`",
     ),
     (
         "Group { numObjects 1 Group { numObjects 0 } @Group { numObjects 0 } }",

@@ -151,7 +151,8 @@ fn a_flat_picture_is_read_however_small_its_file_is() {
 fn a_picture_that_takes_more_than_the_limit_is_an_error() {
     let tga = Tga { image_type: 10, bits: 32, descriptor: 8, map: (0, 0, 0) };
     let file = [tga.header(11_600, 11_600), vec![0; 11_600 * 11_600 / 128 * 5 + 5]].concat();
-    let expected = "cannot read `F/a.tga`: no memory for a picture of 11600 x 11600 pixels";
+    let expected =
+        "cannot read `F/a.tga`: no memory for a picture of 11600 x 11600 pixels, at least 403.7 MB";
     assert_eq!(Folder::new().complaint("a.tga", &file), expected);
 }
 

@@ -2,6 +2,7 @@
 //! disagree, more.
 
 use super::{Colors, Painter, Setting};
+use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::render::request::View;
 use crate::render::sample_packet::{Sample, SamplePacket};
@@ -53,18 +54,24 @@ pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
 impl<M: Mode> Setting<'_, M> {
     /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
-    pub fn first_samples<P: Observer>(&self, j: usize) -> (FirstSamples, P) {
+    pub fn first_samples<P: Observer>(&self, j: usize) -> Result<(FirstSamples, P), NoMemory> {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
         self.first_samples_in(columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
-    fn first_samples_in<P: Observer>(&self, columns: Range<usize>, j: usize) -> (FirstSamples, P) {
-        let mut painter: Painter<M, P> = self.painter(None, j, false);
+    fn first_samples_in<P: Observer>(
+        &self,
+        columns: Range<usize>,
+        j: usize,
+    ) -> Result<(FirstSamples, P), NoMemory> {
+        let mut painter: Painter<M, P> = self.painter(None, j, false)?;
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
-        let mut first = FirstSamples { start, quarters: Vec::with_capacity(columns.len()), counts: vec![] };
+        let counted = if self.request.has_costs() { columns.len() } else { 0 };
+        let (quarters, counts) = (memory::with_room(columns.len())?, memory::with_room(counted)?);
+        let mut first = FirstSamples { start, quarters, counts };
         let mut colored = Vec::with_capacity(SamplePacket::SIZE);
         let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
         for some in columns.clone().step_by(pixels_at_once) {
@@ -83,22 +90,22 @@ impl<M: Mode> Setting<'_, M> {
                 first.counts.push(painter.row.probe.counts().since(before));
             }
         }
-        (first, painter.row.probe)
+        Ok((first, painter.row.probe))
     }
 
-    /// The samples of one pixel with their strata.
-    pub fn strata(&self, settings: Adaptive, [column, j]: [usize; 2]) -> Vec<Stratum> {
+    /// The samples of one pixel with their strata; none where there is no memory for them.
+    pub fn strata(&self, settings: Adaptive, [column, j]: [usize; 2]) -> Option<Vec<Stratum>> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in::<Quiet>(columns.clone(), j.filter(|&j| j < height)?).0)
+            Some(self.first_samples_in::<Quiet>(columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter: Painter<M, Quiet> = self.painter(None, j, false);
+        let mut painter: Painter<M, Quiet> = self.painter(None, j, false).ok()?;
         painter.row.colors = Colors::Unwanted;
         painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
         painter.refine(column, &mut SamplePacket::default());
-        painter.refinement.map_or(vec![], |refinement| refinement.strata.all().to_vec())
+        painter.refinement.map(|refinement| refinement.strata.all().to_vec())
     }
 }
 

@@ -21,7 +21,7 @@ fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast, Quiet>)) {
     let spare = Spare::default();
     let setting =
         Setting { camera: &camera, caster: &caster, view: View::Scene, request: &request, spare: &spare };
-    check(&mut Painter { shown: 2..10, center_weight: 1.0, ..setting.painter(None, 5, true) });
+    check(&mut Painter { shown: 2..10, center_weight: 1.0, ..setting.painter(None, 5, true).unwrap() });
 }
 
 /// A sample whose place is rounded to the next pixel, or which lies on the border, is plotted in its own pixel.

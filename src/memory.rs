@@ -1,0 +1,180 @@
+//! Lists that ask for their memory, so that too little of it is an error and not the end of the program.
+//!
+//! Rust's own lists end the program when the system refuses them memory. Every list that grows with the input
+//! grows by one of these functions instead.
+
+use std::{fmt, io};
+
+/// The system refuses memory. The error is displayed as a part of a line that says how much was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoMemory {
+    /// How much was asked for at once, in bytes. More may be needed after it.
+    pub bytes: u64,
+}
+
+impl NoMemory {
+    /// The error for a list of this number of elements.
+    pub fn for_list<T>(count: usize) -> Self {
+        Self { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }
+    }
+}
+
+impl fmt::Display for NoMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not enough memory: at least {} are needed", Bytes(self.bytes))
+    }
+}
+
+impl std::error::Error for NoMemory {}
+
+/// A number of bytes as people read it, in units of a thousand.
+#[derive(Clone, Copy, Debug)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
+        if self.0 < 1000 {
+            return write!(f, "{} bytes", self.0);
+        }
+        let (mut size, mut unit) = (self.0 as f64 / 1e3, 0);
+        // At 999.95 one decimal would be rounded to four digits.
+        while size >= 999.95 {
+            size /= 1e3;
+            unit += 1;
+        }
+        write!(f, "{size:.1} {}", UNITS[unit])
+    }
+}
+
+/// Makes room for `more` elements after those of the list. A list that is grown often takes twice its memory
+/// each time, as lists do.
+#[inline]
+pub fn make_room<T>(list: &mut Vec<T>, more: usize) -> Result<(), NoMemory> {
+    let (length, capacity) = (list.len(), list.capacity());
+    let refused = |_| NoMemory::for_list::<T>(length.saturating_add(more).max(capacity.saturating_mul(2)));
+    list.try_reserve(more).map_err(refused)
+}
+
+/// Appends an element.
+#[inline]
+pub fn push<T>(list: &mut Vec<T>, element: T) -> Result<(), NoMemory> {
+    make_room(list, 1)?;
+    list.push(element);
+    Ok(())
+}
+
+/// An empty list with room for exactly `count` elements.
+pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<T>(count))?;
+    Ok(list)
+}
+
+/// A list of `count` copies of a value.
+pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, NoMemory> {
+    let mut list = with_room(count)?;
+    list.resize(count, value);
+    Ok(list)
+}
+
+/// A copy of a list.
+pub fn copied<T: Clone>(list: &[T]) -> Result<Vec<T>, NoMemory> {
+    let mut copy = with_room(list.len())?;
+    copy.extend_from_slice(list);
+    Ok(copy)
+}
+
+/// The elements of an iterator that tells their number.
+pub fn collected<T>(elements: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, NoMemory> {
+    let mut list = with_room(elements.len())?;
+    list.extend(elements);
+    Ok(list)
+}
+
+/// Asks for memory and gives it back: what follows is about to take as much without asking.
+pub fn ask(bytes: u64) -> Result<(), NoMemory> {
+    let count = usize::try_from(bytes).map_err(|_| NoMemory { bytes })?;
+    // The test hides from the compiler that the memory is not used, since it leaves out such allocations.
+    std::hint::black_box(with_room::<u8>(count)?);
+    Ok(())
+}
+
+/// Text under construction, which asks for its memory.
+#[derive(Debug, Default)]
+pub struct Text(Vec<u8>);
+
+impl Text {
+    /// The finished text. Bytes that are no text are an error.
+    pub fn into_string(self) -> io::Result<String> {
+        String::from_utf8(self.0).map_err(io::Error::other)
+    }
+}
+
+impl io::Write for Text {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        make_room(&mut self.0, bytes.len())?;
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl From<NoMemory> for io::Error {
+    fn from(refused: NoMemory) -> Self {
+        Self::new(io::ErrorKind::OutOfMemory, refused)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn a_refusal_says_how_much_was_asked_for() {
+        let message = |refused: Result<(), NoMemory>| refused.unwrap_err().to_string();
+        let most = isize::MAX as usize;
+        assert_eq!(message(ask(most as u64)), "not enough memory: at least 9.2 EB are needed");
+        assert_eq!(with_room::<u64>(most / 8), Err(NoMemory { bytes: most as u64 - 7 }));
+        assert_eq!(filled(1u16, most).unwrap_err().bytes, 2 * most as u64);
+        assert_eq!(make_room(&mut vec![0u8; 3], most - 3).unwrap_err().bytes, most as u64);
+        assert_eq!(ask(u64::MAX).unwrap_err().bytes, u64::MAX);
+    }
+
+    #[test]
+    fn lists_hold_what_they_are_given() {
+        let mut list = with_room(2).unwrap();
+        assert_eq!(list.capacity(), 2);
+        (0..5).try_for_each(|k| push(&mut list, k)).unwrap();
+        assert_eq!(list, [0, 1, 2, 3, 4]);
+        assert_eq!(
+            (filled(7, 2), copied(&list), collected(2..4)),
+            (Ok(vec![7, 7]), Ok(list), Ok(vec![2, 3]))
+        );
+        assert_eq!(ask(1 << 20), Ok(()));
+        let mut text = Text::default();
+        write!(text, "{} and {}", 1, 2).unwrap();
+        assert_eq!(text.into_string().unwrap(), "1 and 2");
+    }
+
+    #[test]
+    fn sizes_have_one_decimal_and_at_most_three_digits_before_it() {
+        let shown = [0, 999, 1000, 1949, 999_949, 999_950, 48_000_000, 12_884_901_888, u64::MAX];
+        let expected = [
+            "0 bytes",
+            "999 bytes",
+            "1.0 kB",
+            "1.9 kB",
+            "999.9 kB",
+            "1.0 MB",
+            "48.0 MB",
+            "12.9 GB",
+            "18.4 EB",
+        ];
+        assert_eq!(shown.map(|bytes| Bytes(bytes).to_string()), expected);
+    }
+}

@@ -1,0 +1,89 @@
+//! The threads of a run: as many as are asked for, or as the machine has cores.
+
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
+use raytracer::memory::{NoMemory, with_room};
+use std::hint::black_box;
+use std::io;
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
+
+/// The stack of a thread, in bytes. No step of the program recurses as deep as its input, so the depth of a scene's
+/// tree and the number of bounces do not matter.
+const STACK: usize = 2 << 20;
+
+/// What a thread takes beside its stack: guard pages, and the stack on which an overflow is reported.
+const BESIDE_STACK: usize = 1 << 16;
+
+/// Where the threads of a pool run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// This thread is among them: for one thread none is started, and calls from here neither wake another nor wait.
+    Here,
+    /// All are started.
+    Apart,
+}
+
+/// A pool of the number of threads that `-threads` asks for; without it, of as many as the machine has cores, or as the
+/// system starts. The pool decides nothing by itself: it would read variables of the environment.
+pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
+    let here = usize::from(place == Place::Here);
+    let count = wanted.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
+    let refused = |reason: String| format!("error: `-threads`: {reason}");
+    let waiting = match (start(count - here), wanted) {
+        (Ok(waiting), _) => waiting,
+        (Err(Refused { reason, .. }), Some(_)) => return Err(refused(reason)),
+        (Err(Refused { waiting, reason }), None) if waiting.len() + here == 0 => return Err(refused(reason)),
+        (Err(Refused { waiting, .. }), None) => waiting,
+    };
+    let pool = ThreadPoolBuilder::new().num_threads(waiting.len() + here);
+    let mut waiting = waiting.into_iter();
+    let pool = pool.spawn_handler(|thread| {
+        let next = waiting.next().ok_or_else(|| io::Error::other("no thread is left"))?;
+        next.send(thread).map_err(|_| io::Error::other("a thread has ended"))
+    });
+    let pool = if place == Place::Here { pool.use_current_thread() } else { pool };
+    pool.build().map_err(|error| refused(error.to_string()))
+}
+
+/// A thread that waits for the pool that it is to work for. It ends when this is dropped.
+type Waiting = Sender<ThreadBuilder>;
+
+/// The system starts fewer threads than it is asked for.
+struct Refused {
+    /// Those that it has started.
+    waiting: Vec<Waiting>,
+    reason: String,
+}
+
+/// Starts threads.
+fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
+    let mut waiting = vec![];
+    let refused = |waiting, reason: &dyn std::fmt::Display| {
+        Err(Refused { waiting, reason: format!("the system does not start {count} more threads: {reason}") })
+    };
+    // A thread whose stacks find no memory ends the program.
+    if let Err(reason) = ask_for_stacks(count) {
+        return refused(waiting, &reason);
+    }
+    for _ in 0..count {
+        let (sender, receiver) = channel::<ThreadBuilder>();
+        let work = move || receiver.recv().into_iter().for_each(ThreadBuilder::run);
+        match thread::Builder::new().stack_size(STACK).spawn(work) {
+            Ok(_) => waiting.push(sender),
+            Err(reason) => return refused(waiting, &reason),
+        }
+    }
+    Ok(waiting)
+}
+
+/// Asks for the stacks of some threads, and gives them back. Not all at once, because a system may refuse a single
+/// block that is larger than the machine's memory, although most of a stack is never touched.
+fn ask_for_stacks(count: usize) -> Result<(), NoMemory> {
+    const AT_ONCE: usize = 64;
+    let bytes = |threads: usize| threads * (STACK + BESIDE_STACK);
+    let all = NoMemory { bytes: bytes(count) as u64 };
+    let blocks =
+        (0..count).step_by(AT_ONCE).map(|first| with_room::<u8>(bytes((count - first).min(AT_ONCE))));
+    black_box(blocks.collect::<Result<Vec<_>, _>>().map_err(|_| all)?);
+    Ok(())
+}

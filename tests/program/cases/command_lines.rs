@@ -1,0 +1,107 @@
+//! Command lines.
+
+use super::Case;
+
+pub const CASES: &[Case] = &[
+    (
+        "r -input s.txt -output o.jpeg",
+        2,
+        "error: `-output`: `o.jpeg` ends in none of .tga, .png, .pfm and .exr",
+    ),
+    (
+        "r -input s.txt -size 99999999999999999999 3",
+        2,
+        "error: `-size`: `99999999999999999999` is not between 1 and 65535",
+    ),
+    ("r -input s.txt -size 1e3 3", 2, "error: `-size`: `1e3` is not a whole number"),
+    (
+        "r -input s.txt -bounces 99999999999999999999",
+        2,
+        "error: `-bounces`: `99999999999999999999` is not between 0 and 2147483647",
+    ),
+    ("r -input s.txt -seed 1 -seed 2", 2, "error: `-seed` given twice"),
+    (
+        "r -input s.txt -pixel 100 0",
+        2,
+        "error: `-pixel`: outside the picture, whose columns are 0 to 99 and rows 0 to 99",
+    ),
+    (
+        "r -input s.txt -size 5 5 -pixel 5 0",
+        2,
+        "error: `-pixel`: outside the picture, whose columns are 0 to 4 and rows 0 to 4",
+    ),
+    ("r -input s.txt -pixel 1", 2, "error: `-pixel` takes 2 values, as in `-pixel 100 160`; 1 given"),
+    ("r -input s.txt -pixel a b", 2, "error: `-pixel`: `a` is not a whole number"),
+    (
+        "r -input s.txt -cost_map rays",
+        2,
+        "error: `-cost_map` takes 2 values, as in `-cost_map tests cost.png`; 1 given",
+    ),
+    ("r -input s.txt -cost_map heat o.tga", 2, "error: `-cost_map`: `heat` is none of rays, tests and cells"),
+    ("r -input s.txt -threads 4097", 2, "error: `-threads`: `4097` is not between 1 and 4096"),
+    ("r -input s.txt -threads -1", 2, "error: `-threads`: `-1` is not between 1 and 4096"),
+    ("r -input s.txt -threads ''", 2, "error: `-threads`: `` is not a whole number"),
+    ("r -input s.txt -output", 2, "error: `-output` needs a value"),
+    ("r -input s.txt -output ''", 2, "error: `-output`: `` ends in none of .tga, .png, .pfm and .exr"),
+    ("r -input ''", 1, "error: cannot read the scene: No such file or directory"),
+    ("r -grade class", 2, "error: `-grade` needs `-reference folder` or `-commands file`"),
+    ("r -grade class -reference", 2, "error: `-reference` needs a value"),
+    ("r -commands c.txt", 2, "error: `-commands` needs `-grade folder`"),
+    ("r -report p.html", 2, "error: `-report` needs `-grade folder`"),
+    ("r -grade class -commands c.txt -report p.txt", 2, "error: `-report`: `p.txt` does not end in .html"),
+    ("r -error_report rep", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    ("r -input s.txt -target 2", 2, "error: `-target` needs `-error_report folder`"),
+    ("r -input s.txt -error_report rep -target none", 2, "error: `-target`: `none` is not a finite number"),
+    ("r -reference b.tga", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    (
+        "r -compare b.tga -reference b.tga -tolerance 0",
+        2,
+        "error: `-tolerance` takes 2 values, as in `-tolerance 1 20`; 1 given",
+    ),
+    ("r -compare b.tga -reference b.tga -tolerance x 0", 2, "error: `-tolerance`: `x` is not a whole number"),
+    ("r -output o.tga -input", 2, "error: `-input` needs a value"),
+    (
+        "r -input s.txt -render_filter o.tga 70000",
+        2,
+        "error: `-render_filter`: `70000` is not between 1 and 65535",
+    ),
+    ("r -input s.txt -json o.json -json p.json", 2, "error: `-json` given twice"),
+    ("r -input s.txt -json o.xml", 2, "error: `-json`: `o.xml` is neither - nor ends in .json"),
+    (
+        "r -input s.txt -grid auto auto",
+        2,
+        "error: `-grid`: `auto` stands alone, in place of the three numbers",
+    ),
+    ("r -input s.txt -grid 3 3", 2, "error: `-grid` takes 3 values, as in `-grid 20 20 20`, or one"),
+    (
+        "r -input s.txt -grid 3000000000 1 1",
+        2,
+        "error: `-grid`: `3000000000` is not between 1 and 2147483647",
+    ),
+    (
+        "r -input s.txt -gaussian_filter 0",
+        2,
+        "error: `-gaussian_filter`: `0` is not between 0.000001 and 1000000 pixels",
+    ),
+    ("r -input s.txt -weight nan", 2, "error: `-weight`: `nan` is not a finite number"),
+    ("r -input s.txt -depth 9 1 o.tga", 2, "error: `-depth`: t0 must be less than t1, but 9 >= 1"),
+    ("r -input s.txt '-stats\n'", 2, "error: unknown flag `-stats\\n`; did you mean `-stats`?"),
+    (
+        "r \"-$(head -c 100000 /dev/zero | tr '\\0' x)\"",
+        2,
+        "error: unknown flag `-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
+    ),
+    (
+        "r \"$(head -c 100000 /dev/zero | tr '\\0' x)\"",
+        2,
+        "error: unexpected word `xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
+    ),
+    ("r -version", 0, ""),
+    ("r -help >/dev/null", 0, ""),
+    ("r -input s.txt -output ./o.tga -size 9 9", 0, ""),
+    (
+        "r -input \"$(head -c 100000 /dev/zero | tr '\\0' x).txt\"",
+        1,
+        "error: cannot read the scene: File name too long",
+    ),
+];

@@ -1,0 +1,169 @@
+//! Runs with little memory: each stage of a run ends with its result or with one line, never by a signal.
+#![cfg(target_os = "linux")]
+
+use crate::support::{CAMERA, Folder, Run, finish, scene};
+use std::fmt::Write;
+use std::process::Command;
+
+/// A run of the program that may take this number of kilobytes of address space.
+fn run_within(folder: &Folder, kilobytes: usize, line: &str) -> Run {
+    let limited = format!("ulimit -c 0; ulimit -v {kilobytes}; exec \"$0\" {line}");
+    let program = env!("CARGO_BIN_EXE_raytracer");
+    finish(Command::new("sh").args(["-c", &limited, program]).current_dir(folder.path()))
+}
+
+/// The least memory, in kilobytes, with which the system loads the program.
+fn least(folder: &Folder) -> usize {
+    let starts = |kilobytes: &usize| run_within(folder, *kilobytes, "-version").status == Some(0);
+    (2000..).step_by(500).find(starts).expect("the program starts")
+}
+
+/// Where this number of spheres stand.
+fn spheres(count: usize) -> String {
+    (0..count).fold(String::new(), |mut text, k| {
+        let _ = writeln!(text, "Sphere {{ center {} {} 0 radius .01 }}", k % 100, k / 100);
+        text
+    })
+}
+
+/// A strip of triangles, as an OBJ file in which each corner has this suffix.
+fn strip(count: usize, suffix: &str) -> String {
+    let mut text = "vn 0 0 1\n".repeat(usize::from(!suffix.is_empty()));
+    for k in 0..count + 2 {
+        let _ = writeln!(text, "v {} {} 0", k as f64 / count as f64, k % 2);
+    }
+    for k in 1..=count {
+        let _ = writeln!(text, "f {k}{suffix} {}{suffix} {}{suffix}", k + 1, k + 2);
+    }
+    text
+}
+
+/// Each stage, with a scene and files that make it take most of the memory.
+const STAGES: &[(&str, &str)] = &[
+    ("a list of spheres", "-input spheres.txt -grid none -size 5 5 -output o.tga"),
+    ("materials", "-input materials.txt -output o.tga"),
+    ("transforms in transforms", "-input deep.txt -output o.tga"),
+    ("groups in groups", "-input groups.txt -output o.tga"),
+    ("a plain mesh", "-input plain.txt -grid none -size 9 9 -output o.tga"),
+    ("a mesh with normals", "-input normals.txt -grid none -size 9 9 -output o.tga"),
+    ("an automatic grid", "-input spheres.txt -grid auto -output o.png"),
+    ("cells", "-input one.txt -grid 150 150 150 -output o.tga"),
+    ("a view of cells", "-input one.txt -grid 150 150 150 -visualize_grid -size 20 20 -output o.tga"),
+    ("a wide filter", "-input one.txt -size 900 60 -gaussian_filter 20 -output o.tga"),
+    ("adaptive samples", "-input one.txt -size 3000 30 -adaptive_samples 8 4 -output o.tga"),
+    ("layers", "-input one.txt -size 1200 400 -depth 0 9 d.tga -normals n.png -output o.tga"),
+    ("enlarged samples", "-input one.txt -size 300 90 -random_samples 2 -render_samples o.tga 9"),
+    ("a map of costs", "-input one.txt -size 600 600 -cost_map rays o.tga"),
+    ("pictures compared", "-compare a.png -reference b.tga -difference o.png"),
+    ("a cause", "-input one.txt -size 700 500 -compare a.png"),
+    ("a pixel", "-input plain.txt -size 9 9 -pixel 4 4"),
+    ("a document", "-input one.txt -size 9 9 -random_samples 500 -pixel 4 4 -json o.json"),
+    ("threads", "-input one.txt -size 9 9 -threads 40 -output o.tga"),
+];
+
+fn folder() -> Folder {
+    const DEPTH: usize = 20_000;
+    let nested = |open: &str| {
+        let inner = "Sphere { center 0 0 0 radius 1 }";
+        scene(1, &format!("{}{inner}{}", open.repeat(DEPTH), "}".repeat(DEPTH)))
+    };
+    let mesh = |name: &str| scene(1, &format!("TriangleMesh {{ obj_file {name} }}"));
+    let folder = Folder::new();
+    folder.write("one.txt", scene(1, "Sphere { center 0 0 0 radius .7 }"));
+    folder.write("spheres.txt", scene(20_000, &spheres(20_000)));
+    let materials = format!("Materials {{ numMaterials 20000 {} }}", "Material { }\n".repeat(20_000));
+    folder.write("materials.txt", format!("{CAMERA}{materials}Group {{ numObjects 0 }}"));
+    folder.write("deep.txt", nested("Transform { Translate 0 0 0 "));
+    folder.write("groups.txt", nested("Group { numObjects 1 "));
+    folder.write("plain.txt", mesh("plain.obj"));
+    folder.write("plain.obj", strip(30_000, ""));
+    folder.write("normals.txt", mesh("normals.obj"));
+    folder.write("normals.obj", strip(30_000, "//1"));
+    folder.run("-input one.txt -size 700 500 -output a.png").ok();
+    folder.run("-input one.txt -size 700 500 -shade_back -grid 2 2 2 -normals b.tga").ok();
+    folder
+}
+
+/// What is wrong with a run that may fail for want of memory only; nothing if all is well.
+fn fault(run: &Run, line: &str, is_complete: bool) -> Option<&'static str> {
+    let mut lines = run.stderr.lines().filter(|line| !line.starts_with("WARNING"));
+    let mut is_one_line = || lines.next().is_some_and(|l| l.contains("memory")) && lines.next().is_none();
+    match run.status {
+        Some(0) if is_complete => None,
+        Some(0) => Some("a file is missing"),
+        Some(1) if line.contains("-threads") && run.stderr.starts_with("error: `-threads`: ") => None,
+        Some(1) if is_one_line() => None,
+        Some(1) => Some("not one line about memory"),
+        _ => Some("neither status 0 nor 1"),
+    }
+}
+
+#[test]
+fn every_stage_ends_well_with_any_amount_of_memory() {
+    let folder = folder();
+    let files = folder.names();
+    let least = least(&folder);
+    let mut wrong = String::new();
+    for (stage, line) in STAGES {
+        let outputs = ["o.tga", "o.png", "o.json", "d.tga", "n.png"];
+        let outputs: Vec<&str> = outputs.into_iter().filter(|name| line.contains(name)).collect();
+        let mut failures = 0;
+        let mut kilobytes = least;
+        loop {
+            let run = run_within(&folder, kilobytes, line);
+            let written = outputs.iter().filter(|name| folder.path().join(name).exists()).count();
+            if let Some(fault) = fault(&run, line, written == outputs.len()) {
+                let _ = writeln!(wrong, "{stage}, {kilobytes} kB: {fault}: {run:?}");
+            }
+            outputs.iter().for_each(|name| drop(std::fs::remove_file(folder.path().join(name))));
+            if folder.names() != files {
+                let _ = writeln!(wrong, "{stage}, {kilobytes} kB: files are left: {:?}", folder.names());
+            }
+            if run.status == Some(0) || kilobytes > 4_000_000 {
+                break;
+            }
+            failures += 1;
+            kilobytes += kilobytes / 8;
+        }
+        assert!(failures > 0, "{stage}: needs no memory");
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn a_refusal_says_how_much_would_be_needed() {
+    let folder = folder();
+    for (line, expected) in [
+        ("-input plain.txt", "plain.txt: error: not enough memory: at least "),
+        ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
+        ("-input one.txt -threads 4096", "error: `-threads`: the system does not start 4095 more"),
+        (
+            "-input one.txt -size 65535 65535 -cost_map rays o.tga",
+            "error: not enough memory: at least 34.4 GB are needed",
+        ),
+    ] {
+        let message = run_within(&folder, least(&folder) + 1500, line).message(1);
+        let errors = message.lines().filter(|line| !line.starts_with("warning: "));
+        let errors: Vec<&str> = errors.collect();
+        assert!(errors.len() == 1 && errors[0].starts_with(expected), "{line}\n{message}");
+    }
+}
+
+/// The variable that the library of threads reads has no effect: `-threads` alone decides.
+#[test]
+fn the_environment_does_not_choose_the_number_of_threads() {
+    let folder = folder();
+    for (flags, variable) in [("", "1"), ("-threads 3", "7"), ("-threads 1", "100000")] {
+        let line = format!("-input one.txt -stats {flags}");
+        let plain = folder.run(&line).ok();
+        let run = finish(folder.command(&line).env("RAYON_NUM_THREADS", variable)).ok();
+        let threads = |run: &Run| {
+            run.stdout
+                .lines()
+                .find(|line| line.contains("threads"))
+                .expect("the number of threads")
+                .to_owned()
+        };
+        assert_eq!(threads(&run), threads(&plain), "{flags} {variable}");
+    }
+}
