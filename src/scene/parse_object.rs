@@ -3,17 +3,14 @@
 use super::error::{Problem, SceneError};
 use super::list::Announced;
 use super::material::{Material, Phong};
+use super::open_object::{OBJECTS, Open, close_transform, open_group, open_transform};
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::parse_primitive::{parse_box, parse_plane, parse_sphere, parse_triangle};
 use super::reader::{Parsed, Reader, bad_value};
-use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::transform::TRANSFORMATIONS;
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
 use crate::memory::{self, NoMemory};
-use glam::DAffine3;
 use std::collections::HashMap;
-
-/// The keywords of objects.
-pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
 
 /// The objects of a scene that have been read so far, with the meshes and materials that they use.
 pub struct ObjectTree {
@@ -34,12 +31,6 @@ pub struct ObjectTree {
     /// The material of the following objects. As in the course's program, it stays in effect after the group
     /// in which it was chosen.
     current_material: Option<MaterialId>,
-}
-
-/// A group or transform whose closing brace has not been read yet.
-enum Open {
-    Group { announced: Announced, children: Vec<ObjectId>, at: Position },
-    Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
 }
 
 /// The result of one step of reading.
@@ -308,43 +299,6 @@ impl Default for ObjectTree {
             current_material: None,
         }
     }
-}
-
-impl Open {
-    fn at(&self) -> Position {
-        let (Self::Group { at, .. } | Self::Transform { at, .. }) = self;
-        *at
-    }
-
-    fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
-        match self {
-            Self::Group { children, .. } => memory::push(children, id)?,
-            Self::Transform { child, .. } => *child = Some(id),
-        }
-        Ok(())
-    }
-}
-
-fn open_group(reader: &mut Reader<'_>) -> Parsed<Open> {
-    let at = reader.open()?.at;
-    Ok(Open::Group { announced: Announced::parse(reader, "numObjects")?, children: Vec::new(), at })
-}
-
-fn open_transform(reader: &mut Reader<'_>) -> Parsed<Open> {
-    let at = reader.open()?.at;
-    Ok(Open::Transform { matrix: parse_transformations(reader)?, at, child: None })
-}
-
-fn close_transform(reader: &mut Reader<'_>) -> Parsed<()> {
-    reader.close("Transform").map_err(|error| {
-        if reader.is_at_any(&OBJECTS) {
-            return error.with_hint("a `Transform` holds one object; put several into a `Group`");
-        }
-        if reader.is_at_any(&TRANSFORMATIONS) {
-            return error.with_hint("transformations come before the object that they move");
-        }
-        error
-    })
 }
 
 fn unsupported_grid(reader: &Reader<'_>) -> SceneError {

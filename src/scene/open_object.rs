@@ -1,0 +1,54 @@
+//! Groups and transforms that are being read.
+
+use super::list::Announced;
+use super::reader::{Parsed, Reader};
+use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::{ObjectId, Position};
+use crate::memory::{self, NoMemory};
+use glam::DAffine3;
+
+/// The keywords of objects.
+pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
+
+/// A group or transform whose closing brace has not been read yet.
+pub enum Open {
+    Group { announced: Announced, children: Vec<ObjectId>, at: Position },
+    Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
+}
+
+impl Open {
+    pub fn at(&self) -> Position {
+        let (Self::Group { at, .. } | Self::Transform { at, .. }) = self;
+        *at
+    }
+
+    pub fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
+        match self {
+            Self::Group { children, .. } => memory::push(children, id)?,
+            Self::Transform { child, .. } => *child = Some(id),
+        }
+        Ok(())
+    }
+}
+
+pub fn open_group(reader: &mut Reader<'_>) -> Parsed<Open> {
+    let at = reader.open()?.at;
+    Ok(Open::Group { announced: Announced::parse(reader, "numObjects")?, children: Vec::new(), at })
+}
+
+pub fn open_transform(reader: &mut Reader<'_>) -> Parsed<Open> {
+    let at = reader.open()?.at;
+    Ok(Open::Transform { matrix: parse_transformations(reader)?, at, child: None })
+}
+
+pub fn close_transform(reader: &mut Reader<'_>) -> Parsed<()> {
+    reader.close("Transform").map_err(|error| {
+        if reader.is_at_any(&OBJECTS) {
+            return error.with_hint("a `Transform` holds one object; put several into a `Group`");
+        }
+        if reader.is_at_any(&TRANSFORMATIONS) {
+            return error.with_hint("transformations come before the object that they move");
+        }
+        error
+    })
+}
