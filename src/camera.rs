@@ -73,6 +73,7 @@ impl Camera {
 
     /// The ray through the point at `offset` from the centre of a pixel, whose integer coordinates start with
     /// 0 at the lower left of the picture. Its direction is a unit vector.
+    #[inline(always)]
     pub fn ray(&self, pixel: DVec2, offset: DVec2) -> Ray {
         // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
         // exact mirror images.

@@ -2,12 +2,15 @@
 //! Illumination Model for Shaded Display", CACM 23(6), 1980).
 
 use crate::grid::Caster;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
 use crate::mode::{Fast, Mode};
 use crate::scene::Color;
-use crate::scene::limits::{BRIGHTEST, LARGEST};
-use crate::shading::light::{Incident, incident};
+use crate::scene::limits::BRIGHTEST;
+use crate::shading::light::incident;
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
 use crate::world::{SurfacePoint, World};
@@ -15,8 +18,13 @@ use glam::DVec3;
 use serde::Serialize;
 
 mod event;
+mod occluders;
+mod optics;
+mod shadow;
 
 pub use event::{End, Event, Observer, Secondary};
+use occluders::{Occluders, Side};
+pub use optics::{reflected, refracted, transmittance};
 
 /// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -74,14 +82,18 @@ impl Path {
 #[derive(Clone, Copy, Debug)]
 struct Branch {
     ray: Ray,
-    /// The triangle that the ray leaves.
-    exclude: Option<u32>,
+    /// The primitive that the ray leaves.
+    leaves: Option<u32>,
     path: Path,
 }
 
-/// The stack of secondary rays, kept from one camera ray to the next so that the loop allocates no memory.
+/// What is kept from one camera ray to the next.
 #[derive(Debug, Default)]
-pub struct Pending(Vec<Branch>);
+pub struct Memory {
+    /// The stack of secondary rays, kept so that the loop allocates no memory.
+    pending: Vec<Branch>,
+    occluders: Occluders,
+}
 
 /// A hit with everything that shading needs.
 struct Lit<'r> {
@@ -111,32 +123,47 @@ impl<M: Mode> Tracer<'_, M> {
         &self,
         ray: &Ray,
         surface: Option<&SurfacePoint>,
-        pending: &mut Pending,
+        memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let color = self.follow(ray, &Path::CAMERA, surface, pending, probe);
-        if pending.0.is_empty() { color } else { self.with_pending(color, pending, probe) }
+        let color = self.follow(ray, &Path::CAMERA, surface, memory, probe);
+        if memory.pending.is_empty() { color } else { self.with_pending(color, memory, probe) }
     }
 
     /// Adds the colours of the pending secondary rays, and of those that they cause in turn.
     #[cold]
-    fn with_pending<P: Observer>(&self, mut color: Color, pending: &mut Pending, probe: &mut P) -> Color {
-        while let Some(Branch { ray, exclude, path }) = pending.0.pop() {
+    fn with_pending<P: Observer>(&self, color: Color, memory: &mut Memory, probe: &mut P) -> Color {
+        match self.caster.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+            Instructions::Avx2(avx2) => unsafe { with_pending_avx2(avx2, self, color, memory, probe) },
+            Instructions::Portable => self.follow_pending(color, memory, probe),
+        }
+    }
+
+    /// The same, compiled for the instructions of the caller.
+    #[inline(always)]
+    fn follow_pending<P: Observer>(&self, mut color: Color, memory: &mut Memory, probe: &mut P) -> Color {
+        while let Some(Branch { ray, leaves, path }) = memory.pending.pop() {
             if P::OBSERVES {
                 probe.observe(Event::Popped);
             }
             probe.non_shadow_ray();
-            let visible = self.caster.nearest(&ray, exclude, probe);
+            let visible = self.caster.nearest(&ray, leaves, probe);
             if P::OBSERVES {
                 probe.observe(Event::Met(visible));
             }
-            let surface = visible.map(|visible| self.world().visible_surface(&ray, visible));
-            color += path.filter * self.follow(&ray, &path, surface.as_ref(), pending, probe);
+            let mut surface = None;
+            // A closure would not be compiled for the instructions of the caller.
+            if let Some(visible) = visible {
+                surface = Some(self.world().visible_surface(&ray, visible));
+            }
+            color += path.filter * self.follow(&ray, &path, surface.as_ref(), memory, probe);
         }
         color
     }
 
-    /// The local colour of a hit. Its reflected and refracted rays are pushed to `pending`.
+    /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending`.
     ///
     /// This is inlined because a colour that is returned through memory would be written in two parts and
     /// read as a whole, so that store forwarding fails and the processor stalls.
@@ -146,7 +173,7 @@ impl<M: Mode> Tracer<'_, M> {
         ray: &Ray,
         path: &Path,
         surface: Option<&SurfacePoint>,
-        pending: &mut Pending,
+        memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
         let Some(surface) = surface else {
@@ -161,14 +188,14 @@ impl<M: Mode> Tracer<'_, M> {
         }
         let lit = Lit { ray, surface, material: &material };
         if path.bounces < self.effects.bounces {
-            self.reflect(path, &lit, pending, probe);
-            self.refract(path, &lit, pending, probe);
+            self.reflect(path, &lit, memory, probe);
+            self.refract(path, &lit, memory, probe);
         } else if P::OBSERVES {
             let phong = &material.phong;
             probe.observe(Secondary::Reflected.ends(End::of(phong.reflective, End::Bounces)));
             probe.observe(Secondary::Refracted.ends(End::of(phong.transparent, End::Bounces)));
         }
-        let color = self.shade(&lit, probe);
+        let color = self.shade(&lit, &mut memory.occluders, probe);
         if P::OBSERVES {
             probe.observe(Event::Shaded(color));
         }
@@ -176,7 +203,8 @@ impl<M: Mode> Tracer<'_, M> {
     }
 
     /// The local colour: ambient light, and the lights that are visible from the point.
-    fn shade<P: Observer>(&self, lit: &Lit, probe: &mut P) -> Color {
+    #[inline(always)]
+    fn shade<P: Observer>(&self, lit: &Lit, occluders: &mut Occluders, probe: &mut P) -> Color {
         let Lit { ray, surface, material } = *lit;
         let is_inside = surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
@@ -188,15 +216,18 @@ impl<M: Mode> Tracer<'_, M> {
         if P::OBSERVES {
             probe.observe(Event::Ambient(color));
         }
-        let is_black = material.is_black();
-        for light in &self.world().lights {
+        let (is_black, side) = (material.is_black(), Side::new(surface, is_inside));
+        for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
             // The course's program casts the shadow ray first. Its result matters only where the light has an
             // effect.
             let has_effect = cosine > 0.0 && !is_black && light.color != Color::ZERO;
-            let passed =
-                if has_effect || M::AS_COURSE { self.light_passed(lit, &light, probe) } else { Color::ZERO };
+            let passed = if has_effect || M::AS_COURSE {
+                self.light_passed(lit, (&light, light_index, side), occluders, probe)
+            } else {
+                Color::ZERO
+            };
             if has_effect && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
@@ -208,48 +239,7 @@ impl<M: Mode> Tracer<'_, M> {
         color
     }
 
-    /// How much of a light reaches the surface, per channel.
-    fn light_passed<P: Observer>(&self, lit: &Lit, light: &Incident, probe: &mut P) -> Color {
-        if self.effects.shadows == Shadows::None {
-            return Color::ONE;
-        }
-        probe.shadow_ray();
-        let mut ray = self.secondary(lit.surface, light.direction);
-        // The distance to a point light is measured from the origin of the shadow ray.
-        ray.t_max = light.distance;
-        if P::OBSERVES {
-            probe.observe(Event::ShadowRay(ray));
-        }
-        match self.effects.shadows {
-            Shadows::Transparent => self.filtered(ray, probe),
-            _ if self.caster.any_from(&ray, lit.surface.triangle, probe) => Color::ZERO,
-            _ => Color::ONE,
-        }
-    }
-
-    /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
-    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
-    fn filtered<P: Observer>(&self, mut ray: Ray, probe: &mut P) -> Color {
-        let mut passed = Color::ONE;
-        while let Some(hit) = self.caster.closest(&ray, probe) {
-            let surface = self.world().surface(&ray, &hit);
-            let material = self.material(&surface);
-            let tint = material.phong.transparent;
-            let leaves = surface.normal.dot(ray.direction) >= 0.0;
-            if P::OBSERVES {
-                probe.observe(Event::Crossed { hit, tint, leaves });
-            }
-            if tint == Color::ZERO {
-                return Color::ZERO;
-            }
-            if leaves {
-                passed = (passed * transmittance(tint, hit.t)).min(Color::splat(LARGEST));
-            }
-            ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
-        }
-        passed
-    }
-
+    #[inline(always)]
     fn secondary(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
         Ray::new(
             offset_origin(surface.position, surface.normal, direction, self.world().max_abs_coord),
@@ -257,7 +247,8 @@ impl<M: Mode> Tracer<'_, M> {
         )
     }
 
-    fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, pending: &mut Pending, probe: &mut P) {
+    #[inline(always)]
+    fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
         let color = lit.material.phong.reflective;
         let Some((filter, weight)) = self.filter_and_weight(path, color) else {
             if P::OBSERVES {
@@ -267,14 +258,15 @@ impl<M: Mode> Tracer<'_, M> {
         };
         let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        let exclude = lit.surface.triangle;
+        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
             probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
         }
-        pending.0.push(Branch { ray, exclude, path });
+        memory.pending.push(Branch { ray, leaves, path });
     }
 
-    fn refract<P: Observer>(&self, path: &Path, lit: &Lit, pending: &mut Pending, probe: &mut P) {
+    #[inline(always)]
+    fn refract<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
         let material = &lit.material.phong;
         let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
             if P::OBSERVES {
@@ -293,14 +285,15 @@ impl<M: Mode> Tracer<'_, M> {
         };
         let ray = self.secondary(lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        let exclude = lit.surface.triangle;
+        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
             probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
         }
-        pending.0.push(Branch { ray, exclude, path });
+        memory.pending.push(Branch { ray, leaves, path });
     }
 
     /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
+    #[inline(always)]
     fn filter_and_weight(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
         let weight = path.weight * color.length();
         let bound = Color::splat(BRIGHTEST);
@@ -308,39 +301,23 @@ impl<M: Mode> Tracer<'_, M> {
     }
 }
 
+/// Adds the colours of the pending secondary rays, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn with_pending_avx2<M: Mode, P: Observer>(
+    _: Avx2,
+    tracer: &Tracer<M>,
+    color: Color,
+    memory: &mut Memory,
+    probe: &mut P,
+) -> Color {
+    tracer.follow_pending(color, memory, probe)
+}
+
 /// Why a secondary ray ends that weighs too little, or nothing at all.
 fn too_light(path: &Path, color: Color) -> End {
     End::of(color, End::Weight { weight: path.weight * color.length() })
-}
-
-/// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour
-/// to the power of the distance. A negative channel, which has no such power, transmits nothing.
-pub fn transmittance(color: Color, distance: f64) -> Color {
-    Color::from_array(color.to_array().map(|channel| libm::pow(channel.max(0.0), distance)))
-}
-
-/// The direction of a reflected ray, as a unit vector. The normal may point to either side.
-pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
-    (direction - 2.0 * direction.dot(normal) * normal).normalize()
-}
-
-/// The direction of a refracted ray, as a unit vector; none at total internal reflection. `ratio` is the
-/// index of refraction in front of the surface over the one behind it, and `normal` points against
-/// `direction`.
-///
-/// The direction is computed as the sum of its tangential and its normal component, because both are then
-/// accurate at grazing incidence, where a formula that subtracts cosines suffers from cancellation. The
-/// square of the normal component is 1 - |tangential|^2, or equivalently (1 - ratio^2) + (ratio * cosine)^2.
-/// Of these two the one that subtracts the smaller number has less cancellation.
-pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
-    let cosine = direction.dot(normal);
-    let tangential = ratio * (direction - cosine * normal);
-    let normal_squared = if ratio * ratio < 1.5 {
-        (1.0 - ratio) * (1.0 + ratio) + (ratio * cosine) * (ratio * cosine)
-    } else {
-        1.0 - tangential.length_squared()
-    };
-    (normal_squared >= 0.0).then(|| (tangential - normal_squared.sqrt() * normal).normalize())
 }
 
 #[cfg(test)]

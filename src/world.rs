@@ -4,6 +4,7 @@
 //! range of ids, in the order triangles, spheres, ellipsoids, planes.
 
 mod builder;
+mod crossing;
 mod placement;
 
 use crate::math::aabb::Aabb;
@@ -78,8 +79,11 @@ pub struct SurfacePoint {
     pub normal: DVec3,
     /// The material of the surface.
     pub material: MaterialId,
-    /// The id of the triangle, if the point is on one. A ray that leaves a triangle does not hit it again, so
-    /// that this triangle is excluded from the tests of secondary rays.
+    /// The id of the primitive; none if the point is on a surface that is not in a world.
+    #[serde(skip)]
+    pub primitive: Option<u32>,
+    /// The same if it is a triangle. A ray that leaves a triangle does not hit it again, so that this triangle is
+    /// excluded from the tests of secondary rays.
     #[serde(skip)]
     pub triangle: Option<u32>,
 }
@@ -220,6 +224,7 @@ impl World {
 
     /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric
     /// weights suffice for its surface.
+    #[inline(always)]
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
         let weights = |i| triangle::Shear::new(ray).weights(self.corners_in_place(i));
         self.surface_with(ray, t_bound, primitive, weights)
@@ -247,7 +252,8 @@ impl World {
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
         let triangle = (primitive < self.triangles.len() as u32).then_some(primitive);
-        SurfacePoint { position, normal, material: self.material_of(primitive), triangle }
+        let material = self.material_of(primitive);
+        SurfacePoint { position, normal, material, primitive: Some(primitive), triangle }
     }
 
     /// The normal and the position on a triangle. The position is interpolated from the vertices, because the
@@ -259,6 +265,7 @@ impl World {
         (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
 
+    #[inline(always)]
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
         self.material_runs[run - 1].1 as MaterialId

@@ -18,7 +18,7 @@ use crate::scene::material::Material;
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::{Counts, Probe, Quiet};
-use crate::trace::{Event, Observer, Pending, Tracer};
+use crate::trace::{Event, Memory, Observer, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -154,7 +154,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         recorder.observe(Event::Met(visible));
         let surface = visible.map(|visible| caster.world.visible_surface(ray, visible));
         let tracer = Tracer { caster, effects: request.effects };
-        let color = tracer.color(ray, surface.as_ref(), &mut Pending::default(), &mut recorder);
+        let color = tracer.color(ray, surface.as_ref(), &mut Memory::default(), &mut recorder);
         let mut rays = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];

@@ -88,10 +88,11 @@ impl<'w, M: Mode> Caster<'w, M> {
 
     /// The primitive that the ray hits first, decided exactly.
     ///
-    /// `exclude` is the triangle that the ray leaves. It is not tested, because the ray cannot hit it again.
+    /// `leaves` is the primitive that the ray leaves. A triangle is not tested, because the ray cannot hit it again.
+    /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
     #[inline]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> Option<Visible> {
-        self.run::<P, false>(ray, exclude, probe)
+    pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        self.run::<P, false>(ray, leaves, probe)
     }
 
     /// Whether the ray hits anything.
@@ -100,32 +101,68 @@ impl<'w, M: Mode> Caster<'w, M> {
         self.any_from(ray, None, probe)
     }
 
-    /// The same for a ray that leaves the triangle `exclude`, as in [`nearest`](Self::nearest).
+    /// The same for a ray that leaves the primitive `leaves`, as in [`nearest`](Self::nearest).
     #[inline]
-    pub fn any_from<P: Probe>(&self, ray: &Ray, exclude: Option<u32>, probe: &mut P) -> bool {
+    pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        self.occluder(ray, leaves, None, probe).is_some()
+    }
+
+    /// A primitive that the ray hits; none if it hits nothing. It leaves `leaves`, as in [`nearest`](Self::nearest).
+    ///
+    /// `likely` is tested before all others. It may change which primitive is found, but not whether one is.
+    #[inline(always)]
+    pub fn occluder<P: Probe>(
+        &self,
+        ray: &Ray,
+        leaves: Option<u32>,
+        likely: Option<u32>,
+        probe: &mut P,
+    ) -> Option<u32> {
         if M::AS_COURSE {
             // The course's program looks for the nearest hit even where any hit would do.
-            return self.nearest(ray, exclude, probe).is_some();
+            return self.nearest(ray, leaves, probe).map(|visible| visible.primitive);
         }
-        self.run::<P, true>(ray, exclude, probe).is_some()
+        if let Some(likely) = likely
+            && self.is_hit(ray, likely, leaves, probe)
+        {
+            return Some(likely);
+        }
+        let found = self.run::<P, true>(ray, leaves, probe)?;
+        Some(found.primitive)
+    }
+
+    /// Whether the ray hits a primitive, which is not the triangle that it leaves.
+    #[inline(never)]
+    fn is_hit<P: Probe>(&self, ray: &Ray, primitive: u32, leaves: Option<u32>, probe: &mut P) -> bool {
+        if leaves == Some(primitive) && (primitive as usize) < self.world.triangles.len() {
+            return false;
+        }
+        probe.intersections(1);
+        self.world.crossing(ray, primitive).is_some()
+    }
+
+    /// Whether this is a sphere or an ellipsoid.
+    #[inline(always)]
+    fn is_round(&self, primitive: u32) -> bool {
+        primitive >= self.world.triangles.len() as u32 && primitive < self.world.first_plane()
     }
 
     #[inline(always)]
     fn run<P: Probe, const ANY: bool>(
         &self,
         ray: &Ray,
-        exclude: Option<u32>,
+        leaves: Option<u32>,
         probe: &mut P,
     ) -> Option<Visible> {
-        let exclude = exclude.unwrap_or(triangle8::NONE);
+        let leaves = leaves.unwrap_or(triangle8::NONE);
         let best = match self.instructions {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2(avx2) => {
                 let [a, b, c, d] = ray.pairs();
                 // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                unsafe { run_avx2::<M, P, ANY>(avx2, self, a, b, c, d, exclude, probe) }
+                unsafe { run_avx2::<M, P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
             }
-            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, exclude, probe),
+            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, leaves, probe),
         };
         (best.primitive != triangle8::NONE).then_some(best)
     }
@@ -137,7 +174,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         &self,
         kernel: K,
         ray: Ray,
-        exclude: u32,
+        leaves: u32,
         probe: &mut P,
     ) -> Visible {
         let structure = self.structure.as_deref();
@@ -149,8 +186,11 @@ impl<'w, M: Mode> Caster<'w, M> {
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
-        let mut query = RayQuery::new(self.world, &stored, exclude);
+        let mut query = RayQuery::new(self.world, &stored, leaves);
         query.test_planes(&ray, probe);
+        if self.is_round(leaves) {
+            query.leave_round::<M, P>(leaves, probe);
+        }
         if ANY && query.visible().is_some() {
             return query.best;
         }
@@ -174,10 +214,10 @@ fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
     b: DVec2,
     c: DVec2,
     d: DVec2,
-    exclude: u32,
+    leaves: u32,
     probe: &mut P,
 ) -> Visible {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), exclude, probe)
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, probe)
 }
 
 #[cfg(test)]

@@ -89,11 +89,12 @@ impl FilterState {
 }
 
 impl<'a> RayQuery<'a> {
-    /// `exclude` is a primitive that the ray is known to miss, or [`NONE`].
+    /// `leaves` is the triangle that the ray leaves, which it is known to miss, or a primitive for
+    /// [`leave_round`](Self::leave_round), or [`NONE`].
     #[inline(always)]
-    pub fn new(world: &'a World, ray: &'a Ray, exclude: u32) -> Self {
+    pub fn new(world: &'a World, ray: &'a Ray, leaves: u32) -> Self {
         let best = Visible { primitive: NONE, t_bound: ray.t_max };
-        let tested = [exclude, NONE, NONE, NONE];
+        let tested = [leaves, NONE, NONE, NONE];
         Self { world, ray, shear: None, best, t_lower_bound: best.t_bound, tested, next: 1 }
     }
 
@@ -101,6 +102,17 @@ impl<'a> RayQuery<'a> {
     #[inline(always)]
     pub fn visible(&self) -> Option<Visible> {
         (self.best.primitive != NONE).then_some(self.best)
+    }
+
+    /// Tests the sphere or ellipsoid that the ray leaves. The course's program does so where it comes to it.
+    #[inline(never)]
+    pub fn leave_round<M: Mode, P: Probe>(&mut self, leaves: u32, probe: &mut P) {
+        if M::AS_COURSE {
+            self.tested[0] = NONE;
+        } else {
+            probe.intersections(1);
+            self.test(leaves);
+        }
     }
 
     #[inline(always)]
@@ -126,7 +138,10 @@ impl<'a> RayQuery<'a> {
         probe: &mut P,
     ) -> bool {
         let mut changed = false;
-        for block in blocks {
+        let last = blocks.last().filter(|last| last.index.non_triangles != [0, 0]);
+        // A cell without triangles has a block as well, for its other primitives.
+        let has_triangles = last.is_none_or(|last| last.index.ids[0] != NONE);
+        for block in if has_triangles { blocks } else { &[] } {
             if P::COUNTS {
                 probe.intersections(block.index.triangles());
             }
@@ -147,8 +162,7 @@ impl<'a> RayQuery<'a> {
                 }
             }
         }
-        if let Some(last) = blocks.last()
-            && last.index.non_triangles != [0, 0]
+        if let Some(last) = last
             && self.test_non_triangles(cells, last, probe)
         {
             changed = true;
@@ -157,13 +171,22 @@ impl<'a> RayQuery<'a> {
         changed
     }
 
-    /// Tests the primitives other than triangles in a cell. `last` is the last block of the cell.
-    #[inline(never)]
+    /// Tests the primitives other than triangles in a cell, and returns whether the best primitive changed. `last` is
+    /// the last block of the cell.
+    #[inline(always)]
     fn test_non_triangles<P: Probe>(&mut self, cells: &CellContents, last: &Block, probe: &mut P) -> bool {
         let [start, end] = last.index.non_triangles.map(|i| i as usize);
-        let non_triangles = &cells.non_triangles[start..end];
-        probe.intersections(non_triangles.len());
-        non_triangles.iter().fold(false, |changed, &id| (self.is_new(id) && self.test(id)) | changed)
+        let ids = &cells.non_triangles[start..end];
+        probe.intersections(ids.len());
+        // Most rays that pass several cells of a sphere end here.
+        let is_tested = matches!(ids, [id] if self.tested.contains(id));
+        !is_tested && self.test_new(ids)
+    }
+
+    /// Tests those primitives that were not tested last.
+    #[inline(never)]
+    fn test_new(&mut self, ids: &[u32]) -> bool {
+        ids.iter().fold(false, |changed, &id| (self.is_new(id) && self.test(id)) | changed)
     }
 
     /// Returns whether the primitive is not among those that were tested last, and records it. A primitive
@@ -237,14 +260,12 @@ impl<'a> RayQuery<'a> {
     }
 
     /// Tests a primitive exactly, and returns whether the best primitive changed.
+    #[inline]
     pub fn test(&mut self, id: u32) -> bool {
-        let t = match self.world.primitive(id) {
-            Primitive::Triangle(_) => return self.test_triangle(id),
-            Primitive::Sphere(i) => self.world.spheres[i].intersect(self.ray),
-            Primitive::Ellipsoid(i) => self.world.ellipsoids[i].intersect(self.ray),
-            Primitive::Plane(i) => self.world.planes[i].intersect(self.ray),
-        };
-        t.is_some_and(|t| self.offer(t, id))
+        match self.world.primitive(id) {
+            Primitive::Triangle(_) => self.test_triangle(id),
+            _ => self.world.crossing(self.ray, id).is_some_and(|t| self.offer(t, id)),
+        }
     }
 
     /// Keeps a primitive that the ray hits at `t` if it precedes the best one.

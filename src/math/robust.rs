@@ -23,6 +23,7 @@ const OFFSET_ROUNDINGS: f64 = 32.0;
 /// The point moves along the direction, so that it stays on the line of the ray and the error of a path does
 /// not grow with its bounces. At grazing angles, where that would be a long way, it moves along the normal
 /// instead.
+#[inline(always)]
 pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, max_abs_coord: f64) -> DVec3 {
     const GRAZING_COSINE: f64 = 0.25;
     let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * (point.abs().max_element() + max_abs_coord);
@@ -36,6 +37,7 @@ pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, max_abs
 
 /// `v` scaled to unit length, also when the square of its length overflows or underflows. The result is NaN
 /// for a vector that has no direction: zero, infinite or NaN.
+#[inline(always)]
 pub fn unit(v: DVec3) -> DVec3 {
     const REPRESENTABLE: std::ops::Range<f64> = 1e-290..1e290;
     if REPRESENTABLE.contains(&v.length_squared()) { v.normalize() } else { unit_of_extreme(v) }

@@ -144,6 +144,7 @@ impl Sphere {
     ///
     /// Where the radius is smaller than the rounding error of the centre, `point` may be the centre itself.
     /// Then the normal points against the ray.
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, point: DVec3) -> (DVec3, DVec3) {
         let outward = point - self.center;
         let normal = unit(if outward == DVec3::ZERO { -ray.direction } else { outward });

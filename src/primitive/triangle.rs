@@ -97,7 +97,7 @@ impl<'r> Shear<'r> {
 
     /// The weights alone, for callers that do not need t. They are none exactly where [`hit`](Self::hit) finds
     /// no crossing, except for a t that overflows.
-    #[inline]
+    #[inline(always)]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
         let weights = edge_functions([a, b, c]);

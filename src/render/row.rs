@@ -16,7 +16,7 @@ use crate::sampling::sum::Sum;
 use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::stats::Probe;
-use crate::trace::{Observer, Pending, Tracer};
+use crate::trace::{Memory, Observer, Tracer};
 use crate::world::{SurfacePoint, World};
 use adaptive::Refinement;
 use glam::{DVec2, DVec3};
@@ -24,6 +24,7 @@ use plot::plots;
 use std::ops::Range;
 
 pub mod adaptive;
+mod dispatch;
 mod plot;
 
 /// The result of tracing a row of pixels.
@@ -110,7 +111,7 @@ impl<M: Mode> Setting<'_, M> {
             visibility,
             is_shown,
             shown: request.columns(),
-            pending: Pending::default(),
+            memory: Memory::default(),
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             plots: plots(request, is_shown),
@@ -143,7 +144,7 @@ struct Painter<'a, M, P> {
     is_shown: bool,
     /// The columns of the window.
     shown: Range<usize>,
-    pending: Pending,
+    memory: Memory,
     /// The filter's weight of a sample at the pixel's centre.
     center_weight: f64,
     /// The sum over the current pixel's samples so far.
@@ -194,7 +195,8 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     }
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
-    fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+    #[inline(always)]
+    fn paint_centers_with(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Setting { camera, caster, view, request, .. } = self.setting;
         let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
         let j = self.row.j;
@@ -234,7 +236,8 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     }
 
     /// Casts and colours the samples of a packet, and empties it.
-    fn color_samples(&mut self, packet: &mut SamplePacket) {
+    #[inline(always)]
+    fn color_samples_with(&mut self, packet: &mut SamplePacket) {
         if matches!(self.setting.view, View::Scene) {
             packet.cast(self.setting.caster, None, self.row.j, &mut self.row.probe);
             packet.find_surfaces(self.setting.caster.world);
@@ -310,7 +313,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         match view {
             View::Scene => {
                 let tracer = Tracer { caster, effects: request.effects };
-                tracer.color(ray, surface, &mut self.pending, &mut self.row.probe)
+                tracer.color(ray, surface, &mut self.memory, &mut self.row.probe)
             }
             View::Cells(occupancy) => {
                 let face = occupancy.first_face(ray);

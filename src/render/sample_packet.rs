@@ -59,12 +59,15 @@ impl SamplePacket {
     }
 
     /// Adds the centres of the pixels in these columns of row `j`.
+    #[inline(always)]
     pub fn push_centers(&mut self, camera: &Camera, columns: Range<usize>, j: usize) {
-        columns.for_each(|column| self.push(camera, [column, j], DVec2::ZERO, true));
+        for column in columns {
+            self.push(camera, [column, j], DVec2::ZERO, true);
+        }
     }
 
     /// Adds a sample of a pixel in row `j`.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, camera: &Camera, [column, j]: [usize; 2], offset: DVec2, is_last: bool) {
         let ray = camera.ray(DVec2::new(column as f64, j as f64), offset);
         self.samples.push(Sample { column, offset, is_last, ray, visible: None, surface: None });
@@ -72,6 +75,7 @@ impl SamplePacket {
 
     /// Finds the first hit of each ray. If the samples are at the centres of row `j`, `visibility` has those
     /// hits, as far as they are known.
+    #[inline(always)]
     pub fn cast<M: Mode, P: Probe>(
         &mut self,
         caster: &Caster<M>,
@@ -92,6 +96,7 @@ impl SamplePacket {
     }
 
     /// Computes the surface that each ray hits first.
+    #[inline(always)]
     pub fn find_surfaces(&mut self, world: &World) {
         if !world.triangles.is_empty() {
             let visible = self.samples.iter().filter_map(|sample| sample.visible);

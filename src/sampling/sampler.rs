@@ -80,6 +80,7 @@ impl Sampler {
     /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
     /// course's order, column by column from the left, each from the bottom. Every sample takes two random
     /// numbers, so the generator jumps to where the preceding pixels leave it.
+    #[inline(always)]
     pub fn offsets(self, index: u64) -> impl Iterator<Item = DVec2> {
         let mut rng = match self.pattern {
             Pattern::Uniform => self.rng,

@@ -17,7 +17,7 @@ pub struct Incident {
 }
 
 /// The light that arrives at `point`. The direction of a directional light must be a unit vector.
-#[inline]
+#[inline(always)]
 pub fn incident(light: &Light, point: DVec3) -> Incident {
     let (direction, distance, factor) = match *light {
         Light::Directional { direction, .. } => (-direction, f64::INFINITY, 1.0),

@@ -57,7 +57,7 @@ impl PointMaterial<'_> {
     /// The light reflected to the viewer: Lambert's diffuse and Blinn's specular term. `normal` and
     /// `to_viewer` are unit vectors, and `cosine`, between the normal and the direction to the light, is
     /// positive. As in the course the specular term is not multiplied by the cosine.
-    #[inline]
+    #[inline(always)]
     pub fn reflect(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> Color {
         let mut reflected = self.phong.diffuse * cosine;
         if self.is_specular() {
@@ -73,6 +73,7 @@ impl PointMaterial<'_> {
     }
 
     /// Blinn's specular term, per unit of light.
+    #[inline(always)]
     fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
         let half = (to_light + to_viewer).normalize_or_zero();
         let alignment = normal.dot(half).max(0.0);
@@ -82,17 +83,20 @@ impl PointMaterial<'_> {
     }
 
     /// Whether the material has a highlight at all.
+    #[inline(always)]
     fn is_specular(&self) -> bool {
         self.phong.specular != Color::ZERO || !self.further.is_empty()
     }
 
     /// Whether the material reflects no light from any direction.
+    #[inline(always)]
     pub fn is_black(&self) -> bool {
         self.phong.diffuse == Color::ZERO && !self.is_specular()
     }
 }
 
 impl Highlight {
+    #[inline(always)]
     fn strength(&self, alignment: f64) -> Color {
         if self.color == Color::ZERO { Color::ZERO } else { self.color * power(alignment, self.exponent) }
     }
@@ -100,6 +104,7 @@ impl Highlight {
 
 /// `base` to the power of `exponent`. Integer exponents, which are usual, are computed by repeated squaring,
 /// which is faster than the general power.
+#[inline(always)]
 fn power(base: f64, exponent: f64) -> f64 {
     const MAX_INTEGER_EXPONENT: u32 = 65536;
     let mut left = exponent as u32;

@@ -2,6 +2,8 @@
 
 use super::perlin::{turbulence, wrapped};
 use super::phong::PointMaterial;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::MaterialId;
@@ -21,12 +23,31 @@ pub fn material_at(
 ) -> PointMaterial<'_> {
     match &materials[id] {
         Material::Phong(phong) => phong.into(),
-        Material::Texture(texture) => textured(materials, id, texture, point, instructions),
+        Material::Texture(texture) => match instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+            Instructions::Avx2(avx2) => unsafe { textured_avx2(avx2, materials, id, texture, point) },
+            Instructions::Portable => textured(materials, id, texture, point, instructions),
+        },
     }
 }
 
-/// The same for a texture, whose id is `id`.
+/// The same for a texture, whose id is `id`, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
+fn textured_avx2<'m>(
+    avx2: Avx2,
+    materials: &'m [Material],
+    id: MaterialId,
+    texture: &'m Texture,
+    point: DVec3,
+) -> PointMaterial<'m> {
+    textured(materials, id, texture, point, Instructions::Avx2(avx2))
+}
+
+/// The same, compiled for the instructions of the caller.
+#[inline(always)]
 fn textured<'m>(
     materials: &'m [Material],
     mut id: MaterialId,
@@ -54,6 +75,7 @@ fn textured<'m>(
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
 /// distributes its weight to its two children, which come before it. This takes time linear in the number of
 /// materials, where a recursion could take exponential time.
+#[inline]
 fn mixed<'m>(
     materials: &'m [Material],
     texture: &Texture,
@@ -102,6 +124,7 @@ fn mixed<'m>(
 }
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
+#[inline(always)]
 pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
@@ -124,6 +147,7 @@ pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions)
 }
 
 /// A point of world space in the texture's space, clamped to the range in which the patterns do not overflow.
+#[inline(always)]
 fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
     let bound = DVec3::splat(LARGEST);
     map.transform_point3(point).clamp(-bound, bound)
@@ -134,6 +158,7 @@ fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
 ///
 /// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
 /// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
+#[inline(always)]
 fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
     let q = map.transform_point3(point);
     let rows = map.matrix3.transpose();
@@ -160,6 +185,7 @@ pub fn is_in_boundary(texture: &Texture, point: DVec3) -> bool {
 }
 
 /// The error bound of `row . point + translation` for a point of a surface that lies in a boundary.
+#[inline(always)]
 fn coordinate_error_bound(row: DVec3, translation: f64, point: DVec3) -> f64 {
     // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.
     // Along an axis both are exact.

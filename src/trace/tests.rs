@@ -32,7 +32,7 @@ impl Setting {
         let caster = Caster::new(&self.world, None).unwrap().in_mode::<M>();
         let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, &hit));
         let tracer = Tracer { caster: &caster, effects: self.effects };
-        tracer.color(ray, surface.as_ref(), &mut Pending::default(), probe)
+        tracer.color(ray, surface.as_ref(), &mut Memory::default(), probe)
     }
 
     /// The colour seen from a point in a direction, which is the same in every mode.
@@ -46,10 +46,11 @@ impl Setting {
     /// The colour of a surface with this normal for a ray along the negative z axis.
     fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
-        let surface = SurfacePoint { position: DVec3::ZERO, normal, material: 0, triangle: None };
+        let surface =
+            SurfacePoint { position: DVec3::ZERO, normal, material: 0, primitive: None, triangle: None };
         let tracer = Tracer { caster: &caster, effects: self.effects };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        tracer.color(&ray, Some(&surface), &mut Pending::default(), &mut Quiet)
+        tracer.color(&ray, Some(&surface), &mut Memory::default(), &mut Quiet)
     }
 }
 

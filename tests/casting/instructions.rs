@@ -72,6 +72,53 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
     }
 }
 
+/// A sphere or an ellipsoid that a ray is said to leave is tested first, and so is the likely occluder of a shadow ray.
+#[test]
+fn what_is_tested_first_changes_no_answer() {
+    let world = world(&OBJECTS.map(String::from), &[rabbit()]);
+    let triangles = world.triangles.len() as u32;
+    let round = triangles..world.first_plane();
+    let likely: Vec<u32> = (0..triangles).step_by(701).chain(triangles..=world.first_plane()).collect();
+    let mut hits = 0;
+    for instructions in Instructions::available() {
+        for cells in [None, Some(FINE)] {
+            let options = GridOptions { cells, rule: CellRule::Exact };
+            let caster = Caster::with(&world, options, instructions).unwrap();
+            let step = if cells.is_some() { 1 } else { 50 };
+            for ray in rays().step_by(step) {
+                let expected = caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive);
+                for leaves in round.clone() {
+                    let found = caster.nearest(&ray, Some(leaves), &mut Quiet);
+                    assert_eq!(found.map(|visible| visible.primitive), expected, "{ray:?}");
+                    assert_eq!(caster.any_from(&ray, Some(leaves), &mut Quiet), expected.is_some());
+                }
+                for &likely in &likely {
+                    let found = caster.occluder(&ray, None, Some(likely), &mut Quiet);
+                    assert_eq!(found.is_some(), expected.is_some(), "{likely} {ray:?}");
+                    assert!(found.is_none_or(|found| world.crossing(&ray, found).is_some()));
+                    hits += u32::from(found == Some(likely));
+                }
+            }
+        }
+    }
+    assert!(hits > 10_000, "{hits}");
+}
+
+#[test]
+fn the_course_tests_a_sphere_where_it_comes_to_it() {
+    let world = world(&OBJECTS.map(String::from), &[rabbit()]);
+    let caster = Caster::with(&world, GridOptions::uniform(FINE), Instructions::available()[0]).unwrap();
+    let as_course = caster.in_mode::<Course>();
+    let sphere = world.triangles.len() as u32;
+    for ray in rays().take(3000) {
+        let [plain, leaving] = [None, Some(sphere)].map(|leaves| {
+            let mut counts = Counts::default();
+            (as_course.nearest(&ray, leaves, &mut counts), counts)
+        });
+        assert_eq!(plain, leaving, "{ray:?}");
+    }
+}
+
 /// A ray and its hit.
 #[derive(Debug)]
 struct Asked(Ray, Option<Visible>);

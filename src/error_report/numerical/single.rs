@@ -101,6 +101,7 @@ impl Finder for SinglePrecision<'_> {
             position: position.as_dvec3(),
             normal: self.normal(position, primitive).as_dvec3(),
             material: self.world.material_of(primitive),
+            primitive: None,
             triangle: None,
         };
         Some(Found { primitive, t: t.into(), surface })
