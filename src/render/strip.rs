@@ -44,6 +44,9 @@ pub struct Strip<'a, M> {
     pub rows: Range<usize>,
 }
 
+/// The first samples of some rows, and their probes.
+type FirstOfRows<P> = (Vec<FirstSamples>, Vec<P>);
+
 /// Rows that are ready to be handed out.
 struct Finished<P> {
     probe: P,
@@ -180,7 +183,7 @@ impl<'a, M: Mode> Strip<'a, M> {
         &self,
         rows: &Range<usize>,
         tally: &Tally,
-    ) -> Result<Option<(Vec<FirstSamples>, Vec<P>)>, NoMemory> {
+    ) -> Result<Option<FirstOfRows<P>>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
         let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(j))?;
         let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);

@@ -137,10 +137,6 @@ fn a_refusal_says_how_much_would_be_needed() {
         ("-input plain.txt", "plain.txt: error: not enough memory: at least "),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
         ("-input one.txt -threads 4096", "error: `-threads`: the system does not start 4095 more"),
-        (
-            "-input one.txt -size 65535 65535 -cost_map rays o.tga",
-            "error: not enough memory: at least 34.4 GB are needed",
-        ),
     ] {
         let message = run_within(&folder, least(&folder) + 1500, line).message(1);
         let errors = message.lines().filter(|line| !line.starts_with("warning: "));
