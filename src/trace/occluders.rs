@@ -6,7 +6,7 @@
 
 use crate::world::SurfacePoint;
 
-/// The number of places in the table.
+/// The number of places in the table. A place is shared where there are more surfaces and lights.
 const PLACES: usize = 1 << PLACE_BITS;
 const PLACE_BITS: u32 = 10;
 
@@ -14,15 +14,7 @@ const PLACE_BITS: u32 = 10;
 #[derive(Debug, Default)]
 pub struct Occluders {
     /// None until the first shadow ray.
-    table: Option<Box<[Place; PLACES]>>,
-}
-
-/// A place in the table.
-#[derive(Clone, Copy, Debug, Default)]
-struct Place {
-    /// The side and the light that it belongs to, until others take it over.
-    owner: u32,
-    occluder: Option<u32>,
+    table: Option<Box<[Option<u32>; PLACES]>>,
 }
 
 /// One side of a primitive.
@@ -41,14 +33,10 @@ impl Occluders {
     /// The place of what stood last between this side of a primitive and the light with this index, or of none.
     #[inline(always)]
     pub fn place(&mut self, Side(side): Side, light: usize) -> &mut Option<u32> {
-        let table = self.table.get_or_insert_with(|| Box::new([Place::default(); PLACES]));
-        let owner = side.wrapping_add((light as u32) << 24);
+        let table = self.table.get_or_insert_with(|| Box::new([None; PLACES]));
         // Fibonacci hashing (Knuth, The Art of Computer Programming, volume 3, section 6.4).
-        let place = &mut table[(owner.wrapping_mul(0x9E37_79B9) >> (u32::BITS - PLACE_BITS)) as usize];
-        if place.owner != owner {
-            *place = Place { owner, occluder: None };
-        }
-        &mut place.occluder
+        let hash = side.wrapping_add((light as u32) << 24).wrapping_mul(0x9E37_79B9);
+        &mut table[(hash >> (u32::BITS - PLACE_BITS)) as usize]
     }
 }
 
@@ -74,11 +62,9 @@ mod tests {
         for ((side, light), occluder) in rays().zip(0..) {
             assert_eq!(*occluders.place(side, light), Some(occluder), "{side:?} {light}");
         }
-        // Where there are more, each takes the place of another, and does not see what stood before it.
-        for primitive in (20..5000).chain([1 << 31, u32::MAX - 1]) {
-            let place = occluders.place(side(Some(primitive), true), 7);
-            assert_eq!(*place, None, "{primitive}");
-            *place = Some(primitive);
+        // Any primitive and any light has a place.
+        for primitive in [None, Some(u32::MAX - 1), Some(1 << 31)] {
+            *occluders.place(side(primitive, true), usize::MAX) = None;
         }
     }
 }
