@@ -45,7 +45,7 @@ fn cameras_lights_and_background() {
 #[test]
 fn every_object_has_the_position_of_its_keyword() {
     let group = "Group { numObjects 2 MaterialIndex 1 Sphere { center 0 0 0 radius 1 }
-        Transform { Scale 1 1 1 Group { numObjects 1 Box { min 0 0 0 max 1 1 0 } } } }";
+            Transform { Scale 1 1 1 Group { numObjects 1 Box { min 0 0 0 max 1 1 0 } } } }";
     // The later group replaces the earlier one.
     let scene = objects(&format!("{group}\n\n{group}"));
     let at = |line, column| Position { line, column };
