@@ -23,8 +23,6 @@ pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, E
     let mut signals = Signals::hold().map_err(failed)?;
     let ErrorReporting { options, folder, target } = reporting;
     let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
-    // A file that cannot be written is no reason to wait for the measurements.
-    let [page_file, csv_file] = prepare(folder)?;
     signals.end_at_once()?;
 
     let start = Instant::now();
@@ -32,7 +30,11 @@ pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, E
     let reading = start.elapsed();
     let request = options.request();
     let clock = || ProcessTime::now().as_duration();
-    signals.end_at_second()?;
+    signals.hold_again();
+    // A file that cannot be written is no reason to wait for the measurements.
+    let [page_file, csv_file] = prepare(folder)?;
+    // A signal that has come by now ends the measurements before the first, and the report says so.
+    let _ = signals.end_at_second();
     let line = Line::new(options.progress);
     let watch = |progress: Progress| {
         line.show(|passed| told(progress, passed));

@@ -56,13 +56,13 @@ impl Signals {
 
     /// From now on, the second signal ends the program at once, and the first is noted. An error if one was noted before.
     pub fn end_at_second(&mut self) -> Result<(), Interrupted> {
-        let has_come = Arc::new(AtomicBool::new(false));
-        self.end_if(&has_come)?;
+        let has_come = Arc::new(AtomicBool::new(self.received().is_some()));
+        let noted = self.end_if(&has_come);
         for signal in SIGNALS {
             // This handler follows the one that looks at the flag. A handler that is refused has come before.
             self.enders.extend(flag::register(signal, has_come.clone()));
         }
-        Ok(())
+        noted
     }
 
     /// From now on, a signal ends the program if the flag is set.
