@@ -136,8 +136,10 @@ impl<M: Mode> Tracer<'_, M> {
         match self.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { with_pending_avx2(avx2, self, color, memory, probe) },
-            Instructions::Portable => self.follow_pending(color, memory, probe),
+            Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
+                with_pending_avx2(avx2, self, color, memory, probe)
+            },
+            _ => self.follow_pending(color, memory, probe),
         }
     }
 

@@ -1,4 +1,5 @@
-//! The stages of a row that take the most time, compiled for each instruction set.
+//! The stages of a row that take the most time, compiled for each instruction set. Where the time does not matter, because
+//! steps are counted or recorded, they are compiled once.
 
 use super::Painter;
 #[cfg(target_arch = "x86_64")]
@@ -15,8 +16,10 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         match self.setting.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { paint_centers_avx2(avx2, self, columns, packet) },
-            Instructions::Portable => self.paint_centers_with(columns, packet),
+            Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
+                paint_centers_avx2(avx2, self, columns, packet)
+            },
+            _ => self.paint_centers_with(columns, packet),
         }
     }
 
@@ -25,8 +28,10 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         match self.setting.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { color_samples_avx2(avx2, self, packet) },
-            Instructions::Portable => self.color_samples_with(packet),
+            Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
+                color_samples_avx2(avx2, self, packet)
+            },
+            _ => self.color_samples_with(packet),
         }
     }
 }
