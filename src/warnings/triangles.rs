@@ -45,6 +45,10 @@ fn is_flat([a, b, c]: [&DVec3; 3]) -> bool {
 /// Whether the cross product of two differences of corners is exactly zero.
 #[cold]
 fn has_no_normal(u: DVec3, v: DVec3) -> bool {
+    // Products that differ after rounding differ.
+    if u.y * v.z != v.y * u.z || u.z * v.x != v.z * u.x {
+        return false;
+    }
     // A power of two scales without an error and keeps the products from underflow.
     let scale = |w: DVec3| match w.abs().max_element() {
         largest if largest > 0.0 && largest.is_finite() => w * (-largest.log2().floor()).exp2(),
