@@ -86,13 +86,16 @@ fn folder() -> Folder {
 
 /// What is wrong with a run that may fail for want of memory only; nothing if all is well.
 fn fault(run: &Run, line: &str, is_complete: bool) -> Option<&'static str> {
-    let mut lines = run.stderr.lines().filter(|line| !line.starts_with("WARNING"));
-    let mut is_one_line = || lines.next().is_some_and(|l| l.contains("memory")) && lines.next().is_none();
+    let is_error = |line: &&str| line.contains("error: ");
+    let last = run.stderr.lines().last().filter(is_error);
+    // Warnings may stand before it.
+    let is_one_line =
+        run.stderr.lines().filter(is_error).count() == 1 && last.is_some_and(|line| line.contains("memory"));
     match run.status {
         Some(0) if is_complete => None,
         Some(0) => Some("a file is missing"),
         Some(1) if line.contains("-threads") && run.stderr.starts_with("error: `-threads`: ") => None,
-        Some(1) if is_one_line() => None,
+        Some(1) if is_one_line => None,
         Some(1) => Some("not one line about memory"),
         _ => Some("neither status 0 nor 1"),
     }
