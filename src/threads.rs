@@ -1,7 +1,7 @@
 //! The threads of a run: as many as are asked for, or as the machine has cores.
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
-use raytracer::memory::{NoMemory, with_room};
+use raytracer::memory::with_room;
 use std::hint::black_box;
 use std::io;
 use std::sync::mpsc::{Sender, channel};
@@ -55,35 +55,47 @@ struct Refused {
     reason: String,
 }
 
-/// Starts threads.
+/// Starts threads. Where memory is limited, one after the other: a thread allocates when it begins to run, and ends the
+/// program if another has taken the memory by then.
 fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
     let mut waiting = vec![];
     let refused = |waiting, reason: &dyn std::fmt::Display| {
         Err(Refused { waiting, reason: format!("the system does not start {count} more threads: {reason}") })
     };
-    // A thread whose stacks find no memory ends the program.
-    if let Err(reason) = ask_for_stacks(count) {
-        return refused(waiting, &reason);
-    }
+    let is_limited = count > 0 && memory_is_limited();
+    let (running, is_running) = channel::<()>();
     for _ in 0..count {
+        // A thread whose stacks find no memory ends the program.
+        match with_room::<u8>(STACK + BESIDE_STACK) {
+            Ok(room) => drop(black_box(room)),
+            Err(reason) => return refused(waiting, &reason),
+        }
         let (sender, receiver) = channel::<ThreadBuilder>();
-        let work = move || receiver.recv().into_iter().for_each(ThreadBuilder::run);
+        let running = is_limited.then(|| running.clone());
+        let work = move || {
+            // The one that starts this thread waits for it.
+            let _ = running.map(|running| running.send(()));
+            receiver.recv().into_iter().for_each(ThreadBuilder::run);
+        };
         match thread::Builder::new().stack_size(STACK).spawn(work) {
             Ok(_) => waiting.push(sender),
             Err(reason) => return refused(waiting, &reason),
+        }
+        if is_limited {
+            let _ = is_running.recv();
         }
     }
     Ok(waiting)
 }
 
-/// Asks for the stacks of some threads, and gives them back. Not all at once, because a system may refuse a single
-/// block that is larger than the machine's memory, although most of a stack is never touched.
-fn ask_for_stacks(count: usize) -> Result<(), NoMemory> {
-    const AT_ONCE: usize = 64;
-    let bytes = |threads: usize| threads * (STACK + BESIDE_STACK);
-    let all = NoMemory { bytes: bytes(count) as u64 };
-    let blocks =
-        (0..count).step_by(AT_ONCE).map(|first| with_room::<u8>(bytes((count - first).min(AT_ONCE))));
-    black_box(blocks.collect::<Result<Vec<_>, _>>().map_err(|_| all)?);
-    Ok(())
+/// Whether the system limits the addresses that the program may use.
+#[cfg(target_os = "linux")]
+fn memory_is_limited() -> bool {
+    rustix::process::getrlimit(rustix::process::Resource::As).current.is_some()
+}
+
+/// Whether the system limits the addresses that the program may use: not known.
+#[cfg(not(target_os = "linux"))]
+fn memory_is_limited() -> bool {
+    false
 }

@@ -4,6 +4,7 @@ use super::error::{CliError, Problem};
 use super::flags::{self, Flag};
 use super::options::Options;
 use super::raw::Raw;
+use super::shaping::SHAPING;
 use super::values::{bad, finite};
 use std::path::PathBuf;
 
@@ -18,32 +19,9 @@ pub struct ErrorReporting {
     pub target: Option<f64>,
 }
 
-/// The flags that a report understands.
-const UNDERSTOOD: [&Flag; 23] = [
-    &flags::ERROR_REPORT,
-    &flags::TARGET,
-    &flags::INPUT,
-    &flags::SIZE,
-    &flags::SHADE_BACK,
-    &flags::SHADOWS,
-    &flags::NO_SHADOWS,
-    &flags::TRANSPARENT_SHADOWS,
-    &flags::BOUNCES,
-    &flags::WEIGHT,
-    &flags::RANDOM_SAMPLES,
-    &flags::UNIFORM_SAMPLES,
-    &flags::JITTERED_SAMPLES,
-    &flags::ADAPTIVE_SAMPLES,
-    &flags::SEED,
-    &flags::BOX_FILTER,
-    &flags::TENT_FILTER,
-    &flags::GAUSSIAN_FILTER,
-    &flags::MITCHELL_FILTER,
-    &flags::GRID,
-    &flags::THREADS,
-    &flags::PROGRESS,
-    &flags::QUIET,
-];
+/// The flags that a report understands, beside those that shape the colour picture.
+const UNDERSTOOD: [&Flag; 6] =
+    [&flags::ERROR_REPORT, &flags::TARGET, &flags::INPUT, &flags::THREADS, &flags::PROGRESS, &flags::QUIET];
 
 impl ErrorReporting {
     /// The report that the flags ask for, if they do.
@@ -53,7 +31,7 @@ impl ErrorReporting {
             let needed = CliError::ErrorReportNeeded { flag: flags::TARGET.name };
             return if needs_folder { Err(needed) } else { Ok(None) };
         };
-        raw.refuse_others(&flags::ERROR_REPORT, &UNDERSTOOD)?;
+        raw.refuse_others(&flags::ERROR_REPORT, &[UNDERSTOOD.as_slice(), &SHAPING].concat())?;
         let options = Options::from_raw(raw)?;
         Ok(Some(Self { options, folder: folder.into(), target: target(raw)? }))
     }

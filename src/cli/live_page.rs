@@ -1,8 +1,9 @@
 //! The flags about the live page.
 
 use super::error::CliError;
-use super::flags::{self, Flag};
+use super::flags;
 use super::raw::Raw;
+use super::shaping::SHAPING;
 use super::values::wholes;
 use serde::Serialize;
 
@@ -18,34 +19,13 @@ pub struct LivePage {
     pub words: Vec<String>,
 }
 
-/// The flags that shape the colour picture.
-const PICTURE_FLAGS: [&Flag; 18] = [
-    &flags::SIZE,
-    &flags::SHADE_BACK,
-    &flags::SHADOWS,
-    &flags::TRANSPARENT_SHADOWS,
-    &flags::BOUNCES,
-    &flags::WEIGHT,
-    &flags::RANDOM_SAMPLES,
-    &flags::UNIFORM_SAMPLES,
-    &flags::JITTERED_SAMPLES,
-    &flags::ADAPTIVE_SAMPLES,
-    &flags::SEED,
-    &flags::BOX_FILTER,
-    &flags::TENT_FILTER,
-    &flags::GAUSSIAN_FILTER,
-    &flags::MITCHELL_FILTER,
-    &flags::GRID,
-    &flags::VISUALIZE_GRID,
-    &flags::NO_SHADOWS,
-];
-
 impl LivePage {
     /// The page that the flags ask for.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let port = wholes(raw, &flags::PORT, (0, u32::from(u16::MAX)))?.map(|[port]| port as u16);
         if raw.given(&flags::GUI) {
-            let words = PICTURE_FLAGS.into_iter().flat_map(|flag| raw.words_of(flag)).collect();
+            let shaping = SHAPING.into_iter().chain([&flags::VISUALIZE_GRID]);
+            let words = shaping.flat_map(|flag| raw.words_of(flag)).collect();
             return Ok(Some(Self { port, browser: !raw.given(&flags::NO_BROWSER), words }));
         }
         match [&flags::PORT, &flags::NO_BROWSER].into_iter().find(|flag| raw.given(flag)) {

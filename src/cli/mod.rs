@@ -26,6 +26,7 @@ mod raw;
 mod sampling;
 mod rest;
 mod section;
+mod shaping;
 mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};

@@ -87,16 +87,10 @@ fn folder() -> Folder {
 /// What is wrong with a run that may fail for want of memory only; nothing if all is well.
 fn fault(run: &Run, line: &str, is_complete: bool) -> Option<&'static str> {
     let is_error = |line: &&str| line.contains("error: ");
-    // A thread that starts while the program ends may find no memory for the stack on which the standard library
-    // handles signals, and the library says so in its own words.
-    let said = match run.stderr.find("\nthread '") {
-        Some(end) if run.stderr.contains("failed to allocate an alternative stack") => &run.stderr[..end],
-        _ => &run.stderr,
-    };
-    let last = said.trim_end().lines().last().filter(is_error);
+    let last = run.stderr.lines().last().filter(is_error);
     // Warnings may stand before it.
     let is_one_line =
-        said.lines().filter(is_error).count() == 1 && last.is_some_and(|line| line.contains("memory"));
+        run.stderr.lines().filter(is_error).count() == 1 && last.is_some_and(|line| line.contains("memory"));
     match run.status {
         Some(0) if is_complete => None,
         Some(0) => Some("a file is missing"),
