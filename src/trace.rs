@@ -218,6 +218,11 @@ impl<M: Mode> Tracer<'_, M> {
         if P::OBSERVES {
             probe.observe(Event::Ambient(color));
         }
+        // The inside of a solid is dark. Where rays are counted or observed, they are cast all the same.
+        let is_dark = is_inside && self.is_dark_within(surface);
+        if is_dark && !M::AS_COURSE && !P::OBSERVES {
+            return color;
+        }
         let (is_black, side) = (material.is_black(), Side::new(surface, is_inside));
         for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
@@ -230,6 +235,7 @@ impl<M: Mode> Tracer<'_, M> {
             } else {
                 Color::ZERO
             };
+            let passed = if is_dark { Color::ZERO } else { passed };
             if has_effect && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
@@ -239,6 +245,14 @@ impl<M: Mode> Tracer<'_, M> {
             }
         }
         color
+    }
+
+    /// Whether it is known that no light reaches the inner side of a surface.
+    #[inline(always)]
+    fn is_dark_within(&self, surface: &SurfacePoint) -> bool {
+        let solids = &self.world().solids;
+        self.effects.shadows == Shadows::Opaque
+            && surface.primitive.is_some_and(|primitive| solids.are_dark_within(primitive))
     }
 
     #[inline(always)]

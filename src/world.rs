@@ -6,6 +6,7 @@
 mod builder;
 mod crossing;
 mod placement;
+mod solids;
 
 use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
@@ -20,8 +21,10 @@ use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
 use serde::Serialize;
+use solids::Solids;
 use std::borrow::Cow;
 use std::cmp::Ordering;
+use std::ops::Range;
 
 pub use placement::{Placement, course_sphere_box, placements};
 
@@ -54,6 +57,8 @@ pub struct World {
     pub max_abs_coord: f64,
     /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
+    /// What is known about the inside of transparent objects.
+    pub(crate) solids: Solids,
 }
 
 /// A primitive by its kind and its index in the world's list of that kind.
@@ -121,6 +126,7 @@ impl World {
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
             material_runs: vec![],
+            solids: Solids::default(),
         })
     }
 
@@ -269,6 +275,16 @@ impl World {
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
         self.material_runs[run - 1].1 as MaterialId
+    }
+
+    /// The runs of primitives with the same material, and their materials.
+    fn material_runs(&self) -> impl Iterator<Item = (Range<u32>, MaterialId)> + '_ {
+        let end = (self.finite_count() + self.planes.len()) as u32;
+        let ends = self.material_runs.iter().skip(1).map(|&(first, _)| first).chain([end]);
+        self.material_runs
+            .iter()
+            .zip(ends)
+            .map(|(&(first, material), end)| (first..end, material as MaterialId))
     }
 
     /// The first of the primitives around this one that share its material, and the material.

@@ -177,23 +177,24 @@ impl<'w, M: Mode> Caster<'w, M> {
         leaves: u32,
         probe: &mut P,
     ) -> Visible {
-        let structure = self.structure.as_deref();
-        let ray_entry = structure
-            .map_or(Entry::Misses, |structure| structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max));
-        // Most rays that hit nothing end here.
-        if !M::AS_COURSE && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
-            return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
-        }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = RayQuery::new(self.world, &stored, leaves);
         query.test_planes(&ray, probe);
         if self.is_round(leaves) {
             query.leave_round::<M, P>(leaves, probe);
+            // The way through a sphere is inside of it.
+            if !M::AS_COURSE && query.best.primitive == leaves && self.world.solids.stands_alone(leaves) {
+                return query.best;
+            }
         }
         if ANY && query.visible().is_some() {
             return query.best;
         }
+        let structure = self.structure.as_deref();
+        let ray_entry = structure.map_or(Entry::Misses, |structure| {
+            structure.ray_entry::<K::F64x4>(kernel, &ray, query.best.t_bound)
+        });
         if let Some(structure) = structure {
             structure.run::<K, M, P, ANY, false>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
         }

@@ -139,6 +139,45 @@ fn only_the_course_casts_a_shadow_ray_to_a_light_behind_the_surface() {
     assert_eq!((fast.shadow_rays, fast.non_shadow_rays), (1, 0));
 }
 
+/// A ray through the lower half of a glass ball sees its outside, which faces no light, and then its inside.
+#[test]
+fn no_shadow_ray_is_cast_from_inside_of_a_solid_unless_a_light_may_reach_it() {
+    let ball = "Material { diffuseColor 1 1 1 transparentColor 1 1 1 } Sphere { center 0 0 -5 radius 1 }";
+    let within = "PointLight { position 0 0 -5 color .25 .25 .25 }";
+    let ray = Ray::new(DVec3::new(0.0, -0.6, 0.0), DVec3::NEG_Z);
+    for (lights, shadows, shadow_rays, lit) in [
+        (SUN.to_string(), Shadows::Opaque, 0, 0.0),
+        (SUN.to_string(), Shadows::Transparent, 1, 0.3),
+        ([SUN, within].concat(), Shadows::Opaque, 2, 0.25),
+    ] {
+        let setting = Setting::new(&lights, ball, Effects { shade_back: true, bounces: 1, ..with(shadows) });
+        let (mut fast, mut as_course) = (Counts::default(), Counts::default());
+        let color = setting.seen_by::<Fast>(&ray, &mut fast);
+        assert_near(color, Color::splat(2.0 * 0.125 + lit));
+        assert_eq!(setting.seen_by::<Course>(&ray, &mut as_course), color);
+        let course_lights = 2 * setting.world.lights.len() as u64;
+        assert_eq!((fast.shadow_rays, as_course.shadow_rays), (shadow_rays, course_lights));
+    }
+}
+
+/// A ray inside of a sphere that stands alone ends at its far side, without a look at the rest of the world.
+#[test]
+fn a_ray_through_a_sphere_that_stands_alone_passes_no_cells() {
+    let glass = "Material { transparentColor 1 1 1 }";
+    let ball = format!("{glass} Sphere {{ center 0 0 -5 radius 1 }}");
+    let bead = format!("{ball} Sphere {{ center 0 .5 -5 radius .1 }}");
+    let cut = format!("{ball} Plane {{ normal 0 0 1 offset -5 }}");
+    for (objects, expected, passes_cells) in [(&ball, 1.75, false), (&bead, 1.75, true), (&cut, 0.75, true)] {
+        let world = Setting::new(SUN, objects, bounces(1)).world;
+        let caster = Caster::new(&world, Some([7, 7, 7])).unwrap();
+        let ray = Ray::new(DVec3::new(0.0, 0.0, -4.25), DVec3::NEG_Z);
+        let sphere = world.triangles.len() as u32;
+        let mut counts = Counts::default();
+        let met = caster.nearest(&ray, Some(sphere), &mut counts).unwrap();
+        assert_eq!((met.t_bound, counts.cells_traversed > 0), (expected, passes_cells), "{objects}");
+    }
+}
+
 #[test]
 fn mirrors_reflect_as_often_as_there_are_bounces_and_the_weight_allows() {
     // A floor and a ceiling; each bounce is multiplied by the mirrors before it.

@@ -3,6 +3,7 @@
 
 use super::World;
 use super::placement::{Placement, course_sphere_box};
+use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
@@ -14,6 +15,7 @@ use crate::scene::{MaterialId, MeshFile, Object, Scene};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::mem;
+use std::ops::Range;
 
 /// A world under construction. Materials are kept per kind of primitive, because the ids of the primitives
 /// are known only when all objects have been placed.
@@ -26,6 +28,9 @@ pub struct Builder<'a> {
     /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, spheres,
     /// ellipsoids and planes.
     materials: [Vec<(u32, u32)>; 4],
+    /// Which materials are transparent, and the triangles of each mesh that is.
+    transparent: Vec<bool>,
+    transparent_meshes: Vec<Range<u32>>,
 }
 
 impl<'a> Builder<'a> {
@@ -37,7 +42,9 @@ impl<'a> Builder<'a> {
                 uses[*mesh] += 1;
             }
         }
-        Ok(Self { meshes, files: &scene.meshes, uses, world, materials: Default::default() })
+        let transparent = solids::transparent(&world.materials)?;
+        let (files, materials) = (scene.meshes.as_slice(), Default::default());
+        Ok(Self { meshes, files, uses, world, materials, transparent, transparent_meshes: vec![] })
     }
 
     /// Places an object. An error tells the position of the object or of the transform around it.
@@ -127,6 +134,9 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
+        if self.transparent[material] {
+            memory::push(&mut self.transparent_meshes, first as u32..self.world.triangles.len() as u32)?;
+        }
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -211,6 +221,7 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
+        world.solids = Solids::of(&world, &self.transparent, &self.transparent_meshes)?;
         Ok(world)
     }
 }

@@ -1,0 +1,171 @@
+use super::*;
+use crate::grid::Caster;
+use crate::math::ray::Ray;
+use crate::math::robust::offset_origin;
+use crate::scene::mesh::Mesh;
+use crate::scene::parser::parse;
+use crate::stats::Quiet;
+
+const GLASS: &str = "Material { transparentColor 1 1 1 }";
+const SUN: &str = "DirectionalLight { direction 0 -1 0 color 1 1 1 }";
+
+/// The world of these lights and objects, where `mesh.obj` is this mesh.
+fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+         Lights {{ numLights {} {} }} Group {{ numObjects {} {} }}",
+        lights.len(),
+        lights.concat(),
+        objects.len(),
+        objects.concat()
+    );
+    let scene = parse(&text).unwrap();
+    let meshes = vec![mesh.clone(); scene.meshes.len()];
+    World::new(&scene, &meshes).unwrap()
+}
+
+fn glass(object: &str) -> String {
+    format!("{GLASS} {object}")
+}
+
+/// The number of primitives whose inside is dark, for one object of glass.
+fn dark(lights: &[&str], object: &str, mesh: &Mesh) -> usize {
+    let world = world(lights, &[&glass(object)], mesh);
+    (0..world.first_plane()).filter(|&id| world.solids.are_dark_within(id)).count()
+}
+
+/// A prism over a polygon in the plane z = 0, which is seen counter-clockwise from above, without its base if it is
+/// open. The polygon's fan around its first corner must cover it.
+fn prism(polygon: &[[f64; 2]], is_open: bool) -> Mesh {
+    let n = polygon.len() as u32;
+    let level = |z: f64| polygon.iter().map(move |&[x, y]| DVec3::new(x, y, z));
+    let sides = (0..n).flat_map(|i| {
+        let j = (i + 1) % n;
+        [[i, j, j + n], [i, j + n, i + n]]
+    });
+    let top = (1..n - 1).map(|i| [n, n + i, n + i + 1]);
+    let base = (1..if is_open { 1 } else { n - 1 }).map(|i| [0, i + 1, i]);
+    Mesh {
+        vertices: level(0.0).chain(level(1.0)).collect(),
+        triangles: sides.chain(top).chain(base).collect(),
+    }
+}
+
+const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// It is not convex, but its middle sees all of it.
+const ARROW: [[f64; 2]; 4] = [[0.0, -1.6], [2.0, -2.0], [0.0, 2.0], [-2.0, -2.0]];
+/// Its corners have their mean outside of it.
+const HOOK: [[f64; 2]; 6] = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.5, 0.5], [0.5, 4.0], [0.0, 4.0]];
+const MESH: &str = "TriangleMesh { obj_file mesh.obj }";
+
+#[test]
+fn the_inside_of_spheres_and_of_closed_meshes_around_a_point_is_dark() {
+    let square = prism(&SQUARE, false);
+    assert_eq!(dark(&[SUN], "Sphere { center 0 0 0 radius 1 }", &square), 1);
+    assert_eq!(dark(&[], "Box { min 0 0 0 max 1 2 3 }", &square), 12);
+    for (polygon, count) in [(&SQUARE[..], 12), (&ARROW, 12), (&HOOK, 0)] {
+        let mesh = prism(polygon, false);
+        assert_eq!(dark(&[SUN], MESH, &mesh), count, "{polygon:?}");
+        let turned = "Transform { YRotate 33 XRotate 21 Scale 1 -2 3 TriangleMesh { obj_file mesh.obj } }";
+        assert_eq!(dark(&[SUN], turned, &mesh), count, "{polygon:?}");
+    }
+}
+
+#[test]
+fn a_mesh_with_a_hole_or_inside_out_or_without_thickness_is_no_solid() {
+    assert_eq!(dark(&[SUN], MESH, &prism(&SQUARE, true)), 0);
+    let mut inside_out = prism(&SQUARE, false);
+    inside_out.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    assert_eq!(dark(&[SUN], MESH, &inside_out), 0);
+    let flat = "Transform { Scale 1 1 1e-9 TriangleMesh { obj_file mesh.obj } }";
+    assert_eq!(dark(&[SUN], flat, &prism(&SQUARE, false)), 0);
+    let mut one_side_turned = prism(&SQUARE, false);
+    one_side_turned.triangles[0].swap(0, 1);
+    assert_eq!(dark(&[SUN], MESH, &one_side_turned), 0);
+    assert_eq!(dark(&[SUN], MESH, &Mesh::default()), 0);
+}
+
+#[test]
+fn a_light_inside_or_too_close_to_be_sure_lights_the_inside() {
+    let (square, sphere) = (prism(&SQUARE, false), "Sphere { center 0 0 0 radius 1 }");
+    for (height, is_dark) in [("0.5", false), ("1", false), ("1.0000001", false), ("1.1", true), ("-9", true)]
+    {
+        let lamp = format!("PointLight {{ position .5 .5 {height} color 1 1 1 }}");
+        let far = "PointLight { position 5 5 5 color 1 1 1 }";
+        assert_eq!(dark(&[SUN, far, &lamp], MESH, &square) > 0, is_dark, "{height}");
+        let above = format!("PointLight {{ position 0 0 {height} color 1 1 1 }}");
+        assert_eq!(dark(&[SUN, &above, far], sphere, &square) > 0, is_dark, "{height}");
+    }
+}
+
+#[test]
+fn only_what_is_transparent_is_a_solid() {
+    let mesh = prism(&SQUARE, false);
+    let opaque = "Material { reflectiveColor 1 1 1 } Box { min 0 0 0 max 1 1 1 }";
+    let ball = "Transform { Translate 9 9 9 Sphere { center 0 0 0 radius 1 } }";
+    let objects = [opaque, &glass(ball), "Sphere { center 5 0 0 radius 1 }", &glass(MESH)];
+    let world = world(&[SUN], &objects, &mesh);
+    let dark: Vec<bool> = (0..26).map(|id| world.solids.are_dark_within(id)).collect();
+    let expected: Vec<bool> = (0..26).map(|id| id >= 12).collect();
+    assert_eq!(dark, expected, "the second sphere has the material of the first");
+    assert_eq!((24..26).map(|id| world.solids.stands_alone(id)).collect::<Vec<_>>(), [true, true]);
+}
+
+#[test]
+fn a_sphere_stands_alone_unless_another_box_touches_its_own() {
+    let mesh = prism(&SQUARE, false);
+    let stands_alone = |others: &[&str]| {
+        let sphere = glass("Sphere { center 0 0 0 radius 1 }");
+        let world = world(&[], &[&[sphere.as_str()], others].concat(), &mesh);
+        let id = (0..world.first_plane()).find(|&id| world.box_of(id).min == DVec3::NEG_ONE);
+        world.solids.stands_alone(id.unwrap())
+    };
+    let plane = "Plane { normal 0 1 0 offset 0 }";
+    assert!(stands_alone(&[plane, "Sphere { center 3 0 0 radius 1.5 }"]));
+    assert!(!stands_alone(&["Sphere { center 2 0 0 radius 1 }"]));
+    assert!(!stands_alone(&["Sphere { center 0 0 0 radius .5 }"]));
+    assert!(!stands_alone(&["Triangle { vertex0 .9 .9 .9 vertex1 5 5 5 vertex2 5 5 6 }"]));
+    assert!(!stands_alone(&["Transform { Scale 9 1 1 Sphere { center 0 0 0 radius .5 } }"]));
+}
+
+#[test]
+fn too_many_spheres_are_not_compared() {
+    for (count, known) in [(200, 200), (300, MAX_COMPARISONS as u32 / 300)] {
+        let spheres: Vec<String> =
+            (0..count).map(|i| glass(&format!("Sphere {{ center {} 0 0 radius 1 }}", 3 * i))).collect();
+        let spheres: Vec<&str> = spheres.iter().map(String::as_str).collect();
+        let world = world(&[SUN], &spheres, &Mesh::default());
+        assert!((0..count).all(|id| world.solids.stands_alone(id) == (id < known)), "{count}");
+    }
+}
+
+/// Every ray from the inside of a solid to the outside is blocked, so nothing is lost where it is not cast.
+#[test]
+fn rays_from_inside_of_solids_are_blocked() {
+    let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();
+    let mut cast = 0;
+    for object in [
+        "Sphere { center .3 -.2 7 radius 1 }",
+        "Transform { XRotate 40 ZRotate 9 TriangleMesh { obj_file mesh.obj } }",
+    ] {
+        let world = world(&[SUN], &[&glass(object)], &prism(&ARROW, false));
+        let caster = Caster::new(&world, Some([5, 4, 3])).unwrap();
+        let middle = 0.5 * (world.bounds.min + world.bounds.max);
+        for i in (1..80_000).step_by(2) {
+            let point = |steps: [f64; 3]| DVec3::from(steps.map(|step| 2.0 * fraction(i, step) - 1.0));
+            let target = middle + point([0.569, 0.819, 0.214]);
+            let origin = 9.0 * point([0.618, 0.324, 0.754]);
+            let ray = Ray::new(origin, (target - origin).normalize());
+            let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
+            let surface = world.surface(&ray, &hit);
+            let inwards = point([0.137, 0.273, 0.391]).normalize();
+            let inwards = if inwards.dot(surface.normal) < 0.0 { inwards } else { -inwards };
+            let origin = offset_origin(surface.position, surface.normal, inwards, world.max_abs_coord);
+            let shadow = Ray::new(origin, inwards);
+            assert!(world.solids.are_dark_within(hit.primitive));
+            assert!(caster.any_from(&shadow, surface.primitive, &mut Quiet), "{shadow:?}");
+            cast += 1;
+        }
+    }
+    assert!(cast > 40_000, "{cast}");
+}
