@@ -184,7 +184,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         if self.is_round(leaves) {
             query.leave_round::<M, P>(leaves, probe);
             // The way through a sphere is inside of it.
-            if !M::AS_COURSE && query.best.primitive == leaves && self.world.solids.stands_alone(leaves) {
+            if query.best.primitive == leaves && self.world.solids.stands_alone(leaves) {
                 return query.best;
             }
         }

@@ -139,24 +139,45 @@ fn only_the_course_casts_a_shadow_ray_to_a_light_behind_the_surface() {
     assert_eq!((fast.shadow_rays, fast.non_shadow_rays), (1, 0));
 }
 
-/// A ray through the lower half of a glass ball sees its outside, which faces no light, and then its inside.
+/// A ray through the upper half of a glass ball sees its outside, which the sun lights, and then its inside, which faces
+/// away from the sun. Through the lower half it is the other way round.
 #[test]
 fn no_shadow_ray_is_cast_from_inside_of_a_solid_unless_a_light_may_reach_it() {
     let ball = "Material { diffuseColor 1 1 1 transparentColor 1 1 1 } Sphere { center 0 0 -5 radius 1 }";
     let within = "PointLight { position 0 0 -5 color .25 .25 .25 }";
-    let ray = Ray::new(DVec3::new(0.0, -0.6, 0.0), DVec3::NEG_Z);
-    for (lights, shadows, shadow_rays, lit) in [
-        (SUN.to_string(), Shadows::Opaque, 0, 0.0),
-        (SUN.to_string(), Shadows::Transparent, 1, 0.3),
-        ([SUN, within].concat(), Shadows::Opaque, 2, 0.25),
+    for (height, lights, shadows, shadow_rays, lit) in [
+        (0.6, SUN.to_string(), Shadows::Opaque, 1, 0.3),
+        (-0.6, SUN.to_string(), Shadows::Opaque, 0, 0.0),
+        (-0.6, SUN.to_string(), Shadows::Transparent, 1, 0.3),
+        (-0.6, [SUN, within].concat(), Shadows::Opaque, 2, 0.25),
     ] {
         let setting = Setting::new(&lights, ball, Effects { shade_back: true, bounces: 1, ..with(shadows) });
+        let ray = Ray::new(DVec3::new(0.0, height, 0.0), DVec3::NEG_Z);
         let (mut fast, mut as_course) = (Counts::default(), Counts::default());
         let color = setting.seen_by::<Fast>(&ray, &mut fast);
         assert_near(color, Color::splat(2.0 * 0.125 + lit));
         assert_eq!(setting.seen_by::<Course>(&ray, &mut as_course), color);
         let course_lights = 2 * setting.world.lights.len() as u64;
         assert_eq!((fast.shadow_rays, as_course.shadow_rays), (shadow_rays, course_lights));
+    }
+}
+
+/// The rays aim at the edges of a glass cube from within. There the offset of a shadow ray may lead out of the cube.
+#[test]
+fn no_light_leaks_into_a_solid_at_its_edges() {
+    let cube = "Material { transparentColor 1 1 1 } Transform { XRotate 40 ZRotate 9 Box { min -1 -1 -1 max 1 1 1 } }";
+    let light = "DirectionalLight { direction .7 -.6 .4 color 1 1 1 }";
+    let setting = Setting::new(light, cube, Effects { shade_back: true, ..with(Shadows::Opaque) });
+    for k in 0..1200 {
+        let fraction = |step: f64| (f64::from(k) * step).fract();
+        let [a, b, _] = setting.world.corners(k as usize % 12);
+        let target = a + fraction(0.7548) * (b - a);
+        let origin = DVec3::new(fraction(0.618), fraction(0.324), fraction(0.754)) - 0.5;
+        assert_eq!(
+            setting.seen(origin.into(), (target - origin).into()),
+            Color::splat(0.125),
+            "{origin} {target}"
+        );
     }
 }
 

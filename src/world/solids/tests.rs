@@ -99,16 +99,51 @@ fn a_light_inside_or_too_close_to_be_sure_lights_the_inside() {
 }
 
 #[test]
+fn what_is_too_small_or_too_fine_is_no_solid() {
+    let far = glass("Sphere { center 1000 0 0 radius 1 }");
+    for (radius, is_dark) in [("1e-2", true), ("1e-4", false)] {
+        let ball = glass(&format!("Sphere {{ center 0 0 0 radius {radius} }}"));
+        let world = world(&[], &[&ball, &far], &Mesh::default());
+        assert_eq!(world.solids.are_dark_within(0), is_dark, "{radius}");
+    }
+    for (corners, count) in [(1000, 3996), (1100, 0)] {
+        let angle = |k: i32| f64::from(k) / f64::from(corners) * std::f64::consts::TAU;
+        let polygon: Vec<[f64; 2]> =
+            (0..corners).map(|k| [libm::cos(angle(k)), libm::sin(angle(k))]).collect();
+        assert_eq!(dark(&[SUN], MESH, &prism(&polygon, false)), count, "{corners}");
+    }
+}
+
+#[test]
 fn only_what_is_transparent_is_a_solid() {
-    let mesh = prism(&SQUARE, false);
-    let opaque = "Material { reflectiveColor 1 1 1 } Box { min 0 0 0 max 1 1 1 }";
-    let ball = "Transform { Translate 9 9 9 Sphere { center 0 0 0 radius 1 } }";
-    let objects = [opaque, &glass(ball), "Sphere { center 5 0 0 radius 1 }", &glass(MESH)];
-    let world = world(&[SUN], &objects, &mesh);
-    let dark: Vec<bool> = (0..26).map(|id| world.solids.are_dark_within(id)).collect();
-    let expected: Vec<bool> = (0..26).map(|id| id >= 12).collect();
-    assert_eq!(dark, expected, "the second sphere has the material of the first");
-    assert_eq!((24..26).map(|id| world.solids.stands_alone(id)).collect::<Vec<_>>(), [true, true]);
+    let materials =
+        "Materials { numMaterials 4 Material { reflectiveColor 1 1 1 } Material { transparentColor 0 1 0 }
+         Checkerboard { materialIndex 0 materialIndex 1 } Checkerboard { materialIndex 0 materialIndex 0 } }";
+    let opaque = [0, 3];
+    let boxes = [0, 1, 0, 2, 3, 1, 3];
+    let objects: Vec<String> = boxes
+        .iter()
+        .zip(0..)
+        .map(|(material, x)| format!("MaterialIndex {material} Box {{ min {x} 0 0 max {x}.5 1 1 }}"))
+        .chain(
+            boxes
+                .iter()
+                .map(|material| format!("MaterialIndex {material} Sphere {{ center 99 9 9 radius 1 }}")),
+        )
+        .collect();
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }} {materials}
+         Group {{ numObjects {} {} }}",
+        objects.len(),
+        objects.concat()
+    );
+    let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+    assert_eq!(world.first_plane(), 12 * 7 + 7);
+    for id in 0..world.first_plane() {
+        let is_transparent = !opaque.contains(&world.material_of(id));
+        assert_eq!(world.solids.are_dark_within(id), is_transparent, "{id}");
+        assert!(!world.solids.stands_alone(id), "{id}");
+    }
 }
 
 #[test]
