@@ -1,7 +1,7 @@
 //! The threads of a run: as many as are asked for, or as the machine has cores.
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
-use raytracer::memory::with_room;
+use raytracer::memory::{NoMemory, with_room};
 use std::hint::black_box;
 use std::io;
 use std::sync::mpsc::{Sender, channel};
@@ -65,10 +65,8 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
     let is_limited = count > 0 && memory_is_limited();
     let (running, is_running) = channel::<()>();
     for _ in 0..count {
-        // A thread whose stacks find no memory ends the program.
-        match with_room::<u8>(STACK + BESIDE_STACK) {
-            Ok(room) => drop(black_box(room)),
-            Err(reason) => return refused(waiting, &reason),
+        if !has_room_for_stack() {
+            return refused(waiting, &NoMemory { bytes: (count * (STACK + BESIDE_STACK)) as u64 });
         }
         let (sender, receiver) = channel::<ThreadBuilder>();
         let running = is_limited.then(|| running.clone());
@@ -86,6 +84,11 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
         }
     }
     Ok(waiting)
+}
+
+/// Whether there is memory for what a thread takes, without which it would end the program.
+fn has_room_for_stack() -> bool {
+    with_room::<u8>(STACK + BESIDE_STACK).map(black_box).is_ok()
 }
 
 /// Whether the system limits the addresses that the program may use.

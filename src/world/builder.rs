@@ -134,7 +134,8 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
-        if self.transparent[material] {
+        // The materials of a scene may be left out where no colours are asked for.
+        if self.transparent.get(material) == Some(&true) {
             memory::push(&mut self.transparent_meshes, first as u32..self.world.triangles.len() as u32)?;
         }
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.

@@ -53,7 +53,7 @@ impl Solids {
         for (run, material) in world.material_runs() {
             let spheres = clipped(&run, first..first + world.spheres.len() as u32);
             let round = clipped(&run, first..world.first_plane());
-            if !round.is_empty() && transparent[material] {
+            if !round.is_empty() && transparent.get(material) == Some(&true) {
                 solids.add_dark_spheres(world, spheres)?;
                 solids.add_lone(world, round, &mut comparisons)?;
             }
@@ -112,7 +112,9 @@ pub(super) fn transparent(materials: &[Material]) -> Result<Vec<bool>, NoMemory>
     for material in materials {
         transparent.push(match material {
             Material::Phong(phong) => phong.transparent != Color::ZERO,
-            Material::Texture(texture) => texture.children.iter().any(|&child| transparent[child]),
+            Material::Texture(texture) => {
+                texture.children.iter().any(|&child| transparent.get(child) == Some(&true))
+            }
         });
     }
     Ok(transparent)
