@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Times whole commands: every scene of scenes/ at 200x200 and 1000x1000, and one thread against two.
+"""Times whole commands: the scenes of assignments 6 and 7 at 200x200 and 1000x1000, and one thread against two.
 
 Usage: benches/commands.py [--markdown] [--runs N] [PROGRAM]
 
@@ -24,12 +24,12 @@ GRIDS = {
     "scene6_07": ("40 40 33",),
 }
 # Mirrors and glass show only where rays are followed.
-BOUNCES = {"scene6_11": 4, "scene6_14": 4, "scene7_05": 4}
+BOUNCES = {f"scene{name}": 4 for name in ("6_11", "6_12", "6_14", "6_18", "7_04", "7_05", "7_06")}
 
 
 def commands():
     """The scene and flags of every command but for its size, in the order of the scenes' names."""
-    for scene in sorted((ROOT / "scenes").glob("*.txt")):
+    for scene in sorted((ROOT / "scenes").glob("scene[67]_*.txt")):
         name = scene.name[:9]
         for grid in GRIDS.get(name, (None,)):
             flags = ["-shadows"]

@@ -177,6 +177,13 @@ impl<'w, M: Mode> Caster<'w, M> {
         leaves: u32,
         probe: &mut P,
     ) -> Visible {
+        let structure = self.structure.as_deref();
+        let ray_entry = structure
+            .map_or(Entry::Misses, |structure| structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max));
+        // Most rays that hit nothing end here.
+        if !M::AS_COURSE && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
+            return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
+        }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = RayQuery::new(self.world, &stored, leaves);
@@ -191,10 +198,6 @@ impl<'w, M: Mode> Caster<'w, M> {
         if ANY && query.visible().is_some() {
             return query.best;
         }
-        let structure = self.structure.as_deref();
-        let ray_entry = structure.map_or(Entry::Misses, |structure| {
-            structure.ray_entry::<K::F64x4>(kernel, &ray, query.best.t_bound)
-        });
         if let Some(structure) = structure {
             structure.run::<K, M, P, ANY, false>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
         }
