@@ -149,7 +149,7 @@ fn write_lights(surface: &Surface, has_grid: bool, lines: &mut Lines) -> Result 
     for (number, light) in surface.lights.iter().enumerate() {
         write_light(number, light, lines)?;
         if let Some(shadow) = &light.shadow {
-            write_shadow(shadow, has_grid, &mut lines.deeper())?;
+            write_shadow(light, shadow, has_grid, &mut lines.deeper())?;
         }
     }
     Ok(())
@@ -168,7 +168,7 @@ fn write_light(number: usize, light: &Lighting, lines: &mut Lines) -> Result {
     lines.line(format_args!("light {number}: diffuse {diffuse}, specular {specular}, cosine {cosine}"))
 }
 
-fn write_shadow(shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
+fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
     for Crossing { object, hit, tint, leaves } in &shadow.crossed {
         let (object, t) = (Named(object), Short(hit.t));
         match (*tint == Color::ZERO, leaves) {
@@ -183,6 +183,9 @@ fn write_shadow(shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
     match &shadow.blocker {
         Some(Blocker { object, t }) => {
             lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
+        }
+        None if light.passed == Color::ZERO && light.cosine > 0.0 && shadow.crossed.is_empty() => {
+            lines.line("shadow ray starts at an edge of a solid, whose inside is dark")?
         }
         None if shadow.crossed.is_empty() => lines.line("shadow ray meets nothing")?,
         None => {}
@@ -228,6 +231,38 @@ impl Display for Why {
             (End::Bounces, _) => f.write_str("no bounces left"),
             (End::Weight { weight }, _) => write!(f, "weight {} is too little", Short(weight)),
             (End::TotalReflection, _) => f.write_str("total internal reflection"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::ray::Ray;
+    use crate::shading::light::Incident;
+    use crate::stats::Counts;
+    use glam::DVec3;
+
+    struct OneShadow(Lighting);
+
+    impl Display for OneShadow {
+        fn fmt(&self, f: &mut Formatter) -> Result {
+            let (ray, counts) = (Ray::new(DVec3::ZERO, DVec3::X), Counts::default());
+            let shadow = Shadow { ray, crossed: vec![], blocker: None, counts, close_calls: vec![] };
+            write_shadow(&self.0, &shadow, false, &mut Lines { f, indent: 0 })
+        }
+    }
+
+    #[test]
+    fn a_shadow_ray_that_meets_nothing_is_told_from_one_that_slips_out_of_a_solid() {
+        for (passed, cosine, expected) in [
+            (Color::ONE, 0.5, "shadow ray meets nothing"),
+            (Color::ZERO, -0.5, "shadow ray meets nothing"),
+            (Color::ZERO, 0.5, "shadow ray starts at an edge of a solid, whose inside is dark"),
+        ] {
+            let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
+            let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };
+            assert_eq!(OneShadow(light).to_string().lines().next(), Some(expected));
         }
     }
 }

@@ -92,7 +92,29 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
     #[inline]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        if let Some(round) = leaves
+            && self.is_round(round)
+            && let Some(found) = self.through(ray, round, probe)
+        {
+            return Some(found);
+        }
         self.run::<P, false>(ray, leaves, probe)
+    }
+
+    /// What a ray hits first on its way through the inside of a sphere or an ellipsoid that stands alone: the far side
+    /// or a plane. None if the ray leaves to the outside, or if something else may be inside.
+    #[inline]
+    fn through<P: Probe>(&self, ray: &Ray, round: u32, probe: &mut P) -> Option<Visible> {
+        if M::AS_COURSE || !self.world.solids.stands_alone(round) {
+            return None;
+        }
+        let far_side = Visible { primitive: round, t_bound: self.world.crossing(ray, round)? };
+        probe.intersections(1 + self.world.planes.len());
+        let planes = (self.world.first_plane()..).zip(&self.world.planes);
+        Some(planes.fold(far_side, |nearest, (primitive, plane)| match plane.intersect(ray) {
+            Some(t_bound) if t_bound < nearest.t_bound => Visible { primitive, t_bound },
+            _ => nearest,
+        }))
     }
 
     /// Whether the ray hits anything.
@@ -190,10 +212,6 @@ impl<'w, M: Mode> Caster<'w, M> {
         query.test_planes(&ray, probe);
         if self.is_round(leaves) {
             query.leave_round::<M, P>(leaves, probe);
-            // The way through a sphere is inside of it.
-            if query.best.primitive == leaves && self.world.solids.stands_alone(leaves) {
-                return query.best;
-            }
         }
         if ANY && query.visible().is_some() {
             return query.best;
