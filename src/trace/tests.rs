@@ -197,6 +197,9 @@ fn a_ray_through_a_sphere_that_stands_alone_passes_no_cells() {
         let mut counts = Counts::default();
         let met = caster.nearest(&ray, Some(sphere), &mut counts).unwrap();
         assert_eq!(met.primitive == sphere, *objects != cut);
+        let mut as_course = Counts::default();
+        assert_eq!(caster.in_mode::<Course>().nearest(&ray, Some(sphere), &mut as_course), Some(met));
+        assert!(as_course.cells_traversed > 0, "{objects}");
         assert_eq!((met.t_bound, counts.cells_traversed > 0), (expected, passes_cells), "{objects}");
     }
 }
