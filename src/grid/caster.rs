@@ -92,9 +92,8 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
     #[inline]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        if let Some(round) = leaves
-            && self.is_round(round)
-            && let Some(found) = self.through(ray, round, probe)
+        if let Some(left) = leaves
+            && let Some(found) = self.through(ray, left, probe)
         {
             return Some(found);
         }
@@ -102,13 +101,13 @@ impl<'w, M: Mode> Caster<'w, M> {
     }
 
     /// What a ray hits first on its way through the inside of a sphere or an ellipsoid that stands alone: the far side
-    /// or a plane. None if the ray leaves to the outside, or if something else may be inside.
+    /// or a plane. None if the ray leaves to the outside or leaves another primitive, or if something else may be inside.
     #[inline]
-    fn through<P: Probe>(&self, ray: &Ray, round: u32, probe: &mut P) -> Option<Visible> {
-        if M::AS_COURSE || !self.world.solids.stands_alone(round) {
+    fn through<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
+        if M::AS_COURSE || !self.world.solids.stands_alone(left) {
             return None;
         }
-        let far_side = Visible { primitive: round, t_bound: self.world.crossing(ray, round)? };
+        let far_side = Visible { primitive: left, t_bound: self.world.crossing(ray, left)? };
         probe.intersections(1 + self.world.planes.len());
         let planes = (self.world.first_plane()..).zip(&self.world.planes);
         Some(planes.fold(far_side, |nearest, (primitive, plane)| match plane.intersect(ray) {

@@ -183,6 +183,8 @@ impl AccelerationStructure {
             let entry = cursor.entry();
             if entry != EMPTY {
                 unlikely();
+                // Not by `test_entry`: comparing every entry with the border first takes a tenth longer in a grid of
+                // small cells.
                 let changed = if entry < NESTED {
                     let own = CellContents::blocks_of(blocks, entry);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
