@@ -155,6 +155,7 @@ mod tests {
             max_direction_length: 3.0,
             width: 8,
             rows: 0..8,
+            reach: 0.0,
         };
         let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });
         assert_eq!(inv_depth_plane.error_bound.0, [PLANE_ROUNDINGS * U * 3.0 / 2.0, 0.0, 0.0]);

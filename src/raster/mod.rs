@@ -1,10 +1,13 @@
-//! Primary visibility by rasterization: the triangles and planes are projected onto the centres of the
-//! pixels.
+//! Primary visibility by rasterization: the triangles and planes are projected onto the pixels.
 //!
 //! If all camera rays start at one eye, and one of them goes through each pixel's centre, it is much cheaper
 //! to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
 //! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error
 //! bounds are proved in `proofs/raster_*.g`.
+//!
+//! If rays go through other points of the pixels, the functions of a pixel's centre get the amount by which they
+//! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,
+//! as most do that are away from edges.
 
 mod edge_functions;
 mod tile;
@@ -39,7 +42,27 @@ pub enum Seen {
     Unsure,
 }
 
-/// The first hits of the rays through the centres of some rows of pixels.
+/// Which rays through a pixel a buffer stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Footprint {
+    /// The one through its centre.
+    Center,
+    /// Those through any of its points.
+    Pixel,
+}
+
+impl Footprint {
+    /// How far its rays are from the pixel's centre along an axis, in pixels. Half a pixel has something to spare for
+    /// the rounding of a sample's position.
+    fn reach(self) -> f64 {
+        match self {
+            Self::Center => 0.0,
+            Self::Pixel => 0.5 + 1.0 / 1024.0,
+        }
+    }
+}
+
+/// The first hits of the rays through some rows of pixels.
 #[derive(Debug)]
 pub struct VisibilityBuffer {
     /// The number of elements from one row to the next.
@@ -62,14 +85,14 @@ const TILE_ROWS: usize = 32;
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
-    /// The first hits in a world of triangles and planes, for the rays through the pixels' centres in these
-    /// rows. None if the world has other primitives, if casting the rays is cheaper, or where there is no memory
+    /// The first hits in a world of triangles and planes, for the rays of this footprint in these rows. None if the world has other primitives, if casting the rays is cheaper, or where there is no memory
     /// for them.
     pub fn new<M: Mode>(
         camera: &Camera,
         caster: &Caster<M>,
         size: [usize; 2],
         rows: Range<usize>,
+        footprint: Footprint,
     ) -> Option<Self> {
         let (world, width) = (caster.world, size[0]);
         let pixels = width * rows.len();
@@ -81,7 +104,7 @@ impl VisibilityBuffer {
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }
-        let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone())?;
+        let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone(), footprint)?;
         let bins = bins(&viewport, world).ok()?;
         let work = bins.iter().flatten().fold(0usize, |work, bin| work.saturating_add(bin.pixels));
         if work > PIXELS_PER_RAY * pixels {
@@ -107,14 +130,14 @@ impl VisibilityBuffer {
         Some(Self { stride, first_row: rows.start, visible_ids })
     }
 
-    /// Whether the camera's rays through the pixels' centres are such as can be found by rasterization, and the world
+    /// Whether the camera's rays are such as can be found by rasterization, and the world
     /// has no other finite primitives than triangles.
     pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
         let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
         camera.eye().is_some() && world.finite_count() == world.triangles.len() && !is_large
     }
 
-    /// The first hit of `ray`, which goes through the centre of the pixel in column `i` of row `j`.
+    /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
     #[inline(always)]
     pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
         let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
@@ -185,12 +208,14 @@ struct Viewport {
     max_direction_length: f64,
     width: usize,
     rows: Range<usize>,
+    /// How far rays are from the centres of their pixels along an axis, in pixels.
+    reach: f64,
 }
 
 impl Viewport {
     /// None if numbers are too large or too small for the error bounds, or if the view is so narrow or so
     /// skewed that the error of a projected vertex may exceed a small fraction of a pixel.
-    fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>) -> Option<Self> {
+    fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>, footprint: Footprint) -> Option<Self> {
         let distance = |corner: DVec3| (corner - eye.center).length();
         let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
         let scale = libm::ldexp(1.0, -libm::frexp(farthest).1);
@@ -202,7 +227,8 @@ impl Viewport {
         let is_usual = (1e-60..1e60).contains(&scale)
             && max_direction_length < 1e12
             && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        is_usual.then_some(Self { eye, scale, axes, max_direction_length, width, rows })
+        let reach = footprint.reach();
+        is_usual.then_some(Self { eye, scale, axes, max_direction_length, width, rows, reach })
     }
 
     /// A point relative to the eye, scaled.
@@ -228,6 +254,11 @@ struct Affine {
 impl Affine {
     fn at(self, x: f64, y: f64) -> f64 {
         self.constant + self.per_x * x + self.per_y * y
+    }
+
+    /// How much it differs at most from its value at a point where both coordinates are within `reach`.
+    fn variation(self, reach: f64) -> f64 {
+        reach * (self.per_x.abs() + self.per_y.abs())
     }
 
     fn plus(self, other: Self) -> Self {

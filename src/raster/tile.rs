@@ -10,7 +10,7 @@
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
 use super::{Affine, TILE_ROWS, UNSURE, Viewport};
-use crate::math::extremes::{max3, min3};
+use crate::math::extremes::min3;
 use crate::memory::{self, NoMemory};
 use crate::world::World;
 use std::ops::Range;
@@ -43,9 +43,15 @@ struct AffineRow {
 }
 
 impl AffineRow {
-    /// For the pixels from `corner` on, as many as `extent` says. `error_bound` is that of the function in
-    /// double precision.
-    fn new(function: Affine, corner: [f64; 2], extent: [usize; 2], error_bound: ErrorBound) -> Self {
+    /// For the pixels from `corner` on, as many as `extent` says, and for rays so far from their centres. `error_bound` is
+    /// that of the function in double precision.
+    fn new(
+        function: Affine,
+        corner: [f64; 2],
+        extent: [usize; 2],
+        reach: f64,
+        error_bound: ErrorBound,
+    ) -> Self {
         /// The error bound of single precision, in roundings of the largest value: 3 roundings of the value
         /// and one of its sum with the error bound, with something to spare (`proofs/raster_single.g`).
         const SINGLE_ROUNDINGS: f64 = 5.0;
@@ -53,7 +59,10 @@ impl AffineRow {
         let [x, y] = corner;
         let [columns, rows] = extent.map(|n| n as f64);
         let max_abs = function.at(x, y).abs() + function.per_x.abs() * columns + function.per_y.abs() * rows;
-        let error_bound = error_bound.at(max_abs) + SINGLE_ROUNDINGS * SINGLE_UNIT_ROUNDOFF * max_abs;
+        let variation = function.variation(reach);
+        let error_bound = error_bound.at(max_abs + variation)
+            + SINGLE_ROUNDINGS * SINGLE_UNIT_ROUNDOFF * max_abs
+            + variation;
         Self { function, slope: function.per_x as f32, error_bound: error_bound as f32 }
     }
 
@@ -61,6 +70,30 @@ impl AffineRow {
     fn from(&self, x: f64, y: f64) -> Lanes {
         let first = self.function.at(x, y) as f32;
         std::array::from_fn(|k| first + self.slope * k as f32)
+    }
+}
+
+/// How a triangle covers some pixels: bounds on the least of the three edge functions.
+struct Coverage {
+    /// A lower bound. The triangle certainly covers the pixels where it is positive.
+    least: Lanes,
+    /// An upper bound. The triangle certainly misses the pixels where it is negative.
+    most: Lanes,
+}
+
+impl Coverage {
+    const FULL: Self = Self { least: [1.0; LANES], most: [1.0; LANES] };
+    const UNKNOWN: Self = Self { least: [-1.0; LANES], most: [1.0; LANES] };
+
+    /// By these edges, from the pixel at `x` and `y` on.
+    #[inline(always)]
+    fn new(edges: &[AffineRow; 3], x: f64, y: f64) -> Self {
+        let [p, q, r] = edges.each_ref().map(|edge| edge.from(x, y));
+        let [ep, eq, er] = edges.each_ref().map(|edge| edge.error_bound);
+        Self {
+            least: lanes(|k| min3([p[k] - ep, q[k] - eq, r[k] - er])),
+            most: lanes(|k| min3([p[k] + ep, q[k] + eq, r[k] + er])),
+        }
     }
 }
 
@@ -106,29 +139,17 @@ impl<'c> Tile<'c> {
         let middle = self.viewport.eye.middle;
         let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
         let extent = [columns.len() + LANES, rows.len()];
+        let reach = self.viewport.reach;
         let of_edges = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
-        let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, of_edges));
-        let inv_depth = AffineRow::new(
-            edge_functions.inv_depth_plane.inv_depth,
-            corner,
-            extent,
-            edge_functions.inv_depth_plane.error_bound,
-        );
-        let error_bound = max3(edges.map(|edge| edge.error_bound));
+        let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, reach, of_edges));
+        let InvDepthPlane { inv_depth, error_bound } = edge_functions.inv_depth_plane;
+        let inv_depth = AffineRow::new(inv_depth, corner, extent, reach, error_bound);
         for j in rows {
             let y = j as f64 - middle.y;
             for i in columns.clone().step_by(LANES) {
                 let x = i as f64 - middle.x;
-                let [p, q, r] = edges.each_ref().map(|edge| edge.from(x, y));
-                let min_edges = lanes(|k| min3([p[k], q[k], r[k]]));
-                self.update(
-                    [i, j],
-                    &min_edges,
-                    error_bound,
-                    &inv_depth.from(x, y),
-                    inv_depth.error_bound,
-                    id,
-                );
+                let coverage = Coverage::new(&edges, x, y);
+                self.update([i, j], &coverage, &inv_depth.from(x, y), inv_depth.error_bound, id);
             }
         }
     }
@@ -138,12 +159,13 @@ impl<'c> Tile<'c> {
         let (middle, width) = (self.viewport.eye.middle, self.viewport.width);
         let corner = [-middle.x, self.rows.start as f64 - middle.y];
         let extent = [width + LANES, self.rows.len()];
-        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, plane.error_bound);
+        let reach = self.viewport.reach;
+        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, reach, plane.error_bound);
         for j in self.rows.clone() {
             let y = j as f64 - middle.y;
             for i in (0..width).step_by(LANES) {
                 let lanes = inv_depth.from(i as f64 - middle.x, y);
-                self.update([i, j], &[1.0; LANES], 0.0, &lanes, inv_depth.error_bound, id);
+                self.update([i, j], &Coverage::FULL, &lanes, inv_depth.error_bound, id);
             }
         }
     }
@@ -153,13 +175,12 @@ impl<'c> Tile<'c> {
         for j in rows {
             for i in columns.clone().step_by(LANES) {
                 let near = [f32::INFINITY; LANES];
-                self.update([i, j], &[0.0; LANES], f32::INFINITY, &near, 0.0, UNSURE);
+                self.update([i, j], &Coverage::UNKNOWN, &near, 0.0, UNSURE);
             }
         }
     }
 
-    /// The depth test of primitive `id` at the pixels from column i of row j on. `min_edges` is the least of
-    /// the edge functions at each pixel, so that the primitive covers the pixels where it is positive.
+    /// The depth test of primitive `id` at the pixels from column i of row j on, which it covers in this way.
     ///
     /// A pixel shows the primitive where it is certainly covered and certainly the nearest so far. It stays
     /// as it is where the primitive is certainly missed or certainly farther, and becomes unsure otherwise.
@@ -168,8 +189,7 @@ impl<'c> Tile<'c> {
     fn update(
         &mut self,
         [i, j]: [usize; 2],
-        min_edges: &Lanes,
-        error_bound: f32,
+        coverage: &Coverage,
         inv_depth: &Lanes,
         inv_depth_error_bound: f32,
         id: u32,
@@ -188,8 +208,8 @@ impl<'c> Tile<'c> {
         // Every step runs over all lanes before the next, so that it compiles to a few vector instructions.
         let min = inv_depth.map(|n| n - inv_depth_error_bound);
         let max = inv_depth.map(|n| n + inv_depth_error_bound);
-        let is_nearest = lanes(|k| mask(min_edges[k] > error_bound) & mask(min[k] > max_inv_depths[k]));
-        let is_hidden = lanes(|k| !mask(min_edges[k] >= -error_bound) | mask(max[k] < min_inv_depths[k]));
+        let is_nearest = lanes(|k| mask(coverage.least[k] > 0.0) & mask(min[k] > max_inv_depths[k]));
+        let is_hidden = lanes(|k| !mask(coverage.most[k] >= 0.0) | mask(max[k] < min_inv_depths[k]));
         let is_unsure: [u32; LANES] = lanes(|k| !(is_nearest[k] | is_hidden[k]));
         let is_farther = lanes(|k| mask(max[k] <= max_inv_depths[k]));
         *min_inv_depths = lanes(|k| select(is_nearest[k], min[k], min_inv_depths[k]));

@@ -115,7 +115,8 @@ impl TriangleBounds {
         if min3(inv_depth) > 0.0 {
             // The factor exceeds the error of single precision, so the result is an upper bound.
             let max_inv_depth = 1.000_001 * max3(inv_depth);
-            let (columns, rows) = (Span::around([a, b, c], 0, &width), Span::around([a, b, c], 1, rows));
+            let [columns, rows] = [(0, &width), (1, rows)]
+                .map(|(axis, pixels)| Span::around([a, b, c], axis, pixels, viewport.reach));
             let is_seen = !columns.is_empty() && !rows.is_empty();
             is_seen.then(|| (Self { id, columns, rows, max_inv_depth }, is_front([a, b, c])))
         } else if max3(inv_depth) < 0.0 || is_outside_frustum(viewport, world.corners(id as usize)) {
@@ -167,14 +168,16 @@ impl Span {
         Self { first: pixels.start as u16, end: pixels.end as u16 }
     }
 
-    /// Those of `pixels` whose centres lie between the vertices along an axis, up to the error of both.
+    /// Those of `pixels` whose centres lie between the vertices along an axis, up to the error of both, or not farther
+    /// beside them than `reach`.
     #[inline(always)]
-    fn around(vertices: [ScreenVertex; 3], axis: usize, pixels: &Range<usize>) -> Self {
+    fn around(vertices: [ScreenVertex; 3], axis: usize, pixels: &Range<usize>, reach: f64) -> Self {
         /// One subpixel for the error of a coordinate and one for its truncation.
         const PADDING: i32 = 2;
+        let padding = PADDING + (reach * f64::from(SUBPIXELS)).ceil() as i32;
         let vertices = vertices.map(|vertex| vertex.at[axis]);
-        let first = (min3(vertices) - PADDING + (SUBPIXELS - 1)) / SUBPIXELS;
-        let last = (max3(vertices) + PADDING).div_euclid(SUBPIXELS);
+        let first = (min3(vertices) - padding + (SUBPIXELS - 1)) / SUBPIXELS;
+        let last = (max3(vertices) + padding).div_euclid(SUBPIXELS);
         let [start, end] = [pixels.start as i32, pixels.end as i32];
         Self { first: first.clamp(start, end) as u16, end: (last + 1).clamp(start, end) as u16 }
     }
@@ -210,6 +213,7 @@ mod tests {
             max_direction_length: 2.0,
             width: 8,
             rows: 0..8,
+            reach: 0.0,
         }
     }
 
@@ -237,7 +241,7 @@ mod tests {
     #[test]
     fn a_point_takes_the_pixels_whose_centres_are_hardly_beside_it() {
         let columns = |parts: i32| {
-            Span::around([ScreenVertex { at: [parts, 0], inv_depth: 1.0 }; 3], 0, &(0..8)).range()
+            Span::around([ScreenVertex { at: [parts, 0], inv_depth: 1.0 }; 3], 0, &(0..8), 0.0).range()
         };
         for off in -2..=2 {
             assert_eq!(columns(5 * SUBPIXELS + off), 5..6, "{off}");
@@ -247,7 +251,7 @@ mod tests {
         }
         assert!(columns(-SUBPIXELS).is_empty() && columns(8 * SUBPIXELS).is_empty());
         let spread = [-1000, 300, 200].map(|parts| ScreenVertex { at: [0, parts], inv_depth: 1.0 });
-        assert_eq!(Span::around(spread, 1, &(2..8)).range(), 2..5);
+        assert_eq!(Span::around(spread, 1, &(2..8), 0.0).range(), 2..5);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::layer::Layer;
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::mode::Mode;
-use crate::raster::VisibilityBuffer;
+use crate::raster::{Footprint, VisibilityBuffer};
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
@@ -148,8 +148,8 @@ impl Request {
         if casts { pixels * self.sampler.count() as usize } else { 0 }
     }
 
-    /// The first hits of the rays through the pixels' centres in these rows, if these rays are needed and
-    /// rasterizing the triangles is cheaper than casting them. The course's program casts them all.
+    /// The first hits of camera rays in these rows, if such rays are needed and rasterizing the triangles is cheaper than
+    /// casting them. The course's program casts them all.
     pub(super) fn visibility<M: Mode, P: Probe>(
         &self,
         camera: &Camera,
@@ -157,8 +157,12 @@ impl Request {
         view: View,
         rows: Range<usize>,
     ) -> Option<VisibilityBuffer> {
-        let is_needed = self.measures() || self.casts_centers::<P>(view);
-        (is_needed && !M::AS_COURSE).then(|| VisibilityBuffer::new(camera, caster, self.size, rows))?
+        let samples = self.traces_colors::<P>() && matches!(view, View::Scene);
+        let footprint =
+            if samples && !self.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
+        let is_needed = self.measures() || samples;
+        (is_needed && !M::AS_COURSE)
+            .then(|| VisibilityBuffer::new(camera, caster, self.size, rows, footprint))?
     }
 }
 
@@ -257,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rays_of_centres_are_asked_for_where_a_layer_needs_them() {
+    fn camera_rays_are_asked_for_where_a_layer_needs_them() {
         let text = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
              Group { numObjects 1 Material { } Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } }";
         let scene = crate::scene::parser::parse(text).unwrap();
@@ -268,7 +272,7 @@ mod tests {
         let aside = Sampler::new(Pattern::Uniform, 4, Drand48::UNSEEDED);
         for (layers, sampler, view, casts, asks) in [
             (&[Layer::Color][..], Sampler::CENTER, View::Scene, true, true),
-            (&[Layer::Color], aside, View::Scene, false, false),
+            (&[Layer::Color], aside, View::Scene, false, true),
             (&[Layer::Color], Sampler::CENTER, View::Cells(&occupancy), false, false),
             (&[Layer::Color, DEPTH], aside, View::Scene, false, true),
             (&[Layer::Color, DEPTH], Sampler::CENTER, View::Cells(&occupancy), false, true),

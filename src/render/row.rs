@@ -239,7 +239,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     #[inline(always)]
     fn color_samples_with(&mut self, packet: &mut SamplePacket) {
         if matches!(self.setting.view, View::Scene) {
-            packet.cast(self.setting.caster, None, self.row.j, &mut self.row.probe);
+            packet.cast(self.setting.caster, self.visibility, self.row.j, &mut self.row.probe);
             packet.find_surfaces(self.setting.caster.world);
         }
         self.color::<false>(packet);

@@ -28,6 +28,18 @@ pub struct Sample {
     pub surface: Option<SurfacePoint>,
 }
 
+impl PacketRay for &mut Sample {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.visible = visible;
+    }
+}
+
 impl PacketRay for Sample {
     #[inline(always)]
     fn ray(&self) -> &Ray {
@@ -73,8 +85,7 @@ impl SamplePacket {
         self.samples.push(Sample { column, offset, is_last, ray, visible: None, surface: None });
     }
 
-    /// Finds the first hit of each ray. If the samples are at the centres of row `j`, `visibility` has those
-    /// hits, as far as they are known.
+    /// Finds the first hit of each ray. `visibility` has those of rays through row `j`, as far as they are known.
     #[inline(always)]
     pub fn cast<M: Mode, P: Probe>(
         &mut self,
@@ -86,13 +97,15 @@ impl SamplePacket {
         let Some(visibility) = visibility else {
             return caster.nearest_of_packet(&mut self.samples, probe);
         };
-        for Sample { column, ray, visible, .. } in &mut self.samples {
-            *visible = match visibility.seen(caster.world, ray, *column, j) {
-                Seen::Nothing => None,
-                Seen::Primitive(primitive) => Some(primitive),
-                Seen::Unsure => caster.nearest(ray, None, probe),
-            };
+        let mut unsure = vec![];
+        for sample in &mut self.samples {
+            match visibility.seen(caster.world, &sample.ray, sample.column, j) {
+                Seen::Nothing => sample.visible = None,
+                Seen::Primitive(visible) => sample.visible = Some(visible),
+                Seen::Unsure => unsure.push(sample),
+            }
         }
+        caster.nearest_of_packet(&mut unsure, probe);
     }
 
     /// Computes the surface that each ray hits first.

@@ -26,6 +26,10 @@ const MEMORY: usize = 48 << 20;
 /// Upper bound on the memory of a strip's rows in progress, in bytes.
 const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
+/// Upper bound on the rows in progress, per thread, where samples contribute to other rows: so few that the system does
+/// not have to provide much memory, and so many that threads seldom wait for each other.
+const ROWS_IN_FLIGHT_PER_THREAD: usize = 32;
+
 /// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is lost
 /// when the render is cancelled: a few seconds' work.
 const SAMPLES: usize = 1 << 24;
@@ -125,9 +129,10 @@ impl<'a, M: Mode> Strip<'a, M> {
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
         let mut finished = Finished { probe: P::default(), rows: memory::filled(vec![], self.rows.len())? };
+        // The first of adaptive samples are traced in the rows beside, too.
+        let visibility = self.visibility::<P>(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            let visibility = self.visibility::<P>(rows.clone());
             for row in self.trace(rows, visibility.as_ref(), tally)? {
                 let Some(row) = row else { return Ok(None) };
                 finished.take(row, self, &mut film)?;
@@ -136,12 +141,17 @@ impl<'a, M: Mode> Strip<'a, M> {
         Ok(Some(finished))
     }
 
-    /// The number of rows that are traced before they are added to the film: at least one for each thread.
+    /// The number of rows that are traced before they are added to the film: at least one for each thread. Adaptive
+    /// samples are traced in as many rows at once as the memory allows, since those beside them are traced as well.
     fn rows_in_flight(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
+        let threads = rayon::current_num_threads();
         let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
-        let first = if self.setting.request.adaptive.is_some() { BYTES_PER_PIXEL } else { 0 };
-        (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).max(rayon::current_num_threads()).max(1)
+        let (first, most) = match self.setting.request.adaptive {
+            Some(_) => (BYTES_PER_PIXEL, usize::MAX),
+            None => (0, ROWS_IN_FLIGHT_PER_THREAD * threads),
+        };
+        (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).min(most).max(threads).max(1)
     }
 
     /// Traces these rows; those are none that the watch cancels.
@@ -153,10 +163,12 @@ impl<'a, M: Mode> Strip<'a, M> {
     ) -> Result<Vec<Option<Row<P>>>, NoMemory> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<P>() => match self.trace_first::<P>(&rows, tally)? {
-                Some(first) => first,
-                None => return memory::collected(rows.map(|_| None)),
-            },
+            Some(_) if request.traces_colors::<P>() => {
+                match self.trace_first::<P>(&rows, visibility, tally)? {
+                    Some(first) => first,
+                    None => return memory::collected(rows.map(|_| None)),
+                }
+            }
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
@@ -182,10 +194,11 @@ impl<'a, M: Mode> Strip<'a, M> {
     fn trace_first<P: Observer>(
         &self,
         rows: &Range<usize>,
+        visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
     ) -> Result<Option<FirstOfRows<P>>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(j))?;
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(visibility, j))?;
         let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
         for row in traced {
             let Some((samples, probe)) = row else { return Ok(None) };
@@ -270,6 +283,7 @@ mod tests {
     use crate::grid::Caster;
     use crate::mode::Fast;
     use crate::render::View;
+    use crate::sampling::adaptive::Adaptive;
     use crate::sampling::filter::Filter;
     use crate::scene::parser::parse;
     use crate::stats::Quiet;
@@ -331,13 +345,18 @@ mod tests {
     }
 
     #[test]
-    fn so_many_rows_are_in_flight_as_the_memory_holds() {
-        let rows = |filter, width| {
-            let request = Request { filter, ..Request::new([width, 1 << 12]) };
+    fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() {
+        let rows = |filter, adaptive, width| {
+            let request = Request { filter, adaptive, ..Request::new([width, 1 << 12]) };
             with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
         };
-        assert_eq!([1 << 10, 1 << 16, 1 << 30].map(|width| rows(Filter::PIXEL, width)), [1024, 16, 1]);
+        let widths = [1 << 10, 1 << 16, 1 << 30];
+        assert_eq!(widths.map(|width| rows(Filter::PIXEL, None, width)), [32, 16, 1]);
         // Each of the three rows of sums takes as many bytes for a pixel as the row itself.
-        assert_eq!(rows(Filter::Box { radius: 1.5 }, 1 << 16), 4);
+        assert_eq!(rows(Filter::Box { radius: 1.5 }, None, 1 << 16), 4);
+        let adaptive = Some(Adaptive { most: 16, error: 1.0 });
+        let expected = (32 << 20) / ((32 + BYTES_PER_PIXEL) << 10);
+        assert!(expected > 32);
+        assert_eq!(rows(Filter::PIXEL, adaptive, 1 << 10), expected);
     }
 }

@@ -15,6 +15,7 @@ fn viewport() -> Viewport {
         max_direction_length: 3.0,
         width: WIDTH,
         rows: 0..82,
+        reach: 0.0,
     }
 }
 
@@ -96,7 +97,7 @@ fn shown(intervals: &[[f32; 2]]) -> u32 {
     let mut tile = Tile::new(&viewport, 0, STRIDE, &mut visible_ids).unwrap();
     for ([min, max], id) in intervals.iter().zip(0..) {
         let (inv_depth, error_bound) = (0.5 * (min + max), 0.5 * (max - min));
-        tile.update([0, 0], &[1.0; LANES], 0.0, &[inv_depth; LANES], error_bound, id);
+        tile.update([0, 0], &Coverage::FULL, &[inv_depth; LANES], error_bound, id);
     }
     visible_ids[0]
 }
@@ -123,7 +124,7 @@ fn where_the_depth_is_unknown_pixels_stay_unsure() {
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
     let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids).unwrap();
     tile.mark_unsure(3..22, 34..36);
-    tile.update([3, 34], &[1.0; LANES], 0.0, &[9.0; LANES], 1.0, 7);
+    tile.update([3, 34], &Coverage::FULL, &[9.0; LANES], 1.0, 7);
     let unsure = visible_ids.iter().enumerate().filter(|&(_, id)| *id == UNSURE).map(|(k, _)| k);
     let expected = [34, 35].map(|j| (3..27).map(move |i| (j - 32) * STRIDE + i));
     assert_eq!(unsure.collect::<Vec<_>>(), expected.into_iter().flatten().collect::<Vec<_>>());

@@ -4,6 +4,7 @@
 use super::{Colors, Painter, Setting};
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
+use crate::raster::VisibilityBuffer;
 use crate::render::request::View;
 use crate::render::sample_packet::{Sample, SamplePacket};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
@@ -53,20 +54,25 @@ impl FirstSamples {
 pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
 impl<M: Mode> Setting<'_, M> {
-    /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
-    pub fn first_samples<P: Observer>(&self, j: usize) -> Result<(FirstSamples, P), NoMemory> {
+    /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the columns of the row's pixels and of those around them.
+    pub fn first_samples<P: Observer>(
+        &self,
+        visibility: Option<&VisibilityBuffer>,
+        j: usize,
+    ) -> Result<(FirstSamples, P), NoMemory> {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
-        self.first_samples_in(columns, j)
+        self.first_samples_in(visibility, columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
     fn first_samples_in<P: Observer>(
         &self,
+        visibility: Option<&VisibilityBuffer>,
         columns: Range<usize>,
         j: usize,
     ) -> Result<(FirstSamples, P), NoMemory> {
-        let mut painter: Painter<M, P> = self.painter(None, j, false)?;
+        let mut painter: Painter<M, P> = self.painter(visibility, j, false)?;
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
@@ -98,7 +104,7 @@ impl<M: Mode> Setting<'_, M> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in::<Quiet>(columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
+            Some(self.first_samples_in::<Quiet>(None, columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
         let mut painter: Painter<M, Quiet> = self.painter(None, j, false).ok()?;
@@ -168,7 +174,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// Traces the samples of a packet, hands out their colours, and empties the packet.
     fn trace_colors(&mut self, packet: &mut SamplePacket, mut take: impl FnMut(&Sample, Color)) {
         if matches!(self.setting.view, View::Scene) {
-            packet.cast(self.setting.caster, None, self.row.j, &mut self.row.probe);
+            packet.cast(self.setting.caster, self.visibility, self.row.j, &mut self.row.probe);
             packet.find_surfaces(self.setting.caster.world);
         }
         for sample in packet.samples() {
