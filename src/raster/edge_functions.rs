@@ -132,6 +132,7 @@ impl EdgeFunctions {
 mod tests {
     use super::*;
     use crate::camera::Eye;
+    use crate::raster::Screen;
     use glam::DVec2;
 
     #[test]
@@ -153,9 +154,8 @@ mod tests {
             scale: 0.5,
             axes: [DVec3::X, DVec3::Y],
             max_direction_length: 3.0,
-            width: 8,
+            screen: Screen { middle: eye.middle, width: 8, reach: 0.0 },
             rows: 0..8,
-            reach: 0.0,
         };
         let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });
         assert_eq!(inv_depth_plane.error_bound.0, [PLANE_ROUNDINGS * U * 3.0 / 2.0, 0.0, 0.0]);

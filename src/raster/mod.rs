@@ -9,6 +9,7 @@
 //! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,
 //! as most do that are away from edges.
 
+mod bins;
 mod edge_functions;
 mod tile;
 mod triangle_bounds;
@@ -21,14 +22,14 @@ use crate::camera::{Camera, Eye};
 use crate::grid::Caster;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
-use crate::memory::{self, NoMemory};
+use crate::memory;
 use crate::mode::Mode;
 use crate::world::{Primitive, World};
-use edge_functions::InvDepthPlane;
-use glam::DVec3;
+use bins::Bins;
+use edge_functions::{EdgeFunctions, InvDepthPlane};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
-use tile::Tile;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
 
 /// What rasterization knows of the first hit of a ray.
@@ -105,29 +106,20 @@ impl VisibilityBuffer {
             return None;
         }
         let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone(), footprint)?;
-        let bins = bins(&viewport, world).ok()?;
-        let work = bins.iter().flatten().fold(0usize, |work, bin| work.saturating_add(bin.pixels));
-        if work > PIXELS_PER_RAY * pixels {
+        let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
+        world.vertices.par_iter().map(|&v| ScreenVertex::of(v, &viewport)).collect_into_vec(&mut vertices);
+        let bounds_of = |id: u32| TriangleBounds::new(&viewport, world, &vertices, id);
+        let bins = Bins::new(&rows, count, bounds_of).ok()?;
+        if bins.pixels() > PIXELS_PER_RAY * pixels {
             return None;
         }
         let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(&viewport, plane));
         let planes = memory::collected(planes).ok()?;
-        let stride = width + tile::LANES;
-        let mut visible_ids = memory::filled(NOTHING, stride * rows.len()).ok()?;
-        let tiles = visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate();
-        let drawn = tiles.try_for_each(|(k, visible_ids)| {
-            let mut tile = Tile::new(&viewport, rows.start + k * TILE_ROWS, stride, visible_ids)?;
-            for side in [FRONTS, BACKS] {
-                let bounds = bins.iter().flat_map(|bins| &bins[k].sides[side]);
-                bounds.for_each(|triangle_bounds| tile.draw(triangle_bounds, world));
-            }
-            for (plane, id) in planes.iter().zip(world.first_plane()..) {
-                tile.fill(plane, id);
-            }
-            Ok::<(), NoMemory>(())
+        let edge_functions = |id: u32| EdgeFunctions::new(&viewport, world.corners(id as usize));
+        let drawn = bins.draw(viewport.screen, edge_functions, |tile| {
+            planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
         });
-        drawn.ok()?;
-        Some(Self { stride, first_row: rows.start, visible_ids })
+        Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids: drawn.ok()? })
     }
 
     /// Whether the camera's rays are such as can be found by rasterization, and the world
@@ -155,45 +147,6 @@ impl VisibilityBuffer {
     }
 }
 
-/// The triangles in one tile.
-#[derive(Clone, Default)]
-struct TileBin {
-    /// Front faces are drawn first: they hide most back faces, which then need not be drawn.
-    sides: [Vec<TriangleBounds>; 2],
-    /// The number of pixels in the bounds of the triangles whose first row is in this tile.
-    pixels: usize,
-}
-
-const FRONTS: usize = 0;
-const BACKS: usize = 1;
-
-/// The bins of all tiles, for each part of the triangles separately, so that threads can fill them in
-/// parallel.
-fn bins(viewport: &Viewport, world: &World) -> Result<Vec<Vec<TileBin>>, NoMemory> {
-    const TRIANGLES_PER_PART: usize = 1 << 14;
-    let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len())?;
-    world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
-    let count = world.triangles.len();
-    let parts = (0..count.div_ceil(TRIANGLES_PER_PART)).into_par_iter();
-    let bins = parts.map(|part| {
-        let mut bins = memory::filled(TileBin::default(), viewport.rows.len().div_ceil(TILE_ROWS))?;
-        for id in part * TRIANGLES_PER_PART..count.min((part + 1) * TRIANGLES_PER_PART) {
-            if let Some((triangle_bounds, is_front)) =
-                TriangleBounds::new(viewport, world, &vertices, id as u32)
-            {
-                let (side, rows) = (if is_front { FRONTS } else { BACKS }, triangle_bounds.rows.range());
-                let [first, last] = [rows.start, rows.end - 1].map(|j| (j - viewport.rows.start) / TILE_ROWS);
-                for bin in &mut bins[first..=last] {
-                    memory::push(&mut bin.sides[side], triangle_bounds)?;
-                }
-                bins[first].pixels += triangle_bounds.pixels();
-            }
-        }
-        Ok(bins)
-    });
-    bins.collect()
-}
-
 /// The projection onto the rows that are drawn.
 ///
 /// The direction of a pixel's ray is d + x h + y v, where x and y are in pixels from the centre of the
@@ -206,8 +159,16 @@ struct Viewport {
     axes: [DVec3; 2],
     /// Upper bound on |d| + |x h| + |y v|.
     max_direction_length: f64,
-    width: usize,
+    screen: Screen,
     rows: Range<usize>,
+}
+
+/// The pixels on which primitives are drawn.
+#[derive(Clone, Copy)]
+struct Screen {
+    /// The middle in pixels, relative to the centre of the lower left pixel.
+    middle: DVec2,
+    width: usize,
     /// How far rays are from the centres of their pixels along an axis, in pixels.
     reach: f64,
 }
@@ -227,8 +188,8 @@ impl Viewport {
         let is_usual = (1e-60..1e60).contains(&scale)
             && max_direction_length < 1e12
             && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        let reach = footprint.reach();
-        is_usual.then_some(Self { eye, scale, axes, max_direction_length, width, rows, reach })
+        let screen = Screen { middle: eye.middle, width, reach: footprint.reach() };
+        is_usual.then_some(Self { eye, scale, axes, max_direction_length, screen, rows })
     }
 
     /// A point relative to the eye, scaled.

@@ -9,10 +9,9 @@
 
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
-use super::{Affine, TILE_ROWS, UNSURE, Viewport};
+use super::{Affine, Screen, TILE_ROWS, UNSURE};
 use crate::math::extremes::min3;
 use crate::memory::{self, NoMemory};
-use crate::world::World;
 use std::ops::Range;
 
 /// How many adjacent pixels are processed at a time.
@@ -22,7 +21,7 @@ type Lanes = [f32; LANES];
 
 /// Some rows of pixels while they are rasterized.
 pub struct Tile<'c> {
-    viewport: &'c Viewport,
+    screen: Screen,
     rows: Range<usize>,
     /// The distance in the lists from one row to the next, which leaves room for `LANES` pixels after a row.
     stride: usize,
@@ -99,24 +98,29 @@ impl Coverage {
 
 impl<'c> Tile<'c> {
     pub fn new(
-        viewport: &'c Viewport,
+        screen: Screen,
         first_row: usize,
         stride: usize,
         visible_ids: &'c mut [u32],
     ) -> Result<Self, NoMemory> {
         let rows = first_row..first_row + visible_ids.len() / stride;
         let far = || memory::filled(0.0, TILE_ROWS * stride);
-        Ok(Self { viewport, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
+        Ok(Self { screen, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
     }
 
-    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded.
-    pub fn draw(&mut self, triangle_bounds: &TriangleBounds, world: &World) {
+    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. Where it has
+    /// no edge functions, the pixels become unsure.
+    pub fn draw(
+        &mut self,
+        triangle_bounds: &TriangleBounds,
+        edge_functions: impl FnOnce() -> Option<EdgeFunctions>,
+    ) {
         let (columns, rows) = (triangle_bounds.columns.range(), triangle_bounds.rows.range());
         let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
         if rows.clone().all(|j| self.occludes(columns.clone(), j, triangle_bounds.max_inv_depth)) {
             return;
         }
-        match EdgeFunctions::new(self.viewport, world.corners(triangle_bounds.id as usize)) {
+        match edge_functions() {
             Some(edge_functions) => self.rasterize(&edge_functions, columns, rows, triangle_bounds.id),
             None => self.mark_unsure(columns, rows),
         }
@@ -136,10 +140,10 @@ impl<'c> Tile<'c> {
         rows: Range<usize>,
         id: u32,
     ) {
-        let middle = self.viewport.eye.middle;
+        let middle = self.screen.middle;
         let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
         let extent = [columns.len() + LANES, rows.len()];
-        let reach = self.viewport.reach;
+        let reach = self.screen.reach;
         let of_edges = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
         let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, reach, of_edges));
         let InvDepthPlane { inv_depth, error_bound } = edge_functions.inv_depth_plane;
@@ -156,10 +160,10 @@ impl<'c> Tile<'c> {
 
     /// Draws a plane, which may cover any pixel.
     pub fn fill(&mut self, plane: &InvDepthPlane, id: u32) {
-        let (middle, width) = (self.viewport.eye.middle, self.viewport.width);
+        let (middle, width) = (self.screen.middle, self.screen.width);
         let corner = [-middle.x, self.rows.start as f64 - middle.y];
         let extent = [width + LANES, self.rows.len()];
-        let reach = self.viewport.reach;
+        let reach = self.screen.reach;
         let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, reach, plane.error_bound);
         for j in self.rows.clone() {
             let y = j as f64 - middle.y;
@@ -171,7 +175,8 @@ impl<'c> Tile<'c> {
     }
 
     /// Marks pixels that a primitive of unknown depth may cover, so that their rays are cast.
-    fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>) {
+    pub fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>) {
+        let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
         for j in rows {
             for i in columns.clone().step_by(LANES) {
                 let near = [f32::INFINITY; LANES];

@@ -5,7 +5,7 @@
 //! is either certainly outside the view frustum or gets the whole picture as its bounds.
 //! `proofs/raster_bounds.g` proves that the bounds leave out no pixel.
 
-use super::{Eye, Viewport};
+use super::{Eye, Screen, Viewport};
 use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::World;
@@ -65,16 +65,20 @@ pub fn screen_error_bound(eye: &Eye, axes: [DVec3; 2], max_direction_length: f64
 }
 
 impl ScreenVertex {
+    /// At these pixel coordinates.
+    pub fn at(pixel: DVec2, inv_depth: f64) -> Self {
+        // A coordinate far outside the picture may be clamped, since only comparisons with pixels matter.
+        let at = (pixel * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
+        Self { at, inv_depth: inv_depth as f32 }
+    }
+
     /// Projects a point of world space.
     pub fn of(point: DVec3, viewport: &Viewport) -> Self {
         let point = viewport.eye_space(point);
         let (depth, distance) = (point.dot(viewport.eye.direction), point.length());
         if MAX_STEEPNESS * depth > distance {
             let inv_depth = 1.0 / depth;
-            let at = pixel_coordinates(point, inv_depth, viewport);
-            // A coordinate far outside the picture may be clamped, since only comparisons with pixels matter.
-            let at = (at * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
-            Self { at, inv_depth: inv_depth as f32 }
+            Self::at(pixel_coordinates(point, inv_depth, viewport), inv_depth)
         } else {
             let is_behind = depth < -BEHIND_ROUNDINGS * UNIT_ROUNDOFF * distance;
             Self { at: [0; 2], inv_depth: if is_behind { BEHIND } else { ASIDE } }
@@ -110,21 +114,31 @@ impl TriangleBounds {
         id: u32,
     ) -> Option<(Self, bool)> {
         let [a, b, c] = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
-        let (width, rows) = (0..viewport.width, &viewport.rows);
         let inv_depth = [a.inv_depth, b.inv_depth, c.inv_depth];
         if min3(inv_depth) > 0.0 {
-            // The factor exceeds the error of single precision, so the result is an upper bound.
-            let max_inv_depth = 1.000_001 * max3(inv_depth);
-            let [columns, rows] = [(0, &width), (1, rows)]
-                .map(|(axis, pixels)| Span::around([a, b, c], axis, pixels, viewport.reach));
-            let is_seen = !columns.is_empty() && !rows.is_empty();
-            is_seen.then(|| (Self { id, columns, rows, max_inv_depth }, is_front([a, b, c])))
+            Self::ahead(&viewport.screen, &viewport.rows, [a, b, c], id)
         } else if max3(inv_depth) < 0.0 || is_outside_frustum(viewport, world.corners(id as usize)) {
             None
         } else {
-            let (columns, rows) = (Span::new(&width), Span::new(rows));
+            let (columns, rows) = (Span::new(&(0..viewport.screen.width)), Span::new(&viewport.rows));
             Some((Self { id, columns, rows, max_inv_depth: f32::INFINITY }, true))
         }
+    }
+
+    /// The same for a triangle whose vertices are all well ahead of the eye.
+    #[inline]
+    pub fn ahead(
+        screen: &Screen,
+        rows: &Range<usize>,
+        [a, b, c]: [ScreenVertex; 3],
+        id: u32,
+    ) -> Option<(Self, bool)> {
+        // The factor exceeds the error of single precision, so the result is an upper bound.
+        let max_inv_depth = 1.000_001 * max3([a.inv_depth, b.inv_depth, c.inv_depth]);
+        let [columns, rows] = [(0, &(0..screen.width)), (1, rows)]
+            .map(|(axis, pixels)| Span::around([a, b, c], axis, pixels, screen.reach));
+        let is_seen = !columns.is_empty() && !rows.is_empty();
+        is_seen.then(|| (Self { id, columns, rows, max_inv_depth }, is_front([a, b, c])))
     }
 
     /// The number of pixels within the bounds.
@@ -211,9 +225,8 @@ mod tests {
             scale: 1.0,
             axes: [8.0 * DVec3::X, 8.0 * DVec3::Y],
             max_direction_length: 2.0,
-            width: 8,
+            screen: Screen { middle: DVec2::splat(3.5), width: 8, reach: 0.0 },
             rows: 0..8,
-            reach: 0.0,
         }
     }
 

@@ -11,7 +11,7 @@ use raytracer::grid::Caster;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::mode::Course;
 use raytracer::primitive::plane::Plane;
-use raytracer::raster::{Seen, VisibilityBuffer};
+use raytracer::raster::{Footprint, Seen, VisibilityBuffer};
 use raytracer::render::{Layer, Request};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -32,7 +32,7 @@ fn is_wrong(world: &World, ray: &Ray, seen: Seen, truth: Option<Hit>) -> bool {
 fn compare(view: &View, world: &World, failures: &Failures, index: u64) -> [u64; 3] {
     let caster = Caster::new(world, None).unwrap();
     let all = 0..view.size[1];
-    let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, all) else {
+    let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, all, Footprint::Center) else {
         return [0; 3];
     };
     let mut counts = [0; 3];
@@ -197,7 +197,8 @@ fn a_pixel_sees_what_its_ray_hits() {
         let caster = Caster::new(&world, None).unwrap();
         // Only some of the rows, as when a large picture is rendered.
         let first = rng.below(view.size[1]);
-        let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, first..view.size[1])
+        let rows = first..view.size[1];
+        let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, rows, Footprint::Center)
         else {
             return ([0, 0, 0, 0, 1], []);
         };
@@ -253,4 +254,46 @@ fn depths_and_normals_are_those_of_the_rays() {
     let [wrong, shown] = measure::<2, 0>(pictures, one).0;
     assert_eq!(wrong, 0);
     assert!(shown > pictures / 4, "the test tests nothing: {shown}");
+}
+
+/// The same for rays through other points of the pixels, among them the corners.
+#[test]
+fn a_whole_pixel_sees_what_all_of_its_rays_hit() {
+    let pictures = rays(2_000, 200_000);
+    let failures = Failures::default();
+    let one = |index| {
+        let rng = &mut Rng::at(SEED + 1, index);
+        let view = View::new(rng);
+        let world = view.world(rng);
+        let caster = Caster::new(&world, None).unwrap();
+        let rows = 0..view.size[1];
+        let Some(buffer) = VisibilityBuffer::new(&view.camera, &caster, view.size, rows, Footprint::Pixel)
+        else {
+            return ([0; 3], []);
+        };
+        let mut counts = [0; 3];
+        for [i, j] in view.pixels() {
+            let half = [-0.5, 0.5];
+            let offsets = [
+                DVec2::new(half[rng.below(2)], half[rng.below(2)]),
+                DVec2::new(half[rng.below(2)], rng.range(-0.5, 0.5)),
+                DVec2::new(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5)),
+            ];
+            for offset in offsets {
+                let ray = view.camera.ray(DVec2::new(i as f64, j as f64), offset);
+                let truth = caster.closest(&ray, &mut Quiet);
+                let seen = buffer.seen(&world, &ray, i, j);
+                let wrong = is_wrong(&world, &ray, seen, truth);
+                failures.note(wrong, || format!("picture {index}, {i} {j} {offset}: {seen:?} {truth:?}"));
+                counts[0] += u64::from(wrong);
+                counts[1] += u64::from(seen != Seen::Unsure);
+                counts[2] += 1;
+            }
+        }
+        (counts, [])
+    };
+    let [wrong, sure, rays] = measure::<3, 0>(pictures, one).0;
+    println!("{rays} rays, {sure} sure, {wrong} wrong");
+    assert_eq!(wrong, 0);
+    assert!(sure > rays / 4, "the test tests nothing");
 }

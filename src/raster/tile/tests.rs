@@ -1,23 +1,10 @@
 use super::*;
-use crate::camera::Eye;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 const WIDTH: usize = 200;
 const STRIDE: usize = WIDTH + LANES;
 
-fn viewport() -> Viewport {
-    let [right, up] = [DVec3::X, DVec3::Y].map(|axis| axis / 100.0);
-    let eye = Eye { center: DVec3::ZERO, direction: DVec3::NEG_Z, right, up, middle: DVec2::new(99.5, 40.5) };
-    Viewport {
-        eye,
-        scale: 1.0,
-        axes: [DVec3::X, DVec3::Y],
-        max_direction_length: 3.0,
-        width: WIDTH,
-        rows: 0..82,
-        reach: 0.0,
-    }
-}
+const SCREEN: Screen = Screen { middle: DVec2::new(99.5, 40.5), width: WIDTH, reach: 0.0 };
 
 /// An inverse depth that is `value` at a pixel, and 0 on a line through another one, which may lie beside the
 /// picture.
@@ -29,7 +16,7 @@ fn inv_depth(value: f64, [x, y]: [f64; 2], per_pixel: [f64; 2]) -> InvDepthPlane
 
 /// Checks that the tile knows each of these pixels, and holds an interval there that contains the inverse depth.
 fn check_intervals(tile: &Tile, plane: &InvDepthPlane, columns: Range<usize>, rows: Range<usize>) {
-    let middle = tile.viewport.eye.middle;
+    let middle = tile.screen.middle;
     for (i, j) in rows.flat_map(|j| columns.clone().map(move |i| (i, j))) {
         let exact = plane.inv_depth.at(i as f64 - middle.x, j as f64 - middle.y);
         let k = (j - tile.rows.start) * STRIDE + i;
@@ -43,7 +30,6 @@ fn check_intervals(tile: &Tile, plane: &InvDepthPlane, columns: Range<usize>, ro
 /// middle of the picture.
 #[test]
 fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
-    let viewport = viewport();
     for (k, per_pixel) in (1..400).zip([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().cycle())
     {
         let (i, j) = (37 * k % (WIDTH - 2), 32 + 7 * k % 31);
@@ -59,7 +45,7 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
             let plane = inv_depth(value, [x, y], per_pixel);
             let edges = [Affine { constant: 1.0, per_x: 0.0, per_y: 0.0 }; 3];
             let mut visible_ids = vec![UNSURE; 32 * STRIDE];
-            let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids).unwrap();
+            let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids).unwrap();
             let edge_functions = EdgeFunctions { edges, edge_error_bound: 0.0, inv_depth_plane: plane };
             tile.rasterize(&edge_functions, i..i + 2, j..j + 1, 7);
             check_intervals(&tile, &edge_functions.inv_depth_plane, i..i + 2, j..j + 1);
@@ -70,8 +56,8 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
 /// The pictures are so high that a row is far from the middle.
 #[test]
 fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
-    let (middle, mut viewport) = (4000.0, viewport());
-    viewport.eye.middle.y = middle;
+    let middle = 4000.0;
+    let screen = Screen { middle: DVec2::new(99.5, middle), ..SCREEN };
     for (k, first_row) in (1..40).zip([0, 1600, 3200, 4800, 7968].into_iter().cycle()) {
         let y = first_row as f64 - middle;
         // Zero on one of the rows where a bound would be taken from if a sign or an operator were another.
@@ -82,7 +68,7 @@ fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
                 continue;
             }
             let mut visible_ids = vec![UNSURE; 32 * STRIDE];
-            let mut tile = Tile::new(&viewport, first_row, STRIDE, &mut visible_ids).unwrap();
+            let mut tile = Tile::new(screen, first_row, STRIDE, &mut visible_ids).unwrap();
             tile.fill(&plane, 7);
             check_intervals(&tile, &plane, 0..WIDTH, first_row..first_row + 32);
         }
@@ -92,9 +78,8 @@ fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
 /// Updates the first pixel of a tile with primitives, each by its interval of inverse depths, and tells what it
 /// shows at last: primitive k is the one with index k.
 fn shown(intervals: &[[f32; 2]]) -> u32 {
-    let viewport = viewport();
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
-    let mut tile = Tile::new(&viewport, 0, STRIDE, &mut visible_ids).unwrap();
+    let mut tile = Tile::new(SCREEN, 0, STRIDE, &mut visible_ids).unwrap();
     for ([min, max], id) in intervals.iter().zip(0..) {
         let (inv_depth, error_bound) = (0.5 * (min + max), 0.5 * (max - min));
         tile.update([0, 0], &Coverage::FULL, &[inv_depth; LANES], error_bound, id);
@@ -120,9 +105,8 @@ fn a_pixel_is_unsure_until_something_is_nearer_than_all_that_it_may_show() {
 
 #[test]
 fn where_the_depth_is_unknown_pixels_stay_unsure() {
-    let viewport = viewport();
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
-    let mut tile = Tile::new(&viewport, 32, STRIDE, &mut visible_ids).unwrap();
+    let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids).unwrap();
     tile.mark_unsure(3..22, 34..36);
     tile.update([3, 34], &Coverage::FULL, &[9.0; LANES], 1.0, 7);
     let unsure = visible_ids.iter().enumerate().filter(|&(_, id)| *id == UNSURE).map(|(k, _)| k);

@@ -72,7 +72,7 @@ fn screen(input: &PointInView) -> Option<f64> {
     let depth = point.dot(direction);
     let x = pixel_coordinates(point, 1.0 / depth, &viewport).x;
     let is_projected =
-        MAX_STEEPNESS * depth > point.length() && (-0.5..viewport.width as f64 - 0.5).contains(&x);
+        MAX_STEEPNESS * depth > point.length() && (-0.5..viewport.screen.width as f64 - 0.5).contains(&x);
     let from_middle = Dd::difference(x, viewport.eye.middle.x);
     let error = (exact_dot(exact, axis) - exact_dot(exact, direction) * from_middle).value().abs() / depth;
     let length = viewport.max_direction_length * viewport.axes[0].length().max(viewport.axes[1].length());

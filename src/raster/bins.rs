@@ -1,0 +1,86 @@
+//! The triangles of each tile, and the drawing of all tiles.
+
+use super::edge_functions::EdgeFunctions;
+use super::tile::{self, Tile};
+use super::triangle_bounds::TriangleBounds;
+use super::{NOTHING, Screen, TILE_ROWS};
+use crate::memory::{self, NoMemory};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The triangles of all tiles.
+pub struct Bins {
+    rows: Range<usize>,
+    /// The bins of all tiles, for each part of the triangles separately, so that threads can fill them in parallel.
+    parts: Vec<Vec<TileBin>>,
+}
+
+/// The triangles in one tile.
+#[derive(Clone, Default)]
+struct TileBin {
+    /// Front faces are drawn first: they hide most back faces, which then need not be drawn.
+    sides: [Vec<TriangleBounds>; 2],
+    /// The number of pixels in the bounds of the triangles whose first row is in this tile.
+    pixels: usize,
+}
+
+const FRONTS: usize = 0;
+const BACKS: usize = 1;
+
+impl Bins {
+    /// The triangles whose ids are below `count`, in these rows. `bounds_of` has the bounds of each, and whether it seems
+    /// to be front-facing.
+    pub fn new(
+        rows: &Range<usize>,
+        count: usize,
+        bounds_of: impl Fn(u32) -> Option<(TriangleBounds, bool)> + Sync,
+    ) -> Result<Self, NoMemory> {
+        const TRIANGLES_PER_PART: usize = 1 << 14;
+        let parts = (0..count.div_ceil(TRIANGLES_PER_PART)).into_par_iter();
+        let parts = parts.map(|part| {
+            let mut bins = memory::filled(TileBin::default(), rows.len().div_ceil(TILE_ROWS))?;
+            for id in part * TRIANGLES_PER_PART..count.min((part + 1) * TRIANGLES_PER_PART) {
+                if let Some((triangle_bounds, is_front)) = bounds_of(id as u32) {
+                    let (side, covered) =
+                        (if is_front { FRONTS } else { BACKS }, triangle_bounds.rows.range());
+                    let [first, last] =
+                        [covered.start, covered.end - 1].map(|j| (j - rows.start) / TILE_ROWS);
+                    for bin in &mut bins[first..=last] {
+                        memory::push(&mut bin.sides[side], triangle_bounds)?;
+                    }
+                    bins[first].pixels += triangle_bounds.pixels();
+                }
+            }
+            Ok(bins)
+        });
+        Ok(Self { rows: rows.clone(), parts: parts.collect::<Result<_, NoMemory>>()? })
+    }
+
+    /// The number of pixels in the bounds of all triangles.
+    pub fn pixels(&self) -> usize {
+        self.parts.iter().flatten().fold(0usize, |pixels, bin| pixels.saturating_add(bin.pixels))
+    }
+
+    /// Draws the triangles and then, by `finish`, what else is in each tile. Returns what each pixel shows; a row has
+    /// [`tile::LANES`] pixels more than the screen.
+    pub fn draw(
+        &self,
+        screen: Screen,
+        edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
+        finish: impl Fn(&mut Tile) + Sync,
+    ) -> Result<Vec<u32>, NoMemory> {
+        let stride = screen.width + tile::LANES;
+        let mut visible_ids = memory::filled(NOTHING, stride * self.rows.len())?;
+        let tiles = visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate();
+        tiles.try_for_each(|(k, visible_ids)| {
+            let mut tile = Tile::new(screen, self.rows.start + k * TILE_ROWS, stride, visible_ids)?;
+            for side in [FRONTS, BACKS] {
+                let all = self.parts.iter().flat_map(|bins| &bins[k].sides[side]);
+                all.for_each(|bounds| tile.draw(bounds, || edge_functions(bounds.id)));
+            }
+            finish(&mut tile);
+            Ok::<(), NoMemory>(())
+        })?;
+        Ok(visible_ids)
+    }
+}
