@@ -163,6 +163,51 @@ fn a_sphere_stands_alone_unless_another_box_touches_its_own() {
     assert!(!stands_alone(&["Transform { Scale 9 1 1 Sphere { center 0 0 0 radius .5 } }"]));
 }
 
+/// The number of primitives with nothing in them, for a first object of glass and others.
+fn empty(first: &str, others: &[&str], mesh: &Mesh) -> usize {
+    let world = world(&[SUN], &[&[glass(first).as_str()], others].concat(), mesh);
+    (0..world.first_plane()).filter(|&id| world.solids.are_empty_within(id)).count()
+}
+
+#[test]
+fn a_solid_is_empty_unless_another_box_or_a_plane_touches_its_own() {
+    let square = prism(&SQUARE, false);
+    let tall = "Transform { Scale 1 2 1 Sphere { center .5 .5 .5 radius .5 } }";
+    let opaque = |object: &str| format!("Material {{ }} {object}");
+    for (object, count) in [(MESH, 12), ("Sphere { center .5 .5 .5 radius .5 }", 1), (tall, 0)] {
+        let with = |other: &str| empty(object, &[&opaque(other)], &square);
+        assert_eq!(empty(object, &[], &square), count);
+        assert_eq!(with("Sphere { center 5 5 5 radius 1 }"), count);
+        assert_eq!(with("Sphere { center .5 .5 .5 radius .1 }"), 0);
+        assert_eq!(with("Triangle { vertex0 .9 .9 .9 vertex1 5 5 5 vertex2 5 5 6 }"), 0);
+        assert_eq!(with("Plane { normal 0 1 1 offset -.1 }"), count);
+        assert_eq!(with("Plane { normal 0 -1 -1 offset 0 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset .5 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset 1 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset 1.1 }"), count);
+    }
+}
+
+#[test]
+fn a_solid_of_a_texture_or_with_two_surfaces_is_not_empty() {
+    let square = prism(&SQUARE, false);
+    let checkerboard = "Checkerboard { materialIndex 0 materialIndex 0 }";
+    for (materials, count) in [(glass(""), 12), (format!("{GLASS} {checkerboard}"), 0)] {
+        let last = if count > 0 { 0 } else { 1 };
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Materials {{ numMaterials {} {materials} }} Group {{ numObjects 1 MaterialIndex {last} {MESH} }}",
+            last + 1
+        );
+        let world = World::new(&parse(&text).unwrap(), std::slice::from_ref(&square)).unwrap();
+        assert_eq!((0..12).filter(|&id| world.solids.are_empty_within(id)).count(), count, "{materials}");
+        assert!(world.solids.are_dark_within(0));
+    }
+    let mut double = square.clone();
+    double.triangles.extend(square.triangles);
+    assert_eq!((dark(&[SUN], MESH, &double), empty(MESH, &[], &double)), (24, 0));
+}
+
 #[test]
 fn too_many_spheres_are_not_compared() {
     for (count, known) in [(200, 200), (300, MAX_COMPARISONS as u32 / 300)] {
@@ -172,6 +217,16 @@ fn too_many_spheres_are_not_compared() {
         let world = world(&[SUN], &spheres, &Mesh::default());
         assert!((0..count).all(|id| world.solids.stands_alone(id) == (id < known)), "{count}");
     }
+}
+
+#[test]
+fn too_many_meshes_are_not_compared() {
+    let cubes: Vec<String> =
+        (0..100).map(|i| glass(&format!("Box {{ min {} 0 0 max {} 1 1 }}", 2 * i, 2 * i + 1))).collect();
+    let cubes: Vec<&str> = cubes.iter().map(String::as_str).collect();
+    let world = world(&[SUN], &cubes, &Mesh::default());
+    let known = 12 * (MAX_COMPARISONS as u32 / 1200);
+    assert!((0..1200).all(|id| world.solids.are_empty_within(id) == (id < known)));
 }
 
 /// Every ray from the inside of a solid to the outside is blocked, so nothing is lost where it is not cast.
