@@ -15,7 +15,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
 use crate::stats::Quiet;
 use crate::trace::Observer;
-use crate::world::World;
+use crate::world::{Solids, World};
 use glam::DVec2;
 use rayon::ThreadPool;
 use std::path::Path;
@@ -43,6 +43,9 @@ pub enum Meshes {
     /// The meshes are copied into the world, and kept.
     Kept,
 }
+
+/// Camera rays for each triangle of a mesh, from which on it saves time to find out whether it bounds a solid.
+const RAYS_PER_TRIANGLE: usize = 16;
 
 impl Renderer {
     /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
@@ -105,11 +108,26 @@ impl Renderer {
         let structure = if M::AS_COURSE && structure == Structure::Any { Structure::List } else { structure };
         let rays = request.cast_rays(&self.camera(request), &self.world);
         let grid = structure.resolution(&self.world, rays);
-        match self.prepare(grid, request.camera_rays()) {
+        let mut prepared = match self.prepare(grid, request.camera_rays()) {
             // Nobody has asked for the grid that does not fit into memory.
             Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays()),
             prepared => prepared,
-        }
+        }?;
+        prepared.caster.solids = self.solids(request);
+        Ok(prepared)
+    }
+
+    /// What is known about the solids, with more of them found where this saves time. It is the same for all windows of a
+    /// picture, and in every mode, as the colours may depend on it at a solid's edges.
+    fn solids(&self, request: &Request) -> Arc<Solids> {
+        let known = &self.world.solids;
+        let triangles = known.undecided_triangles();
+        let is_worthwhile = triangles > 0
+            && request.effects.gain_from_solids()
+            && request.camera_rays() / RAYS_PER_TRIANGLE >= triangles;
+        // Nobody has asked for what does not fit into memory.
+        let found = if is_worthwhile { known.with_embedded(&self.world).ok() } else { None };
+        found.map_or_else(|| known.clone(), Arc::new)
     }
 
     /// The camera that a request's pictures are seen with.

@@ -51,6 +51,13 @@ pub struct Effects {
     pub min_weight: f64,
 }
 
+impl Effects {
+    /// Whether fewer rays are cast where more solids are known.
+    pub(crate) fn gain_from_solids(&self) -> bool {
+        self.bounces > 0 && (!self.shade_back || self.shadows == Shadows::Opaque)
+    }
+}
+
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, M = Fast> {
@@ -238,7 +245,7 @@ impl<M: Mode> Tracer<'_, M> {
     /// Whether it is known that no light reaches the inner side of a surface.
     #[inline(always)]
     fn is_dark_within(&self, surface: &SurfacePoint) -> bool {
-        let solids = &self.world().solids;
+        let solids = &self.caster.solids;
         self.effects.shadows == Shadows::Opaque
             && surface.primitive.is_some_and(|primitive| solids.are_dark_within(primitive))
     }

@@ -101,7 +101,7 @@ impl<M: Mode> Tracer<'_, M> {
     fn known_end(&self, lit: &Lit, direction: DVec3, bounces: u32) -> Option<Color> {
         let Lit { surface, material, .. } = *lit;
         let is_last_within = bounces == self.effects.bounces && direction.dot(surface.normal) < 0.0;
-        if !is_last_within || !self.world().solids.are_empty_within(surface.primitive?) {
+        if !is_last_within || !self.caster.solids.are_empty_within(surface.primitive?) {
             return None;
         }
         if !self.effects.shade_back {

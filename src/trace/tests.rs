@@ -196,7 +196,7 @@ fn the_last_ray_within_an_empty_solid_is_not_cast() {
             (&object, Shadows::Opaque, true, 1, 0, Some(2.0)),
             (&object, Shadows::Transparent, false, 1, 0, Some(1.0)),
             (&object, Shadows::Transparent, true, 1, 1, None),
-            (&object, Shadows::Opaque, true, 2, 1, None),
+            (&object, Shadows::Opaque, true, 2, 2, None),
             (&beaded(&object), Shadows::Opaque, true, 1, 1, None),
         ] {
             let setting =

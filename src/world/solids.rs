@@ -10,11 +10,16 @@
 //! for all directions, and zero outside of the mesh's box. A ray away from the centre leaves by every face that it
 //! crosses. If it starts behind a face, it crosses at least this one, so the winding number is positive behind all faces.
 //!
+//! The same is known of a mesh that is *embedded*, which takes longer to find out ([`embedding`]): its triangles meet
+//! only at the vertices and the edges that they share, so that close to a face no other face is. Where only two faces have
+//! an edge, the front of one is connected there to the front of the other, and no face is between, so that the winding
+//! number is the same before all faces of a component. Where it is zero before them, it is one behind.
+//!
 //! *What is seen within.* Where the winding number of the centre is one, it is one behind every face, since it only falls
 //! on the way out. Let nothing else be in the mesh's box. A ray from the inner side of a face, to the inside, goes from
 //! where the winding number is one to where it is zero: the first face that it meets it sees from behind. If the mesh is
 //! of one plain material, the colour of this face is that of its ambient light, or black, and known before the ray is cast.
-//! The same holds for a sphere.
+//! The same holds for an embedded mesh and for a sphere.
 
 use super::{Primitive, World};
 use crate::math::aabb::Aabb;
@@ -23,8 +28,14 @@ use crate::memory::{self, NoMemory};
 use crate::primitive::triangle::{self, Shear};
 use crate::scene::material::Material;
 use crate::scene::{Color, Light};
+use embedding::embedded;
 use glam::DVec3;
 use std::ops::Range;
+
+mod contact;
+mod embedding;
+mod neighbors;
+mod orientation;
 
 /// What is known about the solids of a world.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +46,8 @@ pub(crate) struct Solids {
     lone: Vec<u32>,
     /// The ids of the primitives that bound solids of one plain material with nothing in them, in order.
     empty: Vec<Range<u32>>,
+    /// The meshes of which it is not known whether they are solids.
+    undecided: Vec<Range<u32>>,
 }
 
 /// The maximum number of triangles of a solid, so that looking for its edges takes no time that a user notices.
@@ -54,9 +67,9 @@ impl Solids {
         let mut solids = Self::default();
         let mut comparisons = MAX_COMPARISONS;
         for mesh in meshes {
-            if let Some(solid) = star_shaped(world, mesh)? {
-                let stands_alone = solid.is_simple && solid.stands_alone(world, &mut comparisons);
-                solids.add(world, &solid, stands_alone)?;
+            match star_shaped(world, mesh)? {
+                Some(solid) => solids.add_mesh(world, &solid, &mut comparisons)?,
+                None => memory::push(&mut solids.undecided, mesh.clone())?,
             }
         }
         let first = world.triangles.len() as u32;
@@ -67,6 +80,31 @@ impl Solids {
                 round.try_for_each(|id| solids.add_round(world, id, &mut comparisons))?;
             }
         }
+        Ok(solids)
+    }
+
+    /// The number of triangles of which [`with_embedded`](Self::with_embedded) would find out whether they bound solids.
+    pub fn undecided_triangles(&self) -> usize {
+        self.undecided.iter().map(Range::len).sum()
+    }
+
+    /// The same with all meshes that are embedded. Finding them takes about as long as a ray for each triangle.
+    pub fn with_embedded(&self, world: &World) -> Result<Self, NoMemory> {
+        let copied = |ranges: &[Range<u32>]| memory::collected(ranges.iter().cloned());
+        let mut solids = Self {
+            dark: copied(&self.dark)?,
+            lone: memory::copied(&self.lone)?,
+            empty: copied(&self.empty)?,
+            undecided: vec![],
+        };
+        let mut comparisons = MAX_COMPARISONS.max(4 * world.finite_count());
+        for mesh in &self.undecided {
+            if let Some(solid) = embedded(world, mesh)? {
+                solids.add_mesh(world, &solid, &mut comparisons)?;
+            }
+        }
+        solids.dark.sort_unstable_by_key(|ids| ids.start);
+        solids.empty.sort_unstable_by_key(|ids| ids.start);
         Ok(solids)
     }
 
@@ -95,10 +133,16 @@ impl Solids {
         if world.lights.iter().all(|light| is_outside(light, bounds, world)) {
             append(&mut self.dark, ids)?;
         }
-        if *is_simple && stands_alone && is_plain(world, ids.start) && !is_cut(bounds, world) {
+        if *is_simple && stands_alone && is_plain(world, ids.start) && is_clear_of_planes(bounds, world) {
             append(&mut self.empty, ids)?;
         }
         Ok(())
+    }
+
+    /// Adds what is known about a mesh.
+    fn add_mesh(&mut self, world: &World, solid: &Solid, comparisons: &mut usize) -> Result<(), NoMemory> {
+        let stands_alone = solid.is_simple && solid.stands_alone(world, comparisons);
+        self.add(world, solid, stands_alone)
     }
 
     /// Adds what is known about a sphere or an ellipsoid.
@@ -187,7 +231,7 @@ fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemo
         let [a, b, c] = corners(face);
         triangle::normal([a, b, c]).dot(a - center) > depth
     };
-    if !triangles.iter().all(is_behind) || !is_closed(triangles)? {
+    if !triangles.iter().all(is_behind) || !has_balanced_edges(&sorted_edges(triangles)?) {
         return Ok(None);
     }
     // The ray leaves by every face that it crosses.
@@ -200,15 +244,24 @@ fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemo
     Ok(Some(Solid { ids: mesh.clone(), bounds, is_simple: winding_number == 1 }))
 }
 
-/// Whether each edge is used as often in one direction as in the other.
-fn is_closed(triangles: &[[u32; 3]]) -> Result<bool, NoMemory> {
+/// The edges of the triangles, each with its face: the vertices in order, and twice the face, plus one where the face has
+/// them in this order. Equal edges follow each other.
+fn sorted_edges(triangles: &[[u32; 3]]) -> Result<Vec<(u64, u32)>, NoMemory> {
     let mut edges = memory::with_room(3 * triangles.len())?;
-    for &[a, b, c] in triangles {
-        edges.extend([[a, b], [b, c], [c, a]].map(|[p, q]| (p.min(q), p.max(q), p < q)));
+    for (&[a, b, c], face) in triangles.iter().zip(0..) {
+        edges
+            .extend([[a, b], [b, c], [c, a]].map(|[p, q]| {
+                (u64::from(p.min(q)) << 32 | u64::from(p.max(q)), 2 * face + u32::from(p < q))
+            }));
     }
     edges.sort_unstable();
-    let sides = edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1));
-    Ok(sides.into_iter().all(|uses| 2 * uses.iter().filter(|edge| edge.2).count() == uses.len()))
+    Ok(edges)
+}
+
+/// Whether each of these edges is used as often in one direction as in the other.
+fn has_balanced_edges(edges: &[(u64, u32)]) -> bool {
+    let forward = |uses: &[(u64, u32)]| uses.iter().filter(|edge| edge.1 % 2 == 1).count();
+    edges.chunk_by(|one, other| one.0 == other.0).all(|uses| 2 * forward(uses) == uses.len())
 }
 
 /// Whether a light is surely outside of a box.
@@ -226,13 +279,12 @@ fn is_clear(one: &Aabb, other: &Aabb, world: &World) -> bool {
     gap > MARGIN * largest
 }
 
-/// Whether a plane may cut a box.
-fn is_cut(bounds: &Aabb, world: &World) -> bool {
+/// Whether a box is surely apart from all planes.
+fn is_clear_of_planes(bounds: &Aabb, world: &World) -> bool {
     let [center, half] = [0.5 * (bounds.min + bounds.max), 0.5 * bounds.extent()];
-    world.planes.iter().any(|plane| {
-        let gap = (plane.normal.dot(center) - plane.offset).abs() - plane.normal.abs().dot(half);
-        // A NaN counts as a cut.
-        !(gap > MARGIN * world.max_abs_coord.max(plane.offset.abs()))
+    world.planes.iter().all(|plane| {
+        let gap = plane.ahead_of(center).abs() - plane.normal.abs().dot(half);
+        gap > MARGIN * world.max_abs_coord.max(plane.offset.abs())
     })
 }
 

@@ -7,10 +7,10 @@ use crate::scene::parser::parse;
 use crate::stats::Quiet;
 
 const GLASS: &str = "Material { transparentColor 1 1 1 }";
-const SUN: &str = "DirectionalLight { direction 0 -1 0 color 1 1 1 }";
+pub const SUN: &str = "DirectionalLight { direction 0 -1 0 color 1 1 1 }";
 
 /// The world of these lights and objects, where `mesh.obj` is this mesh.
-fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
+pub fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
     let text = format!(
         "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
          Lights {{ numLights {} {} }} Group {{ numObjects {} {} }}",
@@ -24,7 +24,7 @@ fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
     World::new(&scene, &meshes).unwrap()
 }
 
-fn glass(object: &str) -> String {
+pub fn glass(object: &str) -> String {
     format!("{GLASS} {object}")
 }
 
@@ -36,7 +36,7 @@ fn dark(lights: &[&str], object: &str, mesh: &Mesh) -> usize {
 
 /// A prism over a polygon in the plane z = 0, which is seen counter-clockwise from above, without its base if it is
 /// open. The polygon's fan around its first corner must cover it.
-fn prism(polygon: &[[f64; 2]], is_open: bool) -> Mesh {
+pub fn prism(polygon: &[[f64; 2]], is_open: bool) -> Mesh {
     let n = polygon.len() as u32;
     let level = |z: f64| polygon.iter().map(move |&[x, y]| DVec3::new(x, y, z));
     let sides = (0..n).flat_map(|i| {
@@ -56,7 +56,7 @@ const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 const ARROW: [[f64; 2]; 4] = [[0.0, -1.6], [2.0, -2.0], [0.0, 2.0], [-2.0, -2.0]];
 /// Its corners have their mean outside of it.
 const HOOK: [[f64; 2]; 6] = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.5, 0.5], [0.5, 4.0], [0.0, 4.0]];
-const MESH: &str = "TriangleMesh { obj_file mesh.obj }";
+pub const MESH: &str = "TriangleMesh { obj_file mesh.obj }";
 
 #[test]
 fn the_inside_of_spheres_and_of_closed_meshes_around_a_point_is_dark() {
