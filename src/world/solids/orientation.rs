@@ -100,7 +100,7 @@ mod tests {
         for k in 0..60_000 {
             let [a, b, c, p] = [0, 1, 2, 3].map(|i| point(4 * k + i));
             // Powers of two do not change the orientation.
-            let scale = 2f64.powi([0, 0, -300, 300, -700][k as usize % 5]);
+            let scale = 2f64.powi([0, 300, -300, -345, -350, -355, -515, -525, -700][k as usize % 9]);
             let [a, b, c, p] = [a, b, c, p].map(|v| scale * v);
             let (found, turned) = (side([a, b, c], p), turn(k as usize % 3, [a, b, c]));
             assert_eq!(found, -volume(p, [a, b, c]).sign(), "{a} {b} {c} {p}");

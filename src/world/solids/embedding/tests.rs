@@ -79,6 +79,8 @@ fn meshes_that_are_turned_inside_out_are_not_solids() {
     let within = [0.25, 0.3, 0.2];
     assert!(is_embedded(&both(&square, &inside_out(&square), 0.5, within)));
     assert!(!is_embedded(&both(&square, &square, 0.5, within)));
+    // Also if the two are so close that a point before the inner one is outside of both.
+    assert!(!is_embedded(&both(&square, &square, 1.0 - 2e-8, [1e-8; 3])));
     let filled = both(&square, &inside_out(&square), 0.5, within);
     assert!(is_embedded(&both(&filled, &square, 0.25, [0.35, 0.4, 0.3])));
 }
@@ -116,6 +118,13 @@ fn a_face_that_is_folded_or_without_area_is_not_embedded() {
     // The same two faces, seen from both sides, upon the base: all edges are balanced.
     folded.triangles.extend([[0, 1, n], [0, n, 1]]);
     assert!(!is_embedded(&folded));
+    // A face without area fills the gap where one of two faces at an edge is split.
+    let mut split = folded.clone();
+    split.triangles.truncate(12);
+    split.vertices[n as usize] = DVec3::new(0.5, 0.0, 0.0);
+    split.triangles.retain(|&face| face != [0, 2, 1]);
+    split.triangles.extend([[0, 2, n], [n, 2, 1], [0, n, 1]]);
+    assert!(!is_embedded_under("", &split));
     let mut flat = prism(&SQUARE, false);
     flat.vertices.extend([DVec3::new(0.5, 0.0, 9.0), DVec3::new(0.5, 0.0, 9.5), DVec3::new(0.5, 0.0, 9.75)]);
     flat.triangles.extend([[n, n + 1, n + 2], [n, n + 2, n + 1]]);
