@@ -6,25 +6,24 @@ use crate::grid::Caster;
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
-use crate::math::robust::offset_origin;
 use crate::mode::{Fast, Mode};
 use crate::scene::Color;
-use crate::scene::limits::BRIGHTEST;
 use crate::shading::light::incident;
 use crate::shading::phong::PointMaterial;
 use crate::shading::texture::material_at;
 use crate::world::{SurfacePoint, World};
-use glam::DVec3;
 use serde::Serialize;
 
 mod event;
 mod occluders;
 mod optics;
+mod secondary;
 mod shadow;
 
 pub use event::{End, Event, Observer, Secondary};
 use occluders::{Occluders, Side};
 pub use optics::{reflected, refracted, transmittance};
+use secondary::{Branch, Path};
 
 /// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -52,6 +51,13 @@ pub struct Effects {
     pub min_weight: f64,
 }
 
+impl Effects {
+    /// Whether fewer rays are cast where more solids are known.
+    pub(crate) fn gain_from_solids(&self) -> bool {
+        self.bounces > 0 && (!self.shade_back || self.shadows == Shadows::Opaque)
+    }
+}
+
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, M = Fast> {
@@ -59,32 +65,6 @@ pub struct Tracer<'a, M = Fast> {
     pub caster: &'a Caster<'a, M>,
     /// The effects that are modelled.
     pub effects: Effects,
-}
-
-/// The history of a ray since it left the camera.
-#[derive(Clone, Copy, Debug)]
-struct Path {
-    /// The factor by which its colour contributes to the picture.
-    filter: Color,
-    /// The product of the lengths of the colours along the path, which is the weight in the course's program.
-    weight: f64,
-    bounces: u32,
-    /// The index of refraction of the medium around the ray.
-    index: f64,
-}
-
-impl Path {
-    /// The path of a camera ray.
-    const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
-}
-
-/// A secondary ray that has not been traced yet.
-#[derive(Clone, Copy, Debug)]
-struct Branch {
-    ray: Ray,
-    /// The primitive that the ray leaves.
-    leaves: Option<u32>,
-    path: Path,
 }
 
 /// What is kept from one camera ray to the next.
@@ -146,7 +126,15 @@ impl<M: Mode> Tracer<'_, M> {
     /// The same, compiled for the instructions of the caller.
     #[inline(always)]
     fn follow_pending<P: Observer>(&self, mut color: Color, memory: &mut Memory, probe: &mut P) -> Color {
-        while let Some(Branch { ray, leaves, path }) = memory.pending.pop() {
+        while let Some(Branch { ray, leaves, path, known }) = memory.pending.pop() {
+            // Where rays are counted or observed, they are cast all the same.
+            if let Some(known) = known
+                && !M::AS_COURSE
+                && !P::OBSERVES
+            {
+                color += path.filter * known;
+                continue;
+            }
             if P::OBSERVES {
                 probe.observe(Event::Popped);
             }
@@ -160,7 +148,14 @@ impl<M: Mode> Tracer<'_, M> {
             if let Some(visible) = visible {
                 surface = Some(self.world().visible_surface(&ray, visible));
             }
-            color += path.filter * self.follow(&ray, &path, surface.as_ref(), memory, probe);
+            let mut seen = self.follow(&ray, &path, surface.as_ref(), memory, probe);
+            if let Some(known) = known {
+                seen = known;
+                if P::OBSERVES {
+                    probe.observe(Event::Shaded(known));
+                }
+            }
+            color += path.filter * seen;
         }
         color
     }
@@ -250,70 +245,9 @@ impl<M: Mode> Tracer<'_, M> {
     /// Whether it is known that no light reaches the inner side of a surface.
     #[inline(always)]
     fn is_dark_within(&self, surface: &SurfacePoint) -> bool {
-        let solids = &self.world().solids;
+        let solids = &self.caster.solids;
         self.effects.shadows == Shadows::Opaque
             && surface.primitive.is_some_and(|primitive| solids.are_dark_within(primitive))
-    }
-
-    #[inline(always)]
-    fn secondary(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
-        Ray::new(
-            offset_origin(surface.position, surface.normal, direction, self.world().max_abs_coord),
-            direction,
-        )
-    }
-
-    #[inline(always)]
-    fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
-        let color = lit.material.phong.reflective;
-        let Some((filter, weight)) = self.filter_and_weight(path, color) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Reflected.ends(too_light(path, color)));
-            }
-            return;
-        };
-        let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
-        let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
-        if P::OBSERVES {
-            probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
-        }
-        memory.pending.push(Branch { ray, leaves, path });
-    }
-
-    #[inline(always)]
-    fn refract<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
-        let material = &lit.material.phong;
-        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Refracted.ends(too_light(path, material.transparent)));
-            }
-            return;
-        };
-        let (d, n) = (lit.ray.direction, lit.surface.normal);
-        let entering = d.dot(n) < 0.0;
-        let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
-        let Some(direction) = refracted(d, normal, path.index / index) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Refracted.ends(End::TotalReflection));
-            }
-            return;
-        };
-        let ray = self.secondary(lit.surface, direction);
-        let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
-        if P::OBSERVES {
-            probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
-        }
-        memory.pending.push(Branch { ray, leaves, path });
-    }
-
-    /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
-    #[inline(always)]
-    fn filter_and_weight(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
-        let weight = path.weight * color.length();
-        let bound = Color::splat(BRIGHTEST);
-        (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
     }
 }
 
@@ -329,11 +263,6 @@ fn with_pending_avx2<M: Mode, P: Observer>(
     probe: &mut P,
 ) -> Color {
     tracer.follow_pending(color, memory, probe)
-}
-
-/// Why a secondary ray ends that weighs too little, or nothing at all.
-fn too_light(path: &Path, color: Color) -> End {
-    End::of(color, End::Weight { weight: path.weight * color.length() })
 }
 
 #[cfg(test)]

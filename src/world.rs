@@ -21,10 +21,11 @@ use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
 use serde::Serialize;
-use solids::Solids;
+pub(crate) use solids::Solids;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::Arc;
 
 pub use placement::{Placement, course_sphere_box, placements};
 
@@ -58,7 +59,7 @@ pub struct World {
     /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
     /// What is known about the inside of transparent objects.
-    pub(crate) solids: Solids,
+    pub(crate) solids: Arc<Solids>,
 }
 
 /// A primitive by its kind and its index in the world's list of that kind.
@@ -126,7 +127,7 @@ impl World {
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
             material_runs: vec![],
-            solids: Solids::default(),
+            solids: Arc::default(),
         })
     }
 

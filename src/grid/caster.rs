@@ -14,7 +14,7 @@ use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::mode::{Fast, Mode};
 use crate::stats::Probe;
-use crate::world::World;
+use crate::world::{Solids, World};
 use glam::DVec2;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -28,6 +28,8 @@ pub struct Caster<'w, M = Fast> {
     pub instructions: Instructions,
     /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
+    /// What is known about the inside of transparent objects: at least what the world knows.
+    pub(crate) solids: Arc<Solids>,
     mode: PhantomData<M>,
 }
 
@@ -47,15 +49,21 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
-        Ok(Self { world, instructions, structure, mode: PhantomData })
+        Ok(Self { world, instructions, structure, solids: world.solids.clone(), mode: PhantomData })
     }
 }
 
 impl<'w, M: Mode> Caster<'w, M> {
     /// The same caster in another mode.
     pub fn in_mode<N: Mode>(&self) -> Caster<'w, N> {
-        let Self { world, instructions, ref structure, .. } = *self;
-        Caster { world, instructions, structure: structure.clone(), mode: PhantomData }
+        let Self { world, instructions, ref structure, ref solids, .. } = *self;
+        Caster {
+            world,
+            instructions,
+            structure: structure.clone(),
+            solids: solids.clone(),
+            mode: PhantomData,
+        }
     }
 
     /// Whether a ray is tested against only a few of the primitives.
@@ -104,7 +112,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// or a plane. None if the ray leaves to the outside or leaves another primitive, or if something else may be inside.
     #[inline]
     fn through<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
-        if M::AS_COURSE || !self.world.solids.stands_alone(left) {
+        if M::AS_COURSE || !self.solids.stands_alone(left) {
             return None;
         }
         let far_side = Visible { primitive: left, t_bound: self.world.crossing(ray, left)? };

@@ -80,8 +80,7 @@ pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The cross product of two vectors, for reference values in tests.
-#[cfg(test)]
+/// The cross product of two vectors.
 pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::mode::Course;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
+use glam::DVec3;
 
 /// The background colour in the text of [`Setting::new`].
 const BACKGROUND: Color = Color::new(0.25, 0.5, 1.0);
@@ -178,6 +179,35 @@ fn no_light_leaks_into_a_solid_at_its_edges() {
             Color::splat(0.125),
             "{origin} {target}"
         );
+    }
+}
+
+/// The camera ray enters the object. What it sees within is lit by the ambient light alone. It sees black where the inner
+/// sides of surfaces are not lit.
+#[test]
+fn the_last_ray_within_an_empty_solid_is_not_cast() {
+    let glass = "Material { diffuseColor 1 .5 .25 transparentColor 1 1 1 }";
+    let cube = "Transform { Translate 0 0 -5 XRotate 40 ZRotate 9 Box { min -1 -1 -1 max 1 1 1 } }";
+    let ball = "Sphere { center 0 0 -5 radius 1 }";
+    let bead = "Material { diffuseColor 8 8 8 } Sphere { center 0 .1 -5 radius .5 }";
+    let beaded = |object: &str| format!("{object} {bead}");
+    for object in [cube, ball].map(|object| format!("{glass} {object}")) {
+        for (objects, shadows, shade_back, bounces, rays, expected) in [
+            (&object, Shadows::Opaque, true, 1, 0, Some(2.0)),
+            (&object, Shadows::Transparent, false, 1, 0, Some(1.0)),
+            (&object, Shadows::Transparent, true, 1, 1, None),
+            (&object, Shadows::Opaque, true, 2, 2, None),
+            (&beaded(&object), Shadows::Opaque, true, 1, 1, None),
+        ] {
+            let setting =
+                Setting::new(SUN, objects, Effects { shadows, shade_back, bounces, min_weight: 0.0 });
+            let ray = Ray::new(DVec3::new(0.1, -0.2, 0.0), DVec3::NEG_Z);
+            let (mut fast, mut as_course) = (Counts::default(), Counts::default());
+            let color = setting.seen_by::<Fast>(&ray, &mut fast);
+            assert_eq!(setting.seen_by::<Course>(&ray, &mut as_course), color);
+            assert_eq!((fast.non_shadow_rays, as_course.non_shadow_rays > 0), (rays, true), "{objects}");
+            expected.inspect(|times| assert_near(color, times * 0.125 * Color::new(1.0, 0.5, 0.25)));
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::mem;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A world under construction. Materials are kept per kind of primitive, because the ids of the primitives
 /// are known only when all objects have been placed.
@@ -222,7 +223,7 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
-        world.solids = Solids::of(&world, &self.transparent, &self.transparent_meshes)?;
+        world.solids = Arc::new(Solids::of(&world, &self.transparent, &self.transparent_meshes)?);
         Ok(world)
     }
 }

@@ -7,10 +7,10 @@ use crate::scene::parser::parse;
 use crate::stats::Quiet;
 
 const GLASS: &str = "Material { transparentColor 1 1 1 }";
-const SUN: &str = "DirectionalLight { direction 0 -1 0 color 1 1 1 }";
+pub const SUN: &str = "DirectionalLight { direction 0 -1 0 color 1 1 1 }";
 
 /// The world of these lights and objects, where `mesh.obj` is this mesh.
-fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
+pub fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
     let text = format!(
         "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
          Lights {{ numLights {} {} }} Group {{ numObjects {} {} }}",
@@ -24,7 +24,7 @@ fn world(lights: &[&str], objects: &[&str], mesh: &Mesh) -> World {
     World::new(&scene, &meshes).unwrap()
 }
 
-fn glass(object: &str) -> String {
+pub fn glass(object: &str) -> String {
     format!("{GLASS} {object}")
 }
 
@@ -36,7 +36,7 @@ fn dark(lights: &[&str], object: &str, mesh: &Mesh) -> usize {
 
 /// A prism over a polygon in the plane z = 0, which is seen counter-clockwise from above, without its base if it is
 /// open. The polygon's fan around its first corner must cover it.
-fn prism(polygon: &[[f64; 2]], is_open: bool) -> Mesh {
+pub fn prism(polygon: &[[f64; 2]], is_open: bool) -> Mesh {
     let n = polygon.len() as u32;
     let level = |z: f64| polygon.iter().map(move |&[x, y]| DVec3::new(x, y, z));
     let sides = (0..n).flat_map(|i| {
@@ -56,7 +56,7 @@ const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 const ARROW: [[f64; 2]; 4] = [[0.0, -1.6], [2.0, -2.0], [0.0, 2.0], [-2.0, -2.0]];
 /// Its corners have their mean outside of it.
 const HOOK: [[f64; 2]; 6] = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.5, 0.5], [0.5, 4.0], [0.0, 4.0]];
-const MESH: &str = "TriangleMesh { obj_file mesh.obj }";
+pub const MESH: &str = "TriangleMesh { obj_file mesh.obj }";
 
 #[test]
 fn the_inside_of_spheres_and_of_closed_meshes_around_a_point_is_dark() {
@@ -163,6 +163,51 @@ fn a_sphere_stands_alone_unless_another_box_touches_its_own() {
     assert!(!stands_alone(&["Transform { Scale 9 1 1 Sphere { center 0 0 0 radius .5 } }"]));
 }
 
+/// The number of primitives with nothing in them, for a first object of glass and others.
+fn empty(first: &str, others: &[&str], mesh: &Mesh) -> usize {
+    let world = world(&[SUN], &[&[glass(first).as_str()], others].concat(), mesh);
+    (0..world.first_plane()).filter(|&id| world.solids.are_empty_within(id)).count()
+}
+
+#[test]
+fn a_solid_is_empty_unless_another_box_or_a_plane_touches_its_own() {
+    let square = prism(&SQUARE, false);
+    let tall = "Transform { Scale 1 2 1 Sphere { center .5 .5 .5 radius .5 } }";
+    let opaque = |object: &str| format!("Material {{ }} {object}");
+    for (object, count) in [(MESH, 12), ("Sphere { center .5 .5 .5 radius .5 }", 1), (tall, 0)] {
+        let with = |other: &str| empty(object, &[&opaque(other)], &square);
+        assert_eq!(empty(object, &[], &square), count);
+        assert_eq!(with("Sphere { center 5 5 5 radius 1 }"), count);
+        assert_eq!(with("Sphere { center .5 .5 .5 radius .1 }"), 0);
+        assert_eq!(with("Triangle { vertex0 .9 .9 .9 vertex1 5 5 5 vertex2 5 5 6 }"), 0);
+        assert_eq!(with("Plane { normal 0 1 1 offset -.1 }"), count);
+        assert_eq!(with("Plane { normal 0 -1 -1 offset 0 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset .5 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset 1 }"), 0);
+        assert_eq!(with("Plane { normal 1 0 0 offset 1.1 }"), count);
+    }
+}
+
+#[test]
+fn a_solid_of_a_texture_or_with_two_surfaces_is_not_empty() {
+    let square = prism(&SQUARE, false);
+    let checkerboard = "Checkerboard { materialIndex 0 materialIndex 0 }";
+    for (materials, count) in [(glass(""), 12), (format!("{GLASS} {checkerboard}"), 0)] {
+        let last = if count > 0 { 0 } else { 1 };
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Materials {{ numMaterials {} {materials} }} Group {{ numObjects 1 MaterialIndex {last} {MESH} }}",
+            last + 1
+        );
+        let world = World::new(&parse(&text).unwrap(), std::slice::from_ref(&square)).unwrap();
+        assert_eq!((0..12).filter(|&id| world.solids.are_empty_within(id)).count(), count, "{materials}");
+        assert!(world.solids.are_dark_within(0));
+    }
+    let mut double = square.clone();
+    double.triangles.extend(square.triangles);
+    assert_eq!((dark(&[SUN], MESH, &double), empty(MESH, &[], &double)), (24, 0));
+}
+
 #[test]
 fn too_many_spheres_are_not_compared() {
     for (count, known) in [(200, 200), (300, MAX_COMPARISONS as u32 / 300)] {
@@ -172,6 +217,16 @@ fn too_many_spheres_are_not_compared() {
         let world = world(&[SUN], &spheres, &Mesh::default());
         assert!((0..count).all(|id| world.solids.stands_alone(id) == (id < known)), "{count}");
     }
+}
+
+#[test]
+fn too_many_meshes_are_not_compared() {
+    let cubes: Vec<String> =
+        (0..100).map(|i| glass(&format!("Box {{ min {} 0 0 max {} 1 1 }}", 2 * i, 2 * i + 1))).collect();
+    let cubes: Vec<&str> = cubes.iter().map(String::as_str).collect();
+    let world = world(&[SUN], &cubes, &Mesh::default());
+    let known = 12 * (MAX_COMPARISONS as u32 / 1200);
+    assert!((0..1200).all(|id| world.solids.are_empty_within(id) == (id < known)));
 }
 
 /// Every ray from the inside of a solid to the outside is blocked, so nothing is lost where it is not cast.

@@ -1,0 +1,125 @@
+//! Secondary rays: which ones leave a surface, and where the last of them end.
+
+use super::event::{End, Event, Observer, Secondary};
+use super::optics::{reflected, refracted};
+use super::{Lit, Memory, Tracer};
+use crate::math::ray::Ray;
+use crate::math::robust::offset_origin;
+use crate::mode::Mode;
+use crate::scene::Color;
+use crate::scene::limits::BRIGHTEST;
+use crate::world::SurfacePoint;
+use glam::DVec3;
+
+/// The history of a ray since it left the camera.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    /// The factor by which its colour contributes to the picture.
+    pub filter: Color,
+    /// The product of the lengths of the colours along the path, which is the weight in the course's program.
+    weight: f64,
+    pub bounces: u32,
+    /// The index of refraction of the medium around the ray.
+    index: f64,
+}
+
+impl Path {
+    /// The path of a camera ray.
+    pub const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
+}
+
+/// A secondary ray that has not been traced yet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Branch {
+    pub ray: Ray,
+    /// The primitive that the ray leaves.
+    pub leaves: Option<u32>,
+    pub path: Path,
+    /// The colour along the ray, if it is known without casting it.
+    pub known: Option<Color>,
+}
+
+impl<M: Mode> Tracer<'_, M> {
+    #[inline(always)]
+    pub(super) fn secondary(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
+        Ray::new(
+            offset_origin(surface.position, surface.normal, direction, self.world().max_abs_coord),
+            direction,
+        )
+    }
+
+    #[inline(always)]
+    pub(super) fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
+        let color = lit.material.phong.reflective;
+        let Some((filter, weight)) = self.filter_and_weight(path, color) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Reflected.ends(too_light(path, color)));
+            }
+            return;
+        };
+        let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
+        let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
+        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
+        if P::OBSERVES {
+            probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
+        }
+        let known = self.known_end(lit, ray.direction, path.bounces);
+        memory.pending.push(Branch { ray, leaves, path, known });
+    }
+
+    #[inline(always)]
+    pub(super) fn refract<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
+        let material = &lit.material.phong;
+        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Refracted.ends(too_light(path, material.transparent)));
+            }
+            return;
+        };
+        let (d, n) = (lit.ray.direction, lit.surface.normal);
+        let entering = d.dot(n) < 0.0;
+        let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
+        let Some(direction) = refracted(d, normal, path.index / index) else {
+            if P::OBSERVES {
+                probe.observe(Secondary::Refracted.ends(End::TotalReflection));
+            }
+            return;
+        };
+        let ray = self.secondary(lit.surface, direction);
+        let path = Path { filter, weight, bounces: path.bounces + 1, index };
+        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
+        if P::OBSERVES {
+            probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
+        }
+        let known = self.known_end(lit, ray.direction, path.bounces);
+        memory.pending.push(Branch { ray, leaves, path, known });
+    }
+
+    /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on the
+    /// inner side of a solid with nothing in it ends on the inner side of the same solid.
+    #[inline(always)]
+    fn known_end(&self, lit: &Lit, direction: DVec3, bounces: u32) -> Option<Color> {
+        let Lit { surface, material, .. } = *lit;
+        let is_last_within = bounces == self.effects.bounces && direction.dot(surface.normal) < 0.0;
+        if !is_last_within || !self.caster.solids.are_empty_within(surface.primitive?) {
+            return None;
+        }
+        if !self.effects.shade_back {
+            return Some(Color::ZERO);
+        }
+        self.is_dark_within(surface).then(|| self.world().ambient * material.phong.diffuse)
+    }
+
+    /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
+    #[inline(always)]
+    fn filter_and_weight(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
+        let weight = path.weight * color.length();
+        let bound = Color::splat(BRIGHTEST);
+        (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
+    }
+}
+
+/// Why a secondary ray ends that weighs too little, or nothing at all.
+fn too_light(path: &Path, color: Color) -> End {
+    End::of(color, End::Weight { weight: path.weight * color.length() })
+}
