@@ -7,6 +7,7 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::mode::{Fast, Mode};
+use crate::raster::ShadowMaps;
 use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::shading::phong::PointMaterial;
@@ -65,6 +66,8 @@ pub struct Tracer<'a, M = Fast> {
     pub caster: &'a Caster<'a, M>,
     /// The effects that are modelled.
     pub effects: Effects,
+    /// What is known of shadows before any ray is cast, if anything is.
+    pub shadow_maps: Option<&'a ShadowMaps>,
 }
 
 /// What is kept from one camera ray to the next.

@@ -153,7 +153,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let visible = caster.nearest(ray, None, &mut recorder);
         recorder.observe(Event::Met(visible));
         let surface = visible.map(|visible| caster.world.visible_surface(ray, visible));
-        let tracer = Tracer { caster, effects: request.effects };
+        let tracer = Tracer { caster, effects: request.effects, shadow_maps: None };
         let color = tracer.color(ray, surface.as_ref(), &mut Memory::default(), &mut recorder);
         let mut rays = recorder.finish();
         // What a ray leaves is what the ray before it sees.

@@ -162,7 +162,7 @@ impl<'w, M: Mode> Caster<'w, M> {
 
     /// Whether the ray hits a primitive, which is not the triangle that it leaves.
     #[inline(never)]
-    fn is_hit<P: Probe>(&self, ray: &Ray, primitive: u32, leaves: Option<u32>, probe: &mut P) -> bool {
+    pub fn is_hit<P: Probe>(&self, ray: &Ray, primitive: u32, leaves: Option<u32>, probe: &mut P) -> bool {
         if leaves == Some(primitive) && (primitive as usize) < self.world.triangles.len() {
             return false;
         }
@@ -170,9 +170,27 @@ impl<'w, M: Mode> Caster<'w, M> {
         self.world.crossing(ray, primitive).is_some()
     }
 
+    /// Whether the world has no plane, or none but this primitive.
+    #[inline(always)]
+    pub fn has_no_plane_but(&self, primitive: Option<u32>) -> bool {
+        match self.world.planes.len() {
+            0 => true,
+            1 => primitive == Some(self.world.first_plane()),
+            _ => false,
+        }
+    }
+
+    /// Whether the ray hits a plane, which is not the one that it leaves.
+    #[inline(always)]
+    pub fn meets_plane<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        probe.intersections(self.world.planes.len());
+        let mut planes = (self.world.first_plane()..).zip(&self.world.planes);
+        planes.any(|(id, plane)| leaves != Some(id) && plane.intersect(ray).is_some())
+    }
+
     /// Whether this is a sphere or an ellipsoid.
     #[inline(always)]
-    fn is_round(&self, primitive: u32) -> bool {
+    pub fn is_round(&self, primitive: u32) -> bool {
         primitive >= self.world.triangles.len() as u32 && primitive < self.world.first_plane()
     }
 

@@ -11,6 +11,8 @@
 
 mod bins;
 mod edge_functions;
+mod light_view;
+mod shadow_map;
 mod tile;
 mod triangle_bounds;
 #[cfg(test)]
@@ -31,6 +33,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
+
+pub use shadow_map::{Blocker, ShadowMaps};
 
 /// What rasterization knows of the first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

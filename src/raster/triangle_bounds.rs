@@ -185,13 +185,20 @@ impl Span {
     /// Those of `pixels` whose centres lie between the vertices along an axis, up to the error of both, or not farther
     /// beside them than `reach`.
     #[inline(always)]
-    fn around(vertices: [ScreenVertex; 3], axis: usize, pixels: &Range<usize>, reach: f64) -> Self {
+    pub fn around<const N: usize>(
+        vertices: [ScreenVertex; N],
+        axis: usize,
+        pixels: &Range<usize>,
+        reach: f64,
+    ) -> Self {
         /// One subpixel for the error of a coordinate and one for its truncation.
         const PADDING: i32 = 2;
         let padding = PADDING + (reach * f64::from(SUBPIXELS)).ceil() as i32;
-        let vertices = vertices.map(|vertex| vertex.at[axis]);
-        let first = (min3(vertices) - padding + (SUBPIXELS - 1)) / SUBPIXELS;
-        let last = (max3(vertices) + padding).div_euclid(SUBPIXELS);
+        let [least, most] = vertices.iter().fold([i32::MAX, i32::MIN], |[least, most], vertex| {
+            [least.min(vertex.at[axis]), most.max(vertex.at[axis])]
+        });
+        let first = (least - padding + (SUBPIXELS - 1)) / SUBPIXELS;
+        let last = (most + padding).div_euclid(SUBPIXELS);
         let [start, end] = [pixels.start as i32, pixels.end as i32];
         Self { first: first.clamp(start, end) as u16, end: (last + 1).clamp(start, end) as u16 }
     }

@@ -102,7 +102,9 @@ pub fn render<M: Mode, P: Observer, E>(
         }
     }
     let spare = Spare::default();
-    let setting = Setting { camera, caster, view, request, spare: &spare };
+    let shadow_maps = request.shadow_maps::<M, P>(caster, view);
+    let shadow_maps = shadow_maps.as_ref();
+    let setting = Setting { camera, caster, view, request, spare: &spare, shadow_maps };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
     let mut probe = P::default();
@@ -125,7 +127,9 @@ pub fn strata<M: Mode>(
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
     let spare = Spare::default();
-    Setting { camera, caster, view, request, spare: &spare }.strata(settings, pixel).unwrap_or_default()
+    Setting { camera, caster, view, request, spare: &spare, shadow_maps: None }
+        .strata(settings, pixel)
+        .unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without

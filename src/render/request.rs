@@ -4,7 +4,7 @@ use super::layer::Layer;
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::mode::Mode;
-use crate::raster::{Footprint, VisibilityBuffer};
+use crate::raster::{Footprint, ShadowMaps, VisibilityBuffer};
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
@@ -12,7 +12,7 @@ use crate::sampling::sampler::Sampler;
 use crate::scene;
 use crate::scene::material::Material;
 use crate::stats::{Probe, Quiet};
-use crate::trace::{Effects, Shadows};
+use crate::trace::{Effects, Observer, Shadows};
 use crate::world::World;
 use serde::Serialize;
 use std::ops::Range;
@@ -163,6 +163,21 @@ impl Request {
         let is_needed = self.measures() || samples;
         (is_needed && !M::AS_COURSE)
             .then(|| VisibilityBuffer::new(camera, caster, self.size, rows, footprint))?
+    }
+
+    /// What is known of shadows before any ray is cast, if it pays to find that out.
+    pub(super) fn shadow_maps<M: Mode, P: Observer>(
+        &self,
+        caster: &Caster<M>,
+        view: View,
+    ) -> Option<ShadowMaps> {
+        let is_needed = self.traces_colors::<P>()
+            && matches!(view, View::Scene)
+            && self.effects.shadows == Shadows::Opaque
+            && !M::AS_COURSE
+            && !P::OBSERVES;
+        let pixels: usize = self.window_size().iter().product();
+        is_needed.then(|| ShadowMaps::new(caster.world, pixels * self.sampler.count() as usize))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
-use crate::raster::VisibilityBuffer;
+use crate::raster::{ShadowMaps, VisibilityBuffer};
 use crate::render::grid_view::Face;
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
@@ -57,6 +57,8 @@ pub struct Setting<'a, M> {
     pub request: &'a Request,
     /// The lists of finished rows, for those that follow.
     pub spare: &'a Spare,
+    /// What is known of shadows before any ray is cast, if anything is.
+    pub shadow_maps: Option<&'a ShadowMaps>,
 }
 
 // Implemented by hand, because a derived `Clone` would require that `M` is `Clone`.
@@ -309,10 +311,10 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// The colour along a ray that hits this surface first.
     #[inline(always)]
     fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
-        let Setting { caster, view, request, .. } = self.setting;
+        let Setting { caster, view, request, shadow_maps, .. } = self.setting;
         match view {
             View::Scene => {
-                let tracer = Tracer { caster, effects: request.effects };
+                let tracer = Tracer { caster, effects: request.effects, shadow_maps };
                 tracer.color(ray, surface, &mut self.memory, &mut self.row.probe)
             }
             View::Cells(occupancy) => {

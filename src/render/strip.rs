@@ -300,7 +300,14 @@ mod tests {
         let caster = Caster::new(&world, None).unwrap();
         let camera = Camera::new(&scene.camera, request.size);
         let spare = Spare::default();
-        let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request, spare: &spare };
+        let setting = Setting {
+            camera: &camera,
+            caster: &caster,
+            view: View::Scene,
+            request,
+            spare: &spare,
+            shadow_maps: None,
+        };
         rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
     }
 

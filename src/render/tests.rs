@@ -1,5 +1,6 @@
 //! Small pictures: windows, strips, and how a render ends early.
 
+mod known;
 mod layers;
 
 use super::*;

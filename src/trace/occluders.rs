@@ -27,6 +27,12 @@ impl Side {
     pub fn new(surface: &SurfacePoint, is_inside: bool) -> Self {
         Self(2u32.wrapping_mul(surface.primitive.unwrap_or(0)).wrapping_add(is_inside.into()))
     }
+
+    /// Whether it is the inner side.
+    #[inline(always)]
+    pub fn is_inner(self) -> bool {
+        self.0 & 1 != 0
+    }
 }
 
 impl Occluders {

@@ -6,9 +6,11 @@ use super::optics::transmittance;
 use super::{Lit, Shadows, Tracer};
 use crate::math::ray::Ray;
 use crate::mode::Mode;
+use crate::raster::Blocker;
 use crate::scene::Color;
 use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
+use crate::world::SurfacePoint;
 
 impl<M: Mode> Tracer<'_, M> {
     /// How much of the light with this index reaches this side of the surface, per channel.
@@ -24,19 +26,44 @@ impl<M: Mode> Tracer<'_, M> {
             return Color::ONE;
         }
         probe.shadow_ray();
+        let blocker = self.blocker(lit.surface, index, side);
+        // The ray leaves the only plane.
+        if blocker == Blocker::Nothing && self.caster.has_no_plane_but(lit.surface.primitive) {
+            return Color::ONE;
+        }
         let mut ray = self.secondary(lit.surface, light.direction);
         // The distance to a point light is measured from the origin of the shadow ray.
         ray.t_max = light.distance;
         if P::OBSERVES {
             probe.observe(Event::ShadowRay(ray));
         }
-        match self.effects.shadows {
-            Shadows::Transparent => self.filtered(ray, probe),
-            _ => {
+        if self.effects.shadows == Shadows::Transparent {
+            return self.filtered(ray, probe);
+        }
+        let leaves = lit.surface.primitive;
+        let is_blocked = match blocker {
+            Blocker::Any => {
                 let occluder = occluders.place(side, index);
-                *occluder = self.caster.occluder(&ray, lit.surface.primitive, *occluder, probe);
-                if occluder.is_some() { Color::ZERO } else { Color::ONE }
+                *occluder = self.caster.occluder(&ray, leaves, *occluder, probe);
+                occluder.is_some()
             }
+            Blocker::Only(triangle) => {
+                self.caster.is_hit(&ray, triangle, leaves, probe)
+                    || self.caster.meets_plane(&ray, leaves, probe)
+            }
+            Blocker::Nothing => self.caster.meets_plane(&ray, leaves, probe),
+        };
+        if is_blocked { Color::ZERO } else { Color::ONE }
+    }
+
+    /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere. One from
+    /// an inner side most often hits what the last one hit, which is tested sooner.
+    #[inline(always)]
+    fn blocker(&self, surface: &SurfacePoint, index: usize, side: Side) -> Blocker {
+        let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
+        match self.shadow_maps {
+            Some(maps) if !side.is_inner() && !is_round => maps.blocker(index, surface.position),
+            _ => Blocker::Any,
         }
     }
 

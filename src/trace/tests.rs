@@ -32,7 +32,7 @@ impl Setting {
     fn seen_by<M: Mode>(&self, ray: &Ray, probe: &mut impl Observer) -> Color {
         let caster = Caster::new(&self.world, None).unwrap().in_mode::<M>();
         let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, &hit));
-        let tracer = Tracer { caster: &caster, effects: self.effects };
+        let tracer = Tracer { caster: &caster, effects: self.effects, shadow_maps: None };
         tracer.color(ray, surface.as_ref(), &mut Memory::default(), probe)
     }
 
@@ -49,7 +49,7 @@ impl Setting {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface =
             SurfacePoint { position: DVec3::ZERO, normal, material: 0, primitive: None, triangle: None };
-        let tracer = Tracer { caster: &caster, effects: self.effects };
+        let tracer = Tracer { caster: &caster, effects: self.effects, shadow_maps: None };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
         tracer.color(&ray, Some(&surface), &mut Memory::default(), &mut Quiet)
     }

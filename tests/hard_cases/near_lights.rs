@@ -26,7 +26,12 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
     let hit = caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
     let surface = world.surface(ray, &hit);
-    Tracer { caster: &caster, effects }.color(ray, Some(&surface), &mut Memory::default(), &mut Quiet)
+    Tracer { caster: &caster, effects, shadow_maps: None }.color(
+        ray,
+        Some(&surface),
+        &mut Memory::default(),
+        &mut Quiet,
+    )
 }
 
 /// A plane of any orientation, two unit vectors along it, and one of its points.
@@ -154,7 +159,12 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
     let blocked = |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), &mut Quiet);
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
-    let color = Tracer { caster, effects }.color(ray, Some(&surface), &mut Memory::default(), &mut Quiet);
+    let color = Tracer { caster, effects, shadow_maps: None }.color(
+        ray,
+        Some(&surface),
+        &mut Memory::default(),
+        &mut Quiet,
+    );
     Some(Terminator {
         flat_dark: flat_lit && color == DVec3::ZERO,
         smooth_lit: lit(mixed(normals)),

@@ -19,8 +19,14 @@ fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast, Quiet>)) {
     let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
     let spare = Spare::default();
-    let setting =
-        Setting { camera: &camera, caster: &caster, view: View::Scene, request: &request, spare: &spare };
+    let setting = Setting {
+        camera: &camera,
+        caster: &caster,
+        view: View::Scene,
+        request: &request,
+        spare: &spare,
+        shadow_maps: None,
+    };
     check(&mut Painter { shown: 2..10, center_weight: 1.0, ..setting.painter(None, 5, true).unwrap() });
 }
 

@@ -1,0 +1,157 @@
+//! The picture that a light sees of the finite primitives: where each point of the world is in it.
+//!
+//! All of these primitives are within the picture, and well ahead of a point light, so that nothing is clipped. The
+//! coordinates of points are accurate to a small fraction of a pixel, or there is no such picture.
+
+use super::Screen;
+use crate::math::aabb::Aabb;
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::scene::Light;
+use glam::{DVec2, DVec3};
+
+/// Upper bound on the error of the pixel coordinates of a point, and on how far the points of a ray from there to the
+/// light are beside it, in pixels.
+pub const SCREEN_ERROR: f64 = 1.0 / 1024.0;
+
+/// How far the rays of a pixel are from its centre: half a pixel, and the error of both coordinates and rays with
+/// something to spare.
+const REACH: f64 = 0.5 + 1.0 / 64.0;
+
+/// The margin in pixels between the primitives and the border of the picture.
+const MARGIN: f64 = 2.0;
+
+/// The largest ratio of a coordinate across the view of a point light to the depth.
+const MAX_STEEPNESS: f64 = 4.0;
+
+/// The error of a pixel coordinate is less than this many roundings of the coordinates involved, in pixels at the least
+/// depth. A difference has one, its product with an axis four, the depth and the division as many times
+/// [`MAX_STEEPNESS`], and the axes are orthogonal to within eight. The direction of a shadow ray has five, and its
+/// origin is moved by at most 32.
+const ROUNDINGS: f64 = 256.0;
+
+/// Where a point is in the picture.
+#[derive(Clone, Copy)]
+pub struct Projected {
+    /// In pixels, relative to the middle of the picture.
+    pub at: DVec2,
+    /// An affine function of `at` on each plane, from 0 to 3 on the primitives, that is larger for what is nearer to the
+    /// light.
+    pub nearness: f64,
+}
+
+/// The picture that a light sees.
+#[derive(Clone, Copy, Debug)]
+pub struct LightView {
+    /// The light, or a point among the primitives if the light is infinitely far away.
+    origin: DVec3,
+    /// The unit vector from the light.
+    toward: DVec3,
+    /// The vectors across, in pixels per unit of length, or per unit of the tangent for a point light.
+    axes: [DVec3; 2],
+    /// The least depth of the primitives of a point light; none for a directional one.
+    min_depth: Option<f64>,
+    /// Upper bound on the distance of the primitives from `origin`.
+    max_distance: f64,
+    /// The largest coordinate of a point whose place in the picture is known.
+    max_abs_position: f64,
+    /// The number of pixels along each side.
+    size: usize,
+}
+
+impl LightView {
+    /// The picture of what is in this box; none if a point light is too close to it, or if numbers are too large or too
+    /// small.
+    pub fn new(light: &Light, bounds: &Aabb, size: usize) -> Option<Self> {
+        let center = 0.5 * (bounds.min + bounds.max);
+        let (origin, toward, is_point) = match *light {
+            Light::Directional { direction, .. } => (center, direction, false),
+            Light::Point { position, .. } => (position, (center - position).normalize_or_zero(), true),
+        };
+        let corners = bounds.corners().map(|corner| corner - origin);
+        let max_distance = 1.000_001 * corners.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let min_depth = corners.map(|corner| corner.dot(toward)).into_iter().fold(f64::INFINITY, f64::min);
+        let min_depth = is_point.then_some(min_depth);
+        if min_depth.is_some_and(|depth| max_distance > MAX_STEEPNESS * depth) {
+            return None;
+        }
+        let axes = across(toward, bounds.max - bounds.min);
+        let mut view = Self { origin, toward, axes, min_depth, max_distance, max_abs_position: 0.0, size };
+        let extent = bounds.corners().map(|corner| view.project(corner).at.abs());
+        let extent = extent.into_iter().fold(DVec2::ZERO, DVec2::max);
+        let scale = (0.5 * size as f64 - MARGIN) / extent;
+        view.axes = [scale.x * view.axes[0], scale.y * view.axes[1]];
+        view.max_abs_position = view.usable_position()?;
+        let largest = bounds.min.abs().max(bounds.max.abs()).max(origin.abs()).max_element();
+        (largest <= view.max_abs_position).then_some(view)
+    }
+
+    /// The largest coordinate for which the errors are below [`SCREEN_ERROR`].
+    fn usable_position(&self) -> Option<f64> {
+        let per_unit = self.axes[0].length().max(self.axes[1].length()) / self.min_depth.unwrap_or(1.0);
+        let largest = SCREEN_ERROR / (ROUNDINGS * UNIT_ROUNDOFF * per_unit);
+        (1e-100..1e100).contains(&largest).then_some(largest)
+    }
+
+    /// The pixels of the picture.
+    pub fn screen(&self) -> Screen {
+        let middle = DVec2::splat(0.5 * self.size as f64 - 0.5);
+        Screen { middle, width: self.size, reach: REACH }
+    }
+
+    /// Where a point is in the picture. It must be ahead of a point light.
+    #[inline(always)]
+    pub fn project(&self, point: DVec3) -> Projected {
+        let from_origin = point - self.origin;
+        let depth = from_origin.dot(self.toward);
+        let at = DVec2::new(from_origin.dot(self.axes[0]), from_origin.dot(self.axes[1]));
+        match self.min_depth {
+            Some(min_depth) => Projected { at: at / depth, nearness: min_depth / depth },
+            None => Projected { at, nearness: 2.0 - depth / self.max_distance },
+        }
+    }
+
+    /// The pixel through which a ray from a point to the light passes on its way past the primitives.
+    #[inline(always)]
+    pub fn pixel(&self, point: DVec3) -> Place {
+        let largest = point.abs().max_element();
+        // Written so that a NaN is unknown.
+        if !(largest <= self.max_abs_position) {
+            return Place::Unknown;
+        }
+        if let Some(min_depth) = self.min_depth
+            && (point - self.origin).dot(self.toward) < 0.5 * min_depth
+        {
+            return Place::Outside;
+        }
+        let pixel = self.project(point).at + 0.5 * self.size as f64;
+        let size = self.size as f64;
+        if pixel.min_element() >= 0.0 && pixel.max_element() < size {
+            Place::Pixel([pixel.x as usize, pixel.y as usize])
+        } else if pixel.is_nan() {
+            Place::Unknown
+        } else {
+            Place::Outside
+        }
+    }
+}
+
+/// Where a ray to the light is in the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In this column and row.
+    Pixel([usize; 2]),
+    /// Beside all primitives.
+    Outside,
+    /// Rounding errors may be too large.
+    Unknown,
+}
+
+/// Two unit vectors at right angles to `toward` and to each other. The first is about along the longest side of a box
+/// that is not along `toward`, so that an oblong box fills the picture.
+fn across(toward: DVec3, sides: DVec3) -> [DVec3; 2] {
+    let beside = DVec3::AXES.map(|axis| axis - axis.dot(toward) * toward);
+    let seen = |k: usize| sides[k] * beside[k].length();
+    let longest = (0..3).fold(0, |best, k| if seen(k) > seen(best) { k } else { best });
+    let first = beside[longest].normalize_or_zero();
+    [first, toward.cross(first).normalize_or_zero()]
+}

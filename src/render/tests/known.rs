@@ -1,0 +1,54 @@
+//! What is known without casting a ray, by rasterization from the camera and from the lights: pictures are the same as
+//! those of the course's mode, which casts every ray.
+
+use super::*;
+use crate::mode::Course;
+use crate::trace::{Effects, Shadows};
+
+/// A wall that stands between the point light and a part of the floor.
+const WALL: &str = "Plane { normal 1 0.1 0.3 offset -1.1 }";
+
+const EGG: &str = "Transform { Translate 0.8 0.2 0.6 Scale 1 1 0.5 Sphere { center 0 0 0 radius 0.4 } }";
+
+/// The pictures of a request, and those of the course's mode.
+fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
+    let scene = parse(text).unwrap();
+    let world = World::new(&scene, &[]).unwrap();
+    let caster = Caster::new(&world, None).unwrap();
+    let camera = Camera::new(&scene.camera, request.size);
+    let fast = render_in_memory::<_, Quiet>(&camera, &caster, View::Scene, request).unwrap().0;
+    let course = caster.in_mode::<Course>();
+    [fast, render_in_memory::<_, Counts>(&camera, &course, View::Scene, request).unwrap().0]
+}
+
+#[test]
+fn pictures_are_those_of_rays_that_are_cast() {
+    for (other, sampler, size) in [
+        ("", Sampler::CENTER, [270, 250]),
+        ("", jittered(9), [91, 90]),
+        (WALL, jittered(4), [130, 130]),
+        (SPHERE, Sampler::CENTER, [270, 250]),
+        (EGG, jittered(9), [90, 91]),
+        ("", ADAPTIVE, [130, 130]),
+        (WALL, ADAPTIVE, [129, 131]),
+    ] {
+        let scene = scene(other);
+        let effects = Effects { shadows: Shadows::Opaque, shade_back: true, ..Effects::default() };
+        let filter = Filter::Gaussian { sigma: 0.4 };
+        let adaptive = further(sampler);
+        let request = Request { effects, sampler, adaptive, filter, ..Request::new(size) };
+        let [fast, course] = both(&scene, &request);
+        assert!(fast == course, "{other} {sampler:?}");
+        let without = Request { effects: Effects { shadows: Shadows::None, ..effects }, ..request };
+        assert!(both(&scene, &without)[0] != fast, "{other} {sampler:?}");
+    }
+}
+
+#[test]
+fn transparent_shadows_are_cast() {
+    let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
+    let scene =
+        scene("").replace("diffuseColor 1 0.5 0.2", "diffuseColor 1 0.5 0.2 transparentColor 0.5 0.5 0.9");
+    let [fast, course] = both(&scene, &Request { effects, ..Request::new([270, 250]) });
+    assert!(fast == course);
+}
