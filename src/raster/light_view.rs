@@ -98,7 +98,7 @@ impl LightView {
         Screen { middle, width: self.size, reach: REACH }
     }
 
-    /// Where a point is in the picture. It must be ahead of a point light.
+    /// Where a point is in the picture.
     #[inline(always)]
     pub fn project(&self, point: DVec3) -> Projected {
         let from_origin = point - self.origin;
@@ -110,25 +110,17 @@ impl LightView {
         }
     }
 
-    /// The pixel through which a ray from a point to the light passes on its way past the primitives.
+    /// The pixel through which a ray from a point to the light passes on its way past the primitives. One that starts
+    /// between them and a point light, or behind it, hits none of them, whichever pixel it is taken for.
     #[inline(always)]
     pub fn pixel(&self, point: DVec3) -> Place {
-        let largest = point.abs().max_element();
-        // Written so that a NaN is unknown.
-        if !(largest <= self.max_abs_position) {
-            return Place::Unknown;
-        }
-        if let Some(min_depth) = self.min_depth
-            && (point - self.origin).dot(self.toward) < 0.5 * min_depth
-        {
-            return Place::Outside;
-        }
+        // Also false for a NaN.
+        let is_usable = point.abs().max_element() <= self.max_abs_position;
         let pixel = self.project(point).at + 0.5 * self.size as f64;
-        let size = self.size as f64;
-        if pixel.min_element() >= 0.0 && pixel.max_element() < size {
-            Place::Pixel([pixel.x as usize, pixel.y as usize])
-        } else if pixel.is_nan() {
+        if !is_usable {
             Place::Unknown
+        } else if pixel.min_element() >= 0.0 && pixel.max_element() < self.size as f64 {
+            Place::Pixel([pixel.x as usize, pixel.y as usize])
         } else {
             Place::Outside
         }

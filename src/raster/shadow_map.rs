@@ -129,7 +129,7 @@ fn edge_functions(corners: [Projected; 3]) -> Option<EdgeFunctions> {
     let area = (b - a).perp_dot(c - a);
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     let edge_error_bound = 8.0 * SCREEN_ERROR * (longest + 2.0);
-    if !(area.abs() > 2.0 * edge_error_bound) {
+    if area.abs() <= 2.0 * edge_error_bound {
         return None;
     }
     let edges = [(b, c), (c, a), (a, b)].map(|(p, q)| {

@@ -1,0 +1,89 @@
+//! How many rows a strip has, and what it keeps.
+
+use super::*;
+use crate::camera::Camera;
+use crate::grid::Caster;
+use crate::mode::Fast;
+use crate::render::View;
+use crate::sampling::adaptive::Adaptive;
+use crate::sampling::filter::Filter;
+use crate::scene::parser::parse;
+use crate::stats::Quiet;
+use crate::world::World;
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+
+/// Calls `check` with the setting of a request on one thread.
+fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -> T + Send) -> T {
+    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 } Group { numObjects 0 }";
+    let scene = parse(text).unwrap();
+    let world = World::new(&scene, &[]).unwrap();
+    let caster = Caster::new(&world, None).unwrap();
+    let camera = Camera::new(&scene.camera, request.size);
+    let spare = Spare::default();
+    let setting = Setting {
+        camera: &camera,
+        caster: &caster,
+        view: View::Scene,
+        request,
+        spare: &spare,
+        shadow_maps: None,
+    };
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
+}
+
+#[test]
+fn a_strip_has_as_many_rows_as_the_memory_holds() {
+    let rows = |layers: &[Layer], filter, end, first| {
+        let request = Request { layers: layers.to_vec(), filter, ..Request::new([1 << 16, 1 << 12]) };
+        with_setting(&request, |setting| Strip::below(setting, end, first).rows)
+    };
+    let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
+    // Memory for 32 rows of 2^16 colours of 24 bytes.
+    assert_eq!(rows(&[Layer::Color], one, 4096, 0), 4064..4096);
+    assert_eq!(rows(&[Layer::Color], one, 4096, 4080), 4080..4096);
+    assert_eq!(rows(&[Layer::Color], one, 20, 0), 0..20);
+    assert_eq!(rows(&[Layer::Color, Layer::Normals, Layer::Color], one, 4096, 0), 4086..4096);
+    assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4088..4096);
+    assert_eq!(rows(&[Layer::Samples { zoom: 9 }], one, 4096, 0), 4095..4096);
+    assert_eq!(rows(&[Layer::Filter { zoom: 2 }], one, 4096, 0), 0..4096);
+    // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
+    assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
+    assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4064..4096);
+}
+
+#[test]
+fn memory_that_is_used_again_does_not_grow_with_the_rows() {
+    for filter in [Filter::PIXEL, Filter::Box { radius: 1.5 }] {
+        let layers = vec![Layer::Color, Layer::Normals, Layer::Color];
+        let request = Request { layers, filter, ..Request::new([3, 1000]) };
+        let lists = with_setting(&request, |setting| {
+            let goes_on = |_| ControlFlow::Continue(());
+            let tally = Tally::new(1000, &goes_on);
+            let mut end = 1000;
+            while end > 0 {
+                let strip = Strip { setting, rows: end - 100..end };
+                strip.render::<Quiet, Infallible>(&tally, &mut |_, _| Ok(())).unwrap();
+                end -= 100;
+            }
+            setting.spare.count()
+        });
+        assert!((1..=100).contains(&lists), "{filter:?} {lists}");
+    }
+}
+
+#[test]
+fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() {
+    let rows = |filter, adaptive, width| {
+        let request = Request { filter, adaptive, ..Request::new([width, 1 << 12]) };
+        with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
+    };
+    let widths = [1 << 10, 1 << 16, 1 << 30];
+    assert_eq!(widths.map(|width| rows(Filter::PIXEL, None, width)), [32, 16, 1]);
+    // Each of the three rows of sums takes as many bytes for a pixel as the row itself.
+    assert_eq!(rows(Filter::Box { radius: 1.5 }, None, 1 << 16), 4);
+    let adaptive = Some(Adaptive { most: 16, error: 1.0 });
+    let expected = (32 << 20) / ((32 + BYTES_PER_PIXEL) << 10);
+    assert!(expected > 32);
+    assert_eq!(rows(Filter::PIXEL, adaptive, 1 << 10), expected);
+}
