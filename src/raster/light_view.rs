@@ -119,7 +119,8 @@ impl LightView {
         let pixel = self.project(point).at + 0.5 * self.size as f64;
         if !is_usable {
             Place::Unknown
-        } else if pixel.min_element() >= 0.0 && pixel.max_element() < self.size as f64 {
+        } else if pixel.max_element() < self.size as f64 {
+            // A negative coordinate becomes 0, where the margin is.
             Place::Pixel([pixel.x as usize, pixel.y as usize])
         } else {
             Place::Outside

@@ -175,3 +175,39 @@ fn there_are_maps_only_where_they_pay_and_numbers_are_usual() {
         }
     }
 }
+
+/// The edge functions and the nearness of a triangle whose vertices are somewhat beside their true places.
+#[test]
+fn the_error_bounds_cover_what_vertices_are_off() {
+    let mut spread = Spread(7.0);
+    let (mut largest_edge, mut largest_depth) = (0.0, 0.0);
+    for size in (0..4000).map(|k| [0.5, 3.0, 40.0, 200.0][k % 4]) {
+        let vertex = |spread: &mut Spread| Projected {
+            at: size * spread.vector().truncate(),
+            nearness: 1.5 + spread.number(),
+        };
+        let corners = [(); 3].map(|()| vertex(&mut spread));
+        // Off by as much as is allowed along both axes.
+        let off = |corner: Projected| {
+            let signs = spread.vector().truncate().signum();
+            Projected { at: corner.at + SCREEN_ERROR * signs, ..corner }
+        };
+        let moved = corners.map(off);
+        let [Some(computed), Some(exact)] = [corners, moved].map(edge_functions) else { continue };
+        let weights = [spread.number(), spread.number(), spread.number()];
+        let sum: f64 = weights.iter().sum();
+        let inside = (0..3).map(|k| moved[k].at * weights[k] / sum).sum::<glam::DVec2>();
+        for (edge, true_edge) in computed.edges.iter().zip(&exact.edges) {
+            let error = (edge.at(inside.x, inside.y) - true_edge.at(inside.x, inside.y)).abs();
+            largest_edge = f64::max(largest_edge, error / computed.edge_error_bound);
+        }
+        let [depth, true_depth] = [&computed, &exact].map(|functions| &functions.inv_depth_plane);
+        let error =
+            (depth.inv_depth.at(inside.x, inside.y) - true_depth.inv_depth.at(inside.x, inside.y)).abs();
+        largest_depth = f64::max(largest_depth, error / depth.error_bound.at(0.0));
+    }
+    assert!(
+        (0.2..1.0).contains(&largest_edge) && (0.2..1.0).contains(&largest_depth),
+        "{largest_edge} {largest_depth}"
+    );
+}
