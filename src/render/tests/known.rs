@@ -5,8 +5,8 @@ use super::*;
 use crate::mode::Course;
 use crate::trace::{Effects, Shadows};
 
-/// A wall that stands between the point light and a part of the floor.
-const WALL: &str = "Plane { normal 1 0.1 0.3 offset -1.1 }";
+/// A wall between the lights and all that the camera sees.
+const WALL: &str = "Plane { normal 1 0.1 0.3 offset 1.5 }";
 
 const EGG: &str = "Transform { Translate 0.8 0.2 0.6 Scale 1 1 0.5 Sphere { center 0 0 0 radius 0.4 } }";
 
