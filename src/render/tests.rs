@@ -107,6 +107,7 @@ fn a_window_shows_its_part_of_the_whole_picture_in_every_layer() {
         ("", jittered(3), Filter::PIXEL),
         (SPHERE, jittered(2), Filter::Tent { radius: 2.7 }),
         (SPHERE, Sampler::CENTER, Filter::PIXEL),
+        ("", ADAPTIVE, Filter::PIXEL),
         (SPHERE, ADAPTIVE, Filter::PIXEL),
         (SPHERE, ADAPTIVE, Filter::Gaussian { sigma: 0.7 }),
     ] {
