@@ -35,6 +35,18 @@ pub trait PacketRay {
     fn set_visible(&mut self, visible: Option<Visible>);
 }
 
+impl<R: PacketRay> PacketRay for &mut R {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        (**self).ray()
+    }
+
+    #[inline(always)]
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        (**self).set_visible(visible);
+    }
+}
+
 /// The number of rays that are set up together, one in each SIMD lane.
 const GROUP: usize = 4;
 

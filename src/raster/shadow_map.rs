@@ -51,9 +51,8 @@ pub struct ShadowMaps(Vec<Option<ShadowMap>>);
 /// The number of pixels along a side: so few that a map stays in the cache.
 const SIZE: usize = 256;
 
-/// There are at least so many rays to a light for each pixel and for each triangle, or there are no maps. According to
-/// measurements they take more time than they save otherwise.
-const RAYS_PER_PIXEL: usize = 1;
+/// There are at least so many rays to a light for each triangle, and one for each pixel, or there are no maps. According
+/// to measurements they take more time than they save otherwise.
 const RAYS_PER_TRIANGLE: usize = 64;
 
 impl ShadowMaps {
@@ -62,7 +61,7 @@ impl ShadowMaps {
     pub fn new(world: &World, rays: usize) -> Self {
         // The light side of spheres is unsure.
         let has_flat_surfaces = !world.triangles.is_empty() || !world.planes.is_empty();
-        let pays = rays >= RAYS_PER_PIXEL * SIZE * SIZE && rays / RAYS_PER_TRIANGLE >= world.triangles.len();
+        let pays = rays >= SIZE * SIZE && rays / RAYS_PER_TRIANGLE >= world.triangles.len();
         if world.finite_count() == 0 || !has_flat_surfaces || !pays {
             return Self::default();
         }

@@ -28,18 +28,6 @@ pub struct Sample {
     pub surface: Option<SurfacePoint>,
 }
 
-impl PacketRay for &mut Sample {
-    #[inline(always)]
-    fn ray(&self) -> &Ray {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn set_visible(&mut self, visible: Option<Visible>) {
-        self.visible = visible;
-    }
-}
-
 impl PacketRay for Sample {
     #[inline(always)]
     fn ray(&self) -> &Ray {
