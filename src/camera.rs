@@ -19,16 +19,22 @@ pub struct Camera {
     size: DVec2,
 }
 
-/// The origin of all camera rays of a perspective camera, and their directions as an affine function of the
-/// pixel.
-///
-/// The direction through the centre of the pixel in column i of row j is `direction + (i - middle.x) right +
-/// (j - middle.y) up`, before it is normalised.
+/// How the rays through the pixels' centres depend on the pixel. For the one in column i of row j, let the way across be
+/// `(i - middle.x) right + (j - middle.y) up`.
+#[derive(Clone, Copy, Debug)]
+pub enum Projection {
+    /// All rays start at the eye. The way across is added to their direction, which is normalised then.
+    Perspective(Eye),
+    /// All rays have the same direction. The way across is added to their origin.
+    Orthographic(Eye),
+}
+
+/// The ray in the middle of the picture, and the steps from there to the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye {
-    /// The origin of the rays.
+    /// The origin of the ray.
     pub center: DVec3,
-    /// The direction to the middle of the picture.
+    /// Its direction, a unit vector.
     pub direction: DVec3,
     /// The step from one pixel's centre to that of the next pixel in the row.
     pub right: DVec3,
@@ -39,13 +45,14 @@ pub struct Eye {
 }
 
 impl Camera {
-    /// The eye of a perspective camera; none for an orthographic one.
-    pub fn eye(&self) -> Option<Eye> {
+    /// How the camera's rays depend on the pixel.
+    pub fn projection(&self) -> Projection {
         let Self { center, direction, .. } = *self;
         let longer = self.size.max_element();
         let (right, up) = (self.horizontal / longer, self.vertical / longer);
         let middle = 0.5 * self.size - 0.5;
-        self.is_perspective.then_some(Eye { center, direction, right, up, middle })
+        let eye = Eye { center, direction, right, up, middle };
+        if self.is_perspective { Projection::Perspective(eye) } else { Projection::Orthographic(eye) }
     }
 
     /// The camera for a picture with this width and height in pixels. The longer side spans the square
@@ -154,18 +161,23 @@ mod tests {
     }
 
     #[test]
-    fn the_eye_is_where_the_rays_of_a_perspective_camera_start() {
-        let [orthographic, perspective] = oblique();
+    fn rays_are_as_the_projection_says() {
         for size in [[6, 3], [3, 8]] {
-            assert!(Camera::new(&orthographic, size).eye().is_none());
-            let camera = Camera::new(&perspective, size);
-            let eye = camera.eye().unwrap();
+            let [orthographic, perspective] = oblique().map(|camera| Camera::new(&camera, size));
+            let Projection::Perspective(eye) = perspective.projection() else { panic!("{size:?}") };
+            let Projection::Orthographic(sheet) = orthographic.projection() else { panic!("{size:?}") };
             for pixel in [DVec2::ZERO, DVec2::new(2.0, 1.0), DVec2::new(1.0, 2.0)] {
-                let offset = pixel - eye.middle;
-                let expected = (eye.direction + offset.x * eye.right + offset.y * eye.up).normalize();
-                let ray = camera.ray(pixel, DVec2::ZERO);
+                let across = |eye: Eye| {
+                    let offset = pixel - eye.middle;
+                    offset.x * eye.right + offset.y * eye.up
+                };
+                let ray = perspective.ray(pixel, DVec2::ZERO);
+                let expected = (eye.direction + across(eye)).normalize();
                 assert!((expected - ray.direction).length() < 1e-15, "{pixel}");
                 assert_eq!(ray.origin, eye.center);
+                let ray = orthographic.ray(pixel, DVec2::ZERO);
+                assert!((sheet.center + across(sheet) - ray.origin).length() < 1e-14, "{pixel}");
+                assert_eq!(ray.direction, sheet.direction);
             }
         }
     }

@@ -56,6 +56,11 @@ impl Bins {
         Ok(Self { rows: rows.clone(), parts: parts.collect::<Result<_, NoMemory>>()? })
     }
 
+    /// The rows that the tiles fill.
+    pub fn rows(&self) -> Range<usize> {
+        self.rows.clone()
+    }
+
     /// The number of pixels in the bounds of all triangles.
     pub fn pixels(&self) -> usize {
         self.parts.iter().flatten().fold(0usize, |pixels, bin| pixels.saturating_add(bin.pixels))

@@ -154,7 +154,7 @@ mod tests {
             scale: 0.5,
             axes: [DVec3::X, DVec3::Y],
             max_direction_length: 3.0,
-            screen: Screen { middle: eye.middle, width: 8, reach: 0.0 },
+            screen: Screen { middle: eye.middle, width: 8, reach: 0.0, nothing: 0.0 },
             rows: 0..8,
         };
         let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });

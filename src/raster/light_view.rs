@@ -4,6 +4,7 @@
 //! coordinates of points are accurate to a small fraction of a pixel, or there is no such picture.
 
 use super::Screen;
+use super::flat_triangle::Projected;
 use crate::math::aabb::Aabb;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::Light;
@@ -28,16 +29,6 @@ const MAX_STEEPNESS: f64 = 4.0;
 /// [`MAX_STEEPNESS`], and the axes are orthogonal to within eight. The direction of a shadow ray has five, and its
 /// origin is moved by at most 32.
 const ROUNDINGS: f64 = 256.0;
-
-/// Where a point is in the picture.
-#[derive(Clone, Copy)]
-pub struct Projected {
-    /// In pixels, relative to the middle of the picture.
-    pub at: DVec2,
-    /// An affine function of `at` on each plane, from 0 to 3 on the primitives, that is larger for what is nearer to the
-    /// light.
-    pub nearness: f64,
-}
 
 /// The picture that a light sees.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +86,7 @@ impl LightView {
     /// The pixels of the picture.
     pub fn screen(&self) -> Screen {
         let middle = DVec2::splat(0.5 * self.size as f64 - 0.5);
-        Screen { middle, width: self.size, reach: REACH }
+        Screen { middle, width: self.size, reach: REACH, nothing: 0.0 }
     }
 
     /// Where a point is in the picture.

@@ -1,6 +1,6 @@
 //! Primary visibility by rasterization: the triangles and planes are projected onto the pixels.
 //!
-//! If all camera rays start at one eye, and one of them goes through each pixel's centre, it is much cheaper
+//! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much cheaper
 //! to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
 //! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error
 //! bounds are proved in `proofs/raster_*.g`.
@@ -11,7 +11,9 @@
 
 mod bins;
 mod edge_functions;
+mod flat_triangle;
 mod light_view;
+mod parallel_view;
 mod shadow_map;
 mod tile;
 mod triangle_bounds;
@@ -20,7 +22,7 @@ mod tests;
 #[cfg(test)]
 mod worst_cases;
 
-use crate::camera::{Camera, Eye};
+use crate::camera::{Camera, Eye, Projection};
 use crate::grid::Caster;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
@@ -29,7 +31,9 @@ use crate::mode::Mode;
 use crate::world::{Primitive, World};
 use bins::Bins;
 use edge_functions::{EdgeFunctions, InvDepthPlane};
+use flat_triangle::Projected;
 use glam::{DVec2, DVec3};
+use parallel_view::ParallelView;
 use rayon::prelude::*;
 use std::ops::Range;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
@@ -109,28 +113,29 @@ impl VisibilityBuffer {
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }
-        let viewport = Viewport::new(camera.eye()?, world.bounds, width, rows.clone(), footprint)?;
-        let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
-        world.vertices.par_iter().map(|&v| ScreenVertex::of(v, &viewport)).collect_into_vec(&mut vertices);
-        let bounds_of = |id: u32| TriangleBounds::new(&viewport, world, &vertices, id);
-        let bins = Bins::new(&rows, count, bounds_of).ok()?;
-        if bins.pixels() > PIXELS_PER_RAY * pixels {
-            return None;
-        }
-        let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(&viewport, plane));
-        let planes = memory::collected(planes).ok()?;
-        let edge_functions = |id: u32| EdgeFunctions::new(&viewport, world.corners(id as usize));
-        let drawn = bins.draw(viewport.screen, edge_functions, |tile| {
-            planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
-        });
-        Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids: drawn.ok()? })
+        let visible_ids = match camera.projection() {
+            Projection::Perspective(eye) => {
+                drawn_from_eye(&Viewport::new(eye, world.bounds, width, rows.clone(), footprint)?, world)?
+            }
+            Projection::Orthographic(eye) => {
+                let view = ParallelView::new(eye, &world.bounds, width, footprint)?;
+                drawn_in_parallel(&view, world, &rows)?
+            }
+        };
+        Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
     }
 
     /// Whether the camera's rays are such as can be found by rasterization, and the world
     /// has no other finite primitives than triangles.
     pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
         let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
-        camera.eye().is_some() && world.finite_count() == world.triangles.len() && !is_large
+        let is_accurate = match camera.projection() {
+            Projection::Perspective(_) => true,
+            Projection::Orthographic(eye) => {
+                ParallelView::new(eye, &world.bounds, width, Footprint::Pixel).is_some()
+            }
+        };
+        world.finite_count() == world.triangles.len() && !is_large && is_accurate
     }
 
     /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
@@ -149,6 +154,48 @@ impl VisibilityBuffer {
             },
         }
     }
+}
+
+/// What the pixels show to rays from an eye, or none as in [`VisibilityBuffer::new`].
+fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
+    let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
+    world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
+    let bounds_of = |id: u32| TriangleBounds::new(viewport, world, &vertices, id);
+    let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of).ok()?;
+    let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
+    let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
+    drawn(&bins, viewport.screen, memory::collected(planes).ok()?, world, edge_functions)
+}
+
+/// The same for parallel rays.
+fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
+    let mut vertices: Vec<Projected> = memory::with_room(world.vertices.len()).ok()?;
+    world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
+    let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
+    let bounds_of = |id: u32| {
+        TriangleBounds::ahead(&view.screen, rows, corners(id).map(|corner| corner.on(&view.screen)), id)
+    };
+    let bins = Bins::new(rows, world.triangles.len(), bounds_of).ok()?;
+    let planes = world.planes.iter().map(|plane| view.plane(plane));
+    let edge_functions = |id: u32| flat_triangle::edge_functions(corners(id), view.screen_error);
+    drawn(&bins, view.screen, memory::collected(planes).ok()?, world, edge_functions)
+}
+
+/// What the pixels show of these triangles and planes.
+fn drawn(
+    bins: &Bins,
+    screen: Screen,
+    planes: Vec<InvDepthPlane>,
+    world: &World,
+    edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
+) -> Option<Vec<u32>> {
+    if bins.pixels() > PIXELS_PER_RAY * screen.width * bins.rows().len() {
+        return None;
+    }
+    let drawn = bins.draw(screen, edge_functions, |tile| {
+        planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
+    });
+    drawn.ok()
 }
 
 /// The projection onto the rows that are drawn.
@@ -175,6 +222,8 @@ struct Screen {
     width: usize,
     /// How far rays are from the centres of their pixels along an axis, in pixels.
     reach: f64,
+    /// The inverse depth at which nothing is seen: not more than that of anything that is.
+    nothing: f32,
 }
 
 impl Viewport {
@@ -192,7 +241,7 @@ impl Viewport {
         let is_usual = (1e-60..1e60).contains(&scale)
             && max_direction_length < 1e12
             && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        let screen = Screen { middle: eye.middle, width, reach: footprint.reach() };
+        let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0 };
         is_usual.then_some(Self { eye, scale, axes, max_direction_length, screen, rows })
     }
 

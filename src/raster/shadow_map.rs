@@ -4,19 +4,13 @@
 //! The triangles are drawn as the light sees them, as on whole pixels of a picture: a pixel is certain if nothing is in
 //! it, or if one triangle covers it and is the nearest of all of them. A ray to the light from a point in the pixel then
 //! hits nothing, or that triangle or nothing. All other rays have to be cast, among them those near spheres. So shadows
-//! are as exact as without maps.
-//!
-//! *Error bounds.* A vertex is off by at most e = [`SCREEN_ERROR`] along each axis. For vertices a and b and a point q, the
-//! edge function (a - q) x (b - q) is then off by at most 1.42 e (|a - q| + |b - q|) + 2 e^2. The interpolated nearness
-//! of a point within the triangle is off by at most the change that moving a vertex makes: e for each axis times the
-//! slope. The roundings of both are far smaller if the triangle's area exceeds the error of an edge function.
+//! are as exact as without maps. How exact the pictures are is said in [`light_view`](super::light_view) and [`flat_triangle`](super::flat_triangle).
 
-use super::Affine;
 use super::bins::Bins;
-use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
-use super::light_view::{LightView, Place, Projected, SCREEN_ERROR};
+use super::flat_triangle::{Projected, edge_functions};
+use super::light_view::{LightView, Place, SCREEN_ERROR};
 use super::tile::{self, Tile};
-use super::triangle_bounds::{ScreenVertex, Span, TriangleBounds};
+use super::triangle_bounds::{Span, TriangleBounds};
 use super::{NOTHING, UNSURE};
 use crate::math::aabb::Aabb;
 use crate::memory::{self, NoMemory};
@@ -106,41 +100,19 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Result<Vec<u32>, NoM
     let (screen, rows) = (view.screen(), 0..SIZE);
     let mut vertices: Vec<Projected> = memory::with_room(world.vertices.len())?;
     world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
-    let on_screen = |point: Projected| ScreenVertex::at(point.at + screen.middle, point.nearness);
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
     let bins = Bins::new(&rows, world.triangles.len(), |id| {
-        TriangleBounds::ahead(&screen, &rows, corners(id).map(on_screen), id)
+        TriangleBounds::ahead(&screen, &rows, corners(id).map(|corner| corner.on(&screen)), id)
     })?;
     let spans = boxes.iter().map(|bounds| {
-        let corners = bounds.corners().map(|corner| on_screen(view.project(corner)));
+        let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));
         [0, 1].map(|axis| Span::around(corners, axis, &rows, screen.reach))
     });
     let spans = memory::collected(spans)?;
     let mark = |tile: &mut Tile| {
         spans.iter().for_each(|[columns, rows]| tile.mark_unsure(columns.range(), rows.range()));
     };
-    bins.draw(screen, |id| edge_functions(corners(id)), mark)
-}
-
-/// The edge functions of a triangle and its nearness in place of the inverse depth; none where it may be seen edge on.
-fn edge_functions(corners: [Projected; 3]) -> Option<EdgeFunctions> {
-    let [a, b, c] = corners.map(|corner| corner.at);
-    let area = (b - a).perp_dot(c - a);
-    let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-    let edge_error_bound = 8.0 * SCREEN_ERROR * (longest + 2.0);
-    if area.abs() <= 2.0 * edge_error_bound {
-        return None;
-    }
-    let edges = [(b, c), (c, a), (a, b)].map(|(p, q)| {
-        let along = area.signum() * (q - p);
-        Affine { constant: along.y * p.x - along.x * p.y, per_x: -along.y, per_y: along.x }
-    });
-    let [x, y, z] = [0, 1, 2].map(|k| edges[k].scaled(corners[k].nearness / area.abs()));
-    let nearness = x.plus(y).plus(z);
-    // The nearness is at most 3, so that a millionth is far more than its roundings.
-    let error = 3e-6 + 4.0 * nearness.variation(SCREEN_ERROR);
-    let inv_depth_plane = InvDepthPlane { inv_depth: nearness, error_bound: ErrorBound([error, 0.0, 0.0]) };
-    Some(EdgeFunctions { edges, edge_error_bound, inv_depth_plane })
+    bins.draw(screen, |id| edge_functions(corners(id), SCREEN_ERROR), mark)
 }
 
 #[cfg(test)]

@@ -25,7 +25,8 @@ pub struct Tile<'c> {
     rows: Range<usize>,
     /// The distance in the lists from one row to the next, which leaves room for `LANES` pixels after a row.
     stride: usize,
-    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or 0 where there is none.
+    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or the screen's `nothing` where there is
+    /// none.
     min_inv_depths: Vec<f32>,
     /// An upper bound on it.
     max_inv_depths: Vec<f32>,
@@ -104,7 +105,7 @@ impl<'c> Tile<'c> {
         visible_ids: &'c mut [u32],
     ) -> Result<Self, NoMemory> {
         let rows = first_row..first_row + visible_ids.len() / stride;
-        let far = || memory::filled(0.0, TILE_ROWS * stride);
+        let far = || memory::filled(screen.nothing, TILE_ROWS * stride);
         Ok(Self { screen, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
     }
 

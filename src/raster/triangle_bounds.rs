@@ -232,7 +232,7 @@ mod tests {
             scale: 1.0,
             axes: [8.0 * DVec3::X, 8.0 * DVec3::Y],
             max_direction_length: 2.0,
-            screen: Screen { middle: DVec2::splat(3.5), width: 8, reach: 0.0 },
+            screen: Screen { middle: DVec2::splat(3.5), width: 8, reach: 0.0, nothing: 0.0 },
             rows: 0..8,
         }
     }

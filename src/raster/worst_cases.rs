@@ -5,7 +5,7 @@ mod screen;
 
 use super::edge_functions::{EdgeFunctions, InvDepthPlane, normals_and_volume, volume_error_bound};
 use super::{Footprint, Viewport};
-use crate::camera::{Camera, Eye};
+use crate::camera::{Camera, Eye, Projection};
 use crate::math::aabb::Aabb;
 use crate::math::double_double::{Dd, cross, difference, dot};
 use crate::math::ray::Ray;
@@ -38,8 +38,8 @@ fn view(
 ) -> Option<(Camera, Viewport)> {
     let angle = libm::exp10(log_angle).min(179.0);
     let camera = Camera::new(&scene::Camera::Perspective { center, direction, up, angle }, size);
-    let viewport =
-        Viewport::new(camera.eye()?, Aabb::around(corners), size[0], 0..size[1], Footprint::Center)?;
+    let Projection::Perspective(eye) = camera.projection() else { return None };
+    let viewport = Viewport::new(eye, Aabb::around(corners), size[0], 0..size[1], Footprint::Center)?;
     Some((camera, viewport))
 }
 

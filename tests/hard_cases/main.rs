@@ -16,6 +16,7 @@ mod near_lights;
 mod offsets;
 mod planes;
 mod raster;
+mod raster_parallel;
 mod secondary_rays;
 mod shading;
 mod shading_output;

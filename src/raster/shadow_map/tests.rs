@@ -193,7 +193,11 @@ fn the_error_bounds_cover_what_vertices_are_off() {
             Projected { at: corner.at + SCREEN_ERROR * signs, ..corner }
         };
         let moved = corners.map(off);
-        let [Some(computed), Some(exact)] = [corners, moved].map(edge_functions) else { continue };
+        let [Some(computed), Some(exact)] =
+            [corners, moved].map(|corners| edge_functions(corners, SCREEN_ERROR))
+        else {
+            continue;
+        };
         let weights = [spread.number(), spread.number(), spread.number()];
         let sum: f64 = weights.iter().sum();
         let inside = (0..3).map(|k| moved[k].at * weights[k] / sum).sum::<glam::DVec2>();

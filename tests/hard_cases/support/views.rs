@@ -9,7 +9,7 @@ use raytracer::scene;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
 
-/// A view from an eye at any position.
+/// A view from an eye, or the middle of an orthographic camera, at any position.
 pub struct View {
     pub size: [usize; 2],
     pub eye: DVec3,
@@ -40,6 +40,24 @@ impl View {
         Self { size, eye, direction, camera: Camera::new(&camera, size), scale }
     }
 
+    /// Of an orthographic camera, mostly about as large as the scene around it.
+    pub fn parallel(rng: &mut Rng) -> Self {
+        let direction = if rng.below(3) == 0 { DVec3::NEG_Z } else { rng.direction() };
+        let up = if rng.below(3) == 0 { DVec3::Y } else { rng.direction() };
+        Self::parallel_along(rng, direction, up)
+    }
+
+    /// The same with this direction and this way up.
+    pub fn parallel_along(rng: &mut Rng, direction: DVec3, up: DVec3) -> Self {
+        let size = [8 + rng.below(40), 8 + rng.below(40)];
+        let scale = f64::powi(2.0, rng.below(60) as i32 - 30);
+        let eye = scale * if rng.below(2) == 0 { DVec3::ZERO } else { 1e4 * rng.in_cube() };
+        let exponent = if rng.below(4) == 0 { rng.range(-6.0, 6.0) } else { rng.range(-0.5, 0.5) };
+        let across = scale * f64::powf(10.0, exponent);
+        let camera = scene::Camera::Orthographic { center: eye, direction, up, size: across };
+        Self { size, eye, direction, camera: Camera::new(&camera, size), scale }
+    }
+
     pub fn some_pixel(&self, rng: &mut Rng) -> [usize; 2] {
         self.size.map(|n| rng.below(n))
     }
@@ -54,11 +72,18 @@ impl View {
                 let beside = DVec2::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
                 let beside = if rng.below(4) == 0 { DVec2::ZERO } else { beside };
                 let ray = self.camera.ray(pixel + beside, DVec2::ZERO);
-                mesh.vertices.push(ray.at(depth * rng.range(0.99, 1.01)));
+                mesh.vertices.push(ray.at(self.depth_unit() * depth * rng.range(0.99, 1.01)));
             }
             mesh.triangles.push([first, first + 1, first + 2]);
         }
         world_of_mesh(&mesh)
+    }
+
+    /// The unit of depths at which small triangles are.
+    fn depth_unit(&self) -> f64 {
+        let corners = [[0, 0], self.size].map(|pixel| self.ray(pixel).origin);
+        let across = (corners[1] - corners[0]).length();
+        if across > 0.0 { across } else { 1.0 }
     }
 
     pub fn pixels(&self) -> impl Iterator<Item = [usize; 2]> {

@@ -1,0 +1,110 @@
+//! The picture of an orthographic camera. Nothing is clipped, since such a camera also sees what is behind it.
+//!
+//! *Error bounds.* A point's coordinates are off because of the roundings of the point, the axes and the ray that is cast,
+//! a few of the largest coordinate, and because the camera's axes are not quite orthogonal. The distances along rays are
+//! off by the roundings of the ray's test, up to [`T_ROUNDINGS`] of them. There is no view where the sum
+//! of all of them may exceed a small fraction of a pixel, or of the depth of the finite primitives.
+
+use super::edge_functions::{ErrorBound, InvDepthPlane};
+use super::flat_triangle::{NEARNESS_ERROR, Projected};
+use super::{Affine, Footprint, Screen};
+use crate::camera::Eye;
+use crate::math::aabb::Aabb;
+use crate::math::robust::UNIT_ROUNDOFF as U;
+use crate::primitive::edge_functions::T_ROUNDINGS;
+use crate::primitive::plane::Plane;
+use glam::{DVec2, DVec3};
+
+/// The largest error of a coordinate, in pixels.
+const MAX_SCREEN_ERROR: f64 = 1.0 / 1024.0;
+
+/// The largest error of a depth, in units of the radius of the primitives' bounds.
+const MAX_DEPTH_ERROR: f64 = 0.5 * NEARNESS_ERROR;
+
+/// The error of a coordinate or a depth is less than this many roundings of the largest number involved.
+const ROUNDINGS: f64 = 2.0 * T_ROUNDINGS;
+
+/// What an orthographic camera sees.
+pub struct ParallelView {
+    eye: Eye,
+    /// The vectors across, in pixels per unit of length.
+    axes: [DVec3; 2],
+    /// The middle of the primitives' bounds.
+    middle: DVec3,
+    /// Upper bound on the distance of the primitives from there.
+    radius: f64,
+    /// The largest coordinate and distance involved.
+    extent: f64,
+    /// Upper bound on the error of the coordinates of a point in the picture, in pixels.
+    pub screen_error: f64,
+    pub screen: Screen,
+}
+
+impl ParallelView {
+    /// None if errors may be too large.
+    pub fn new(eye: Eye, bounds: &Aabb, width: usize, footprint: Footprint) -> Option<Self> {
+        let middle = 0.5 * (bounds.min + bounds.max);
+        let radius = 1.000_001 * (bounds.max - middle).length();
+        let lengths = [eye.right, eye.up].map(DVec3::length);
+        let across = (eye.middle.x + 1.0) * lengths[0] + (eye.middle.y + 1.0) * lengths[1];
+        let distance = (middle - eye.center).length() + radius + across;
+        let extent = distance + eye.center.abs().max_element();
+        let [right, up] = [eye.right / lengths[0], eye.up / lengths[1]];
+        let cosines = [right.dot(up), right.dot(eye.direction), up.dot(eye.direction)];
+        let skew = cosines.map(f64::abs).iter().sum::<f64>();
+        let error = (skew + ROUNDINGS * U) * extent;
+        let pixels_per_unit = 1.0 / lengths[0].min(lengths[1]);
+        let screen_error = pixels_per_unit * error + interpolation_error(pixels_per_unit * distance);
+        let screen = Screen {
+            middle: eye.middle,
+            width,
+            reach: footprint.reach() + screen_error,
+            nothing: f32::NEG_INFINITY,
+        };
+        // All comparisons are false for a NaN.
+        let is_usual = (1e-100..1e100).contains(&radius)
+            && (1e-100..1e100).contains(&pixels_per_unit)
+            && screen_error < MAX_SCREEN_ERROR
+            && error < MAX_DEPTH_ERROR * radius;
+        let axes = [eye.right, eye.up].map(|step| step / step.length_squared());
+        is_usual.then_some(Self { eye, axes, middle, radius, extent, screen_error, screen })
+    }
+
+    /// Where a point is in the picture.
+    pub fn project(&self, point: DVec3) -> Projected {
+        let across = point - self.eye.center;
+        Projected {
+            at: DVec2::new(across.dot(self.axes[0]), across.dot(self.axes[1])),
+            nearness: 2.0 - (point - self.middle).dot(self.eye.direction) / self.radius,
+        }
+    }
+
+    /// The nearness of a plane, which has no limits.
+    pub fn plane(&self, plane: &Plane) -> InvDepthPlane {
+        let Eye { center, direction, right, up, .. } = self.eye;
+        // The ray's test computes the same rate from the same numbers, so both share its error.
+        let rate = plane.normal.dot(direction);
+        let t = Affine {
+            constant: plane.ahead_of(center) - (self.middle - center).dot(direction) * rate,
+            per_x: -plane.normal.dot(right),
+            per_y: -plane.normal.dot(up),
+        };
+        let depth = t.scaled(1.0 / (rate * self.radius));
+        let nearness = Affine { constant: 2.0 - depth.constant, ..depth.scaled(-1.0) };
+        let largest = self.extent + plane.offset.abs();
+        let error_bound = ErrorBound([
+            NEARNESS_ERROR + ROUNDINGS * U * largest / (rate * self.radius).abs(),
+            ROUNDINGS * U,
+            0.0,
+        ]);
+        InvDepthPlane { inv_depth: nearness, error_bound }
+    }
+}
+
+/// The error of coordinates that is assumed for triangles up to so many pixels from the middle, because of the roundings
+/// of interpolated numbers: a billionth for those of [`flat_triangle`](super::flat_triangle). With the other part a
+/// triangle that is not seen edge on has more than the area, relative to the squared distance, with which the error of
+/// the ray's t is [`T_ROUNDINGS`].
+fn interpolation_error(pixels: f64) -> f64 {
+    1e-9 * pixels + 1e-13 * pixels * pixels
+}
