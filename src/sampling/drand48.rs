@@ -28,21 +28,46 @@ impl Drand48 {
         (self.state & 0xFFFF == 0x330E).then_some((self.state >> 16) as u32)
     }
 
-    /// The generator after `steps` draws, in as many operations as `steps` has bits (Brown, "Random
-    /// Number Generation with Arbitrary Strides", Trans. Am. Nucl. Soc. 71, 1994).
-    pub fn jumped(self, mut steps: u64) -> Self {
-        let (mut factor, mut addend) = (MULTIPLIER, INCREMENT);
-        let mut state = self.state;
-        // x -> factor x + addend is the map of 2^k steps at bit k.
+    /// The generator after `steps` draws.
+    pub fn jumped(self, steps: u64) -> Self {
+        self.after(Jump::of(steps))
+    }
+
+    /// The generator after a jump.
+    #[inline(always)]
+    pub fn after(self, jump: Jump) -> Self {
+        Self { state: affine(jump.factor, jump.addend, self.state) }
+    }
+}
+
+/// Many draws at once: the map x -> factor x + addend of the generator's state.
+#[derive(Clone, Copy, Debug)]
+pub struct Jump {
+    factor: u64,
+    addend: u64,
+}
+
+impl Jump {
+    /// A jump of so many draws, in as many operations as `steps` has bits (Brown, "Random Number Generation
+    /// with Arbitrary Strides", Trans. Am. Nucl. Soc. 71, 1994).
+    pub fn of(mut steps: u64) -> Self {
+        let mut all = Self { factor: 1, addend: 0 };
+        // A jump of 2^k steps at bit k.
+        let mut power = Self { factor: MULTIPLIER, addend: INCREMENT };
         while steps > 0 {
             if steps & 1 == 1 {
-                state = affine(factor, addend, state);
+                all = all.then(power);
             }
-            addend = affine(factor, addend, addend);
-            factor = factor.wrapping_mul(factor) & MASK;
+            power = power.then(power);
             steps >>= 1;
         }
-        Self { state }
+        all
+    }
+
+    /// This jump and then another one.
+    fn then(self, next: Self) -> Self {
+        let factor = next.factor.wrapping_mul(self.factor) & MASK;
+        Self { factor, addend: affine(next.factor, next.addend, self.addend) }
     }
 }
 

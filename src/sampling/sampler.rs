@@ -1,7 +1,7 @@
 //! Samplers: the positions of the samples within a pixel.
 
 use super::adaptive::Adaptive;
-use super::drand48::Drand48;
+use super::drand48::{Drand48, Jump};
 use glam::DVec2;
 use rand::RngExt;
 use serde::{Serialize, Serializer};
@@ -80,32 +80,88 @@ impl Sampler {
     /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
     /// course's order, column by column from the left, each from the bottom. Every sample takes two random
     /// numbers, so the generator jumps to where the preceding pixels leave it.
-    #[inline(always)]
-    pub fn offsets(self, index: u64) -> impl Iterator<Item = DVec2> {
-        let mut rng = match self.pattern {
-            Pattern::Uniform => self.rng,
-            _ => self.rng.jumped(2 * index * self.count as u64),
-        };
+    pub fn offsets(self, index: u64) -> Offsets {
+        self.pixels(index, 0).next_offsets()
+    }
+
+    /// The same of several pixels: that with the index `first`, and then each that is `step` pixels after the last one.
+    pub fn pixels(self, first: u64, step: u64) -> Pixels {
+        let draws = |pixels: u64| 2 * pixels * u64::from(self.count);
         let rows = self.count / self.columns;
         let strata = DVec2::new(self.columns as f64, rows as f64);
-        (0..self.count).map(move |s| {
-            let corner = DVec2::new((s % self.columns) as f64, (s / self.columns) as f64);
-            match self.pattern {
-                // In this form the offsets of opposite strata are exact negatives of each other.
-                Pattern::Uniform => (2.0 * corner + 1.0 - strata) / (2.0 * strata),
-                Pattern::Jittered => {
-                    let (x, y) = (rng.random(), rng.random());
-                    (corner + DVec2::new(x, y)) / strata - 0.5
-                }
-                // The course's program draws y first here.
-                Pattern::Random => {
-                    let (y, x) = (rng.random(), rng.random());
-                    DVec2::new(x, y) - 0.5
-                }
+        let rng = self.rng.jumped(draws(first));
+        let Self { pattern, count, .. } = self;
+        let offsets = Offsets { pattern, rng, strata, corner: DVec2::ZERO, left: count };
+        Pixels { offsets, jump: Jump::of(draws(step)) }
+    }
+}
+
+/// The offsets of the samples of several pixels, at equal steps in the course's order.
+#[derive(Clone, Debug)]
+pub struct Pixels {
+    /// Those of the next pixel.
+    offsets: Offsets,
+    /// What the generator draws from one pixel to the next.
+    jump: Jump,
+}
+
+impl Pixels {
+    /// The offsets of the next pixel.
+    #[inline(always)]
+    pub fn next_offsets(&mut self) -> Offsets {
+        let offsets = self.offsets.clone();
+        self.offsets.rng = offsets.rng.after(self.jump);
+        offsets
+    }
+}
+
+/// The offsets of a pixel's samples from its centre.
+#[derive(Clone, Debug)]
+pub struct Offsets {
+    pattern: Pattern,
+    rng: Drand48,
+    /// The numbers of columns and rows of strata.
+    strata: DVec2,
+    /// The column and the row of the next sample's stratum.
+    corner: DVec2,
+    /// The number of samples that are left.
+    left: u32,
+}
+
+// Not a closure, which would not be compiled for the instructions of the caller.
+impl Iterator for Offsets {
+    type Item = DVec2;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<DVec2> {
+        self.left = self.left.checked_sub(1)?;
+        let (strata, corner) = (self.strata, self.corner);
+        self.corner.x += 1.0;
+        if self.corner.x == strata.x {
+            self.corner = DVec2::new(0.0, corner.y + 1.0);
+        }
+        Some(match self.pattern {
+            // In this form the offsets of opposite strata are exact negatives of each other.
+            Pattern::Uniform => (2.0 * corner + 1.0 - strata) / (2.0 * strata),
+            Pattern::Jittered => {
+                let (x, y) = (self.rng.random(), self.rng.random());
+                (corner + DVec2::new(x, y)) / strata - 0.5
+            }
+            // The course's program draws y first here.
+            Pattern::Random => {
+                let (y, x) = (self.rng.random(), self.rng.random());
+                DVec2::new(x, y) - 0.5
             }
         })
     }
+
+    #[inline(always)]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.left as usize, Some(self.left as usize))
+    }
 }
+
+impl ExactSizeIterator for Offsets {}
 
 #[cfg(test)]
 mod tests {
@@ -158,6 +214,22 @@ mod tests {
             for offset in offsets(Pattern::Random, 3, index) {
                 let (y, x): (f64, f64) = (rng.random(), rng.random());
                 assert_eq!(offset, DVec2::new(x, y) - 0.5);
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_at_equal_steps_have_their_own_offsets() {
+        for (pattern, count) in [(Pattern::Random, 5), (Pattern::Jittered, 12), (Pattern::Uniform, 3)] {
+            let sampler = Sampler::new(pattern, count, Drand48::seeded(3));
+            for (first, step) in [(0, 1), (7, 480), (123_456, 0)] {
+                let mut pixels = sampler.pixels(first, step);
+                for k in 0..20 {
+                    let mut offsets = pixels.next_offsets();
+                    assert_eq!(offsets.len(), count as usize);
+                    assert!(sampler.offsets(first + k * step).eq(offsets.by_ref()));
+                    assert_eq!((offsets.len(), offsets.next()), (0, None));
+                }
             }
         }
     }
