@@ -1,0 +1,98 @@
+//! Sums of batches against those of single samples.
+
+use super::*;
+use crate::sampling::drand48::Drand48;
+use crate::sampling::sampler::{Pattern, Sampler};
+
+#[test]
+fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
+    let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
+    let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
+    let mut spread = Spread::new(filter, Instructions::Portable, y, size).unwrap();
+    spread.add(x, offset, Color::splat(2.0), 1.0);
+    assert_eq!(spread.target_rows, 1..=4);
+    for (row, sums) in spread.sums() {
+        for (column, sum) in sums.iter().enumerate() {
+            let position = DVec2::new(1.0 - column as f64, 3.0 - row as f64) + offset;
+            // The support is two pixels along each axis.
+            let weight = if column <= 3 { filter.weight(position) } else { 0.0 };
+            let mut expected = Sum::default();
+            expected.add(weight, Color::splat(2.0));
+            assert_eq!(*sum, expected, "{column} {row}");
+        }
+    }
+}
+
+/// Colours of every magnitude, and some that are infinite or NaN if `exceptions` says so.
+fn color(k: usize, exceptions: bool) -> Color {
+    let x = (k as f64 * 0.618_033_988_749_894_9).fract();
+    match k % 19 {
+        5 if exceptions => Color::new(f64::NAN, x, 0.0),
+        11 if exceptions => Color::new(x, f64::NEG_INFINITY, f64::INFINITY),
+        _ => Color::new(x, -x, libm::exp2(200.0 * x - 100.0)),
+    }
+}
+
+/// The part of its pixel that a sample stands for.
+fn area(k: usize) -> f64 {
+    [1.0, 0.25, 0.0625, 1.0 / 1024.0][k % 4]
+}
+
+/// Adds the samples of a row one by one to a spread and to sums, and compares these to the bit.
+fn check_row(filter: Filter, sampler: Sampler, row: usize, size: [usize; 2], exceptions: bool) {
+    let support = filter.support();
+    let reached = |target: usize, own: usize| target.abs_diff(own) <= support;
+    let samples: Vec<(usize, DVec2)> = (0..size[0])
+        .flat_map(|x| sampler.offsets((x * size[1] + row) as u64).map(move |offset| (x, offset)))
+        .collect();
+    for instructions in Instructions::available() {
+        let mut spread = Spread::new(filter, instructions, row, size).unwrap();
+        for (k, (x, offset)) in samples.iter().enumerate() {
+            spread.add(*x, *offset, color(k, exceptions), area(k));
+        }
+        let rows: Vec<usize> = spread.sums().map(|(target, _)| target).collect();
+        assert_eq!(rows, (0..size[1]).filter(|target| reached(*target, row)).collect::<Vec<_>>());
+        for (target_row, sums) in spread.sums() {
+            for (target_column, sum) in sums.iter().enumerate() {
+                let mut expected = Sum::default();
+                for (k, (x, offset)) in
+                    samples.iter().enumerate().filter(|(_, s)| reached(target_column, s.0))
+                {
+                    let weight = weight_for([target_column, target_row], filter, [*x, row], *offset);
+                    expected.add(weight * area(k), color(k, exceptions));
+                }
+                assert_eq!(sum.bits(), expected.bits(), "{filter:?} {sampler:?} {size:?} {target_column}");
+            }
+        }
+    }
+}
+
+#[test]
+fn batches_have_the_sums_of_single_samples() {
+    for size in [[7, 5], [1, 9], [40, 1], [3, 3]] {
+        for (pattern, count) in
+            [(Pattern::Uniform, 1), (Pattern::Jittered, 3), (Pattern::Random, 16), (Pattern::Jittered, 21)]
+        {
+            let sampler = Sampler::new(pattern, count, Drand48::UNSEEDED);
+            for radius in [0.51, 1.0, 2.7, 6.0] {
+                let gaussian = Filter::Gaussian { sigma: radius / 2.0 };
+                for filter in
+                    [Filter::Box { radius }, Filter::Tent { radius }, gaussian, Filter::Mitchell { radius }]
+                {
+                    check_row(filter, sampler, size[1] / 2, size, false);
+                    check_row(filter, sampler, size[1] - 1, size, true);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_largest_spread_takes_the_bytes_that_are_announced() {
+    for (radius, size) in [(2.7, [3, 9]), (9.0, [3, 4])] {
+        let filter = Filter::Box { radius };
+        let spread = |row| Spread::new(filter, Instructions::Portable, row, size).unwrap();
+        let largest = (0..size[1]).map(|row| size_of_val(&*spread(row).sums)).max();
+        assert_eq!(largest, Some(Spread::bytes(filter, size)));
+    }
+}
