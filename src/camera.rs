@@ -1,7 +1,9 @@
 //! The camera: generates the primary ray of each sample.
 
+use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
+use crate::math::vectors4::Vectors4;
 use crate::scene;
 use glam::{DVec2, DVec3};
 
@@ -93,6 +95,35 @@ impl Camera {
             Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center + across, self.direction) }
         }
     }
+
+    /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres. They have the
+    /// bits of [`ray`](Self::ray).
+    #[inline(always)]
+    pub(crate) fn rays<F: F64x4>(
+        &self,
+        proof: F::Proof,
+        columns: [usize; 4],
+        row: usize,
+        offsets: [DVec2; 4],
+    ) -> [Ray; 4] {
+        let [o, p, q, r] = offsets;
+        let middle = 0.5 * self.size;
+        let longer = F::splat(proof, self.size.max_element());
+        let left = F::new(proof, columns.map(|column| column as f64 + 0.5 - middle.x));
+        let below = F::splat(proof, row as f64 + 0.5 - middle.y);
+        let x = (left + F::new(proof, [o.x, p.x, q.x, r.x])) / longer;
+        let y = (below + F::new(proof, [o.y, p.y, q.y, r.y])) / longer;
+        let across = Vectors4::splat(proof, self.horizontal).times(x);
+        let across = across.plus(Vectors4::splat(proof, self.vertical).times(y));
+        if self.is_perspective {
+            let directions = Vectors4::splat(proof, self.direction).plus(across).normalized();
+            directions.to_array().map(|direction| Ray::new(self.center, direction))
+        } else {
+            let origins = Vectors4::splat(proof, self.center).plus(across);
+            let ray = Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center, self.direction) };
+            origins.to_array().map(|origin| Ray { origin, ..ray })
+        }
+    }
 }
 
 #[cfg(test)]
@@ -179,6 +210,45 @@ mod tests {
                 assert!((sheet.center + across(sheet) - ray.origin).length() < 1e-14, "{pixel}");
                 assert_eq!(ray.direction, sheet.direction);
             }
+        }
+    }
+
+    fn aims_four_as_one<F: F64x4>(proof: F::Proof) {
+        let [orthographic, perspective] = oblique();
+        let far = scene::Camera::Perspective {
+            center: DVec3::new(1e150, -1e-150, 0.0),
+            direction: DVec3::new(1e-200, 2e-200, -3e-200),
+            up: DVec3::new(1e200, 0.0, 0.0),
+            angle: 179.99,
+        };
+        for camera in [orthographic, perspective, far] {
+            for size in [[6, 3], [1, 1], [1000, 1001], [3, 100_000_000]] {
+                let camera = Camera::new(&camera, size);
+                for k in 0..200 {
+                    let row = k * 7919 % size[1];
+                    let columns = [k, k + 1, 3 * k, k].map(|column| column % size[0]);
+                    let offset = |lane: usize| {
+                        let part = ((k * 4 + lane) as f64 * 0.618_033_988_749_894_9).fract();
+                        DVec2::new(part - 0.5, [-0.5, 0.0, 0.3 - part, 0.5f64.next_down()][lane])
+                    };
+                    let offsets = [0, 1, 2, 3].map(offset);
+                    let rays = camera.rays::<F>(proof, columns, row, offsets);
+                    for (ray, (column, offset)) in rays.iter().zip(columns.into_iter().zip(offsets)) {
+                        let expected = camera.ray(DVec2::new(column as f64, row as f64), offset);
+                        let bits = |ray: &Ray| ray.pairs().map(|p| p.to_array().map(f64::to_bits));
+                        assert_eq!(bits(ray), bits(&expected), "{column} {row} {offset}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn four_rays_have_the_bits_of_single_ones() {
+        aims_four_as_one::<crate::math::f64x4::Scalar>(crate::math::instructions::Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            aims_four_as_one::<crate::math::avx::Avx>(proof);
         }
     }
 }

@@ -233,34 +233,38 @@ impl World {
     /// weights suffice for its surface.
     #[inline(always)]
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
-        let weights = |i| triangle::Shear::new(ray).weights(self.corners_in_place(i));
+        // A closure would not be compiled for the instructions of the caller.
+        let weights = match self.primitive(primitive) {
+            Primitive::Triangle(i) => triangle::Shear::new(ray).weights(self.corners_in_place(i)),
+            _ => None,
+        };
         self.surface_with(ray, t_bound, primitive, weights)
     }
 
     /// The surface at a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        self.surface_with(ray, hit.t, hit.primitive, |_| hit.weights)
+        self.surface_with(ray, hit.t, hit.primitive, hit.weights)
     }
 
-    /// The surface of a primitive at `t`. `weights` computes the barycentric weights of a triangle's hit.
+    /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
     #[inline(always)]
-    fn surface_with(
-        &self,
-        ray: &Ray,
-        t: f64,
-        primitive: u32,
-        weights: impl FnOnce(usize) -> Option<[f64; 3]>,
-    ) -> SurfacePoint {
+    fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
         let along = ray.at(t);
         let (normal, position) = match self.primitive(primitive) {
-            Primitive::Triangle(i) => self.triangle_surface(i, weights(i), along),
+            Primitive::Triangle(i) => self.triangle_surface(i, weights, along),
             Primitive::Sphere(i) => self.spheres[i].surface(ray, along),
             Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
-        let triangle = (primitive < self.triangles.len() as u32).then_some(primitive);
+        let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
         SurfacePoint { position, normal, material, primitive: Some(primitive), triangle }
+    }
+
+    /// Whether the primitive with this id is a triangle.
+    #[inline(always)]
+    pub fn is_triangle(&self, primitive: u32) -> bool {
+        primitive < self.triangles.len() as u32
     }
 
     /// The normal and the position on a triangle. The position is interpolated from the vertices, because the

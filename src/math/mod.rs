@@ -14,6 +14,7 @@ pub(crate) mod prefetch;
 pub mod ray;
 pub mod robust;
 pub mod scaled;
+pub(crate) mod vectors4;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
 #[cfg(test)]

@@ -62,7 +62,7 @@ pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
     let largest = |p: f64, q: f64, r: f64| max3([p.abs(), q.abs(), r.abs()]);
     let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
     let extent = across + largest(a.z, b.z, c.z);
-    EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE * (HUGE * extent * across) + MIN_EDGE_ERROR_BOUND
+    SCALED_EDGE_ROUNDINGS * (HUGE * extent * across) + MIN_EDGE_ERROR_BOUND
 }
 
 /// The error bound of an edge function in units of u M (M + Z). The thousandth is for the roundings of the
@@ -70,10 +70,13 @@ pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
 const EDGE_ROUNDINGS: f64 = 7.001;
 
 /// A factor that makes the bound overflow before the edge functions do.
-const HUGE: f64 = power_of_two(500);
+pub const HUGE: f64 = power_of_two(500);
+
+/// The error bound in units of `HUGE` M (M + Z).
+pub const SCALED_EDGE_ROUNDINGS: f64 = EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE;
 
 /// The least error bound, which covers underflow.
-const MIN_EDGE_ERROR_BOUND: f64 = power_of_two(-300);
+pub const MIN_EDGE_ERROR_BOUND: f64 = power_of_two(-300);
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)

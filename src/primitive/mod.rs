@@ -5,3 +5,4 @@ pub mod ellipsoid;
 pub mod plane;
 pub mod sphere;
 pub mod triangle;
+pub(crate) mod triangle4;

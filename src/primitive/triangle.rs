@@ -170,15 +170,15 @@ impl<'r> Shear<'r> {
     }
 }
 
+/// The squared tangent of the angle between two edges at which their rounding changes the normal by 2^-20.
+pub const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
+/// The squared length of the cross product of two edges above which underflow does not matter.
+pub const SHORT: f64 = 1e-280;
+
 /// The outward unit normal; the vertices run counter-clockwise seen from outside. Its error is at most 2^-20
 /// for every triangle with an area. It is NaN for a triangle without one.
 #[inline(always)]
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    /// The squared tangent of the angle between two edges at which their rounding changes the normal by
-    /// 2^-20.
-    const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
-    /// The squared length of the cross product above which underflow does not matter.
-    const SHORT: f64 = 1e-280;
     let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
     let square = normal.length_squared();

@@ -6,6 +6,7 @@ use super::sample_packet::{Sample, SamplePacket};
 use super::spare::Spare;
 use crate::camera::Camera;
 use crate::grid::Caster;
+use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
@@ -19,12 +20,13 @@ use crate::stats::Probe;
 use crate::trace::{Memory, Observer, Tracer};
 use crate::world::{SurfacePoint, World};
 use adaptive::Refinement;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use plot::plots;
 use std::ops::Range;
 
 pub mod adaptive;
 mod dispatch;
+mod measure;
 mod plot;
 
 /// The result of tracing a row of pixels.
@@ -107,9 +109,10 @@ impl<M: Mode> Setting<'_, M> {
         j: usize,
         is_shown: bool,
     ) -> Result<Painter<'a, M, P>, NoMemory> {
-        let Setting { request, .. } = *self;
+        let Setting { caster, request, shadow_maps, .. } = *self;
         Ok(Painter {
             setting: *self,
+            tracer: Tracer { caster, effects: request.effects, shadow_maps },
             visibility,
             is_shown,
             shown: request.columns(),
@@ -142,6 +145,7 @@ impl<M: Mode> Setting<'_, M> {
 /// Traces the pixels of one row.
 struct Painter<'a, M, P> {
     setting: Setting<'a, M>,
+    tracer: Tracer<'a, M>,
     visibility: Option<&'a VisibilityBuffer>,
     is_shown: bool,
     /// The columns of the window.
@@ -172,8 +176,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         if colors && self.refinement.is_some() {
             columns.for_each(|column| self.refine(column, packet));
         } else if colors && !sampler.is_center() {
-            columns.for_each(|column| self.take_samples(column, packet));
-            self.color_samples(packet);
+            self.take_samples(columns, packet);
         }
     }
 
@@ -198,16 +201,22 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
     #[inline(always)]
-    fn paint_centers_with(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+    fn paint_centers_with<F: F64x4>(
+        &mut self,
+        proof: F::Proof,
+        columns: Range<usize>,
+        packet: &mut SamplePacket,
+    ) {
         let Setting { camera, caster, view, request, .. } = self.setting;
         let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
         let j = self.row.j;
-        packet.push_centers(camera, columns, j);
+        packet.push_centers(columns);
+        packet.aim::<F>(proof, camera, j);
         if measures || casts {
             packet.cast(caster, self.visibility, j, &mut self.row.probe);
         }
         if request.has_normals() || casts {
-            packet.find_surfaces(caster.world);
+            packet.find_surfaces::<F>(proof, caster.world);
         }
         if measures {
             packet.samples().iter().for_each(|center| self.measure(center));
@@ -224,28 +233,40 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         (column * height + self.row.j) as u64
     }
 
-    /// Adds the samples of a pixel to a packet, and colours the packet whenever it is full.
-    fn take_samples(&mut self, column: usize, packet: &mut SamplePacket) {
-        let Request { sampler, .. } = *self.setting.request;
-        let j = self.row.j;
-        let offsets = sampler.offsets(self.index(column));
-        for (offset, count) in offsets.zip(1..) {
-            packet.push(self.setting.camera, [column, j], offset, count == sampler.count());
-            if packet.samples().len() == SamplePacket::SIZE {
-                self.color_samples(packet);
+    /// Takes the samples of the pixels in these columns, packet by packet.
+    #[inline(always)]
+    fn take_samples_with(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        let Request { sampler, size: [_, height], .. } = *self.setting.request;
+        let mut pixels = sampler.pixels(self.index(columns.start), height as u64);
+        for column in columns {
+            let mut offsets = pixels.next_offsets();
+            while let Some(offset) = offsets.next() {
+                packet.push(column, offset, offsets.len() == 0);
+                if packet.is_full() {
+                    self.color_samples(packet);
+                }
             }
         }
+        self.color_samples(packet);
     }
 
     /// Casts and colours the samples of a packet, and empties it.
     #[inline(always)]
-    fn color_samples_with(&mut self, packet: &mut SamplePacket) {
-        if matches!(self.setting.view, View::Scene) {
-            packet.cast(self.setting.caster, self.visibility, self.row.j, &mut self.row.probe);
-            packet.find_surfaces(self.setting.caster.world);
-        }
+    fn color_samples_with<F: F64x4>(&mut self, proof: F::Proof, packet: &mut SamplePacket) {
+        self.cast_samples_with::<F>(proof, packet);
         self.color::<false>(packet);
         packet.clear();
+    }
+
+    /// Casts the samples of a packet, and finds the surfaces that they hit.
+    #[inline(always)]
+    fn cast_samples_with<F: F64x4>(&mut self, proof: F::Proof, packet: &mut SamplePacket) {
+        let Setting { camera, caster, .. } = self.setting;
+        packet.aim::<F>(proof, camera, self.row.j);
+        if matches!(self.setting.view, View::Scene) {
+            packet.cast(caster, self.visibility, self.row.j, &mut self.row.probe);
+            packet.find_surfaces::<F>(proof, caster.world);
+        }
     }
 
     /// Colours the samples of a packet.
@@ -286,40 +307,14 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         }
     }
 
-    /// Adds the depth and the normal at a pixel's centre to their layers.
-    fn measure(&mut self, center: &Sample) {
-        if !self.shown.contains(&center.column) {
-            return;
-        }
-        let Setting { caster, request, .. } = self.setting;
-        let t = || center.visible.map(|visible| caster.world.hit(&center.ray, visible).t);
-        let normal = || center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
-        for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
-            match *layer {
-                Layer::Depth { near, far } => {
-                    let grey = |t: f64| (far - t.clamp(near, far)) / (far - near);
-                    colors.push(Color::splat(t().map_or(0.0, grey)));
-                }
-                Layer::Distance => colors.push(Color::splat(t().unwrap_or(f64::INFINITY))),
-                Layer::Normals => colors.push(normal().abs()),
-                Layer::SignedNormals => colors.push(normal()),
-                Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
-            }
-        }
-    }
-
     /// The colour along a ray that hits this surface first.
     #[inline(always)]
     fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
-        let Setting { caster, view, request, shadow_maps, .. } = self.setting;
-        match view {
-            View::Scene => {
-                let tracer = Tracer { caster, effects: request.effects, shadow_maps };
-                tracer.color(ray, surface, &mut self.memory, &mut self.row.probe)
-            }
+        match self.setting.view {
+            View::Scene => self.tracer.color(ray, surface, &mut self.memory, &mut self.row.probe),
             View::Cells(occupancy) => {
-                let face = occupancy.first_face(ray);
-                face.map_or(caster.world.background, |face| cell_color(&face, ray, caster.world))
+                let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
+                face.map_or(world.background, |face| cell_color(&face, ray, world))
             }
         }
     }

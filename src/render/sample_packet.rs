@@ -5,12 +5,15 @@
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::grid::packet::{PACKET_SIZE, PacketRay};
+use crate::math::f64x4::F64x4;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
+use crate::primitive::triangle4::{Hits4, Triangles4};
 use crate::raster::{Seen, VisibilityBuffer};
+use crate::scene::MaterialId;
 use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 
 /// A sample in a row of pixels, and its hit.
@@ -21,11 +24,24 @@ pub struct Sample {
     pub offset: DVec2,
     /// Whether it is the last sample of its pixel.
     pub is_last: bool,
+    /// Its ray, once it has been aimed.
     pub ray: Ray,
     /// The primitive that the ray hits first, once the ray has been cast.
     pub visible: Option<Visible>,
     /// The surface there, once it has been computed.
     pub surface: Option<SurfacePoint>,
+}
+
+impl Sample {
+    /// A sample that has not been placed.
+    const UNPLACED: Self = Self {
+        column: 0,
+        offset: DVec2::ZERO,
+        is_last: false,
+        ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
+        visible: None,
+        surface: None,
+    };
 }
 
 impl PacketRay for Sample {
@@ -41,36 +57,106 @@ impl PacketRay for Sample {
 }
 
 /// Up to [`SIZE`](Self::SIZE) samples of a row.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct SamplePacket {
-    samples: Vec<Sample>,
+    /// The places of samples, the first of which are taken. They stay where they are from one packet to the next, because
+    /// it would take longer to make whole samples than to change what is different.
+    places: [Sample; Self::SIZE],
+    count: usize,
 }
+
+impl Default for SamplePacket {
+    fn default() -> Self {
+        Self { places: [Sample::UNPLACED; Self::SIZE], count: 0 }
+    }
+}
+
+/// The place of a sample that lies on a triangle, and the triangle's id.
+#[derive(Clone, Copy, Debug, Default)]
+struct OnTriangle {
+    place: usize,
+    id: u32,
+}
+
+/// The triangles that four samples lie on.
+#[derive(Clone, Copy, Debug)]
+struct Group<F> {
+    ids: [u32; GROUP],
+    materials: [MaterialId; GROUP],
+    triangles: Triangles4<F>,
+}
+
+impl<F: F64x4> Group<F> {
+    #[inline(always)]
+    fn new(proof: F::Proof, world: &World, ids: [u32; GROUP]) -> Self {
+        let [a, b, c, d] = ids;
+        let corners = [
+            world.corners_in_place(a as usize),
+            world.corners_in_place(b as usize),
+            world.corners_in_place(c as usize),
+            world.corners_in_place(d as usize),
+        ];
+        let materials =
+            [world.material_of(a), world.material_of(b), world.material_of(c), world.material_of(d)];
+        Self { ids, materials, triangles: Triangles4::new(proof, corners) }
+    }
+}
+
+/// The number of samples that are computed together, one in each SIMD lane.
+const GROUP: usize = 4;
 
 impl SamplePacket {
     /// The maximum number of samples, which is the number of rays that are cast together.
     pub const SIZE: usize = PACKET_SIZE;
 
-    pub fn samples(&self) -> &[Sample] {
-        &self.samples
-    }
-
-    pub fn clear(&mut self) {
-        self.samples.clear();
-    }
-
-    /// Adds the centres of the pixels in these columns of row `j`.
     #[inline(always)]
-    pub fn push_centers(&mut self, camera: &Camera, columns: Range<usize>, j: usize) {
+    pub fn samples(&self) -> &[Sample] {
+        &self.places[..self.count]
+    }
+
+    #[inline(always)]
+    fn samples_mut(&mut self) -> &mut [Sample] {
+        &mut self.places[..self.count]
+    }
+
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.count == Self::SIZE
+    }
+
+    /// Adds the centres of the pixels in these columns.
+    #[inline(always)]
+    pub fn push_centers(&mut self, columns: Range<usize>) {
         for column in columns {
-            self.push(camera, [column, j], DVec2::ZERO, true);
+            self.push(column, DVec2::ZERO, true);
         }
     }
 
-    /// Adds a sample of a pixel in row `j`.
+    /// Adds a sample of the pixel in this column, unless the packet is full.
     #[inline(always)]
-    pub fn push(&mut self, camera: &Camera, [column, j]: [usize; 2], offset: DVec2, is_last: bool) {
-        let ray = camera.ray(DVec2::new(column as f64, j as f64), offset);
-        self.samples.push(Sample { column, offset, is_last, ray, visible: None, surface: None });
+    pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
+        if let Some(place) = self.places.get_mut(self.count) {
+            (place.column, place.offset, place.is_last) = (column, offset, is_last);
+            (place.visible, place.surface) = (None, None);
+            self.count += 1;
+        }
+    }
+
+    /// Computes the rays of the samples, which lie in row `j`.
+    #[inline(always)]
+    pub fn aim<F: F64x4>(&mut self, proof: F::Proof, camera: &Camera, j: usize) {
+        // Places without a sample may get any ray.
+        let (groups, _) = self.places.as_chunks_mut::<GROUP>();
+        for [a, b, c, d] in &mut groups[..self.count.div_ceil(GROUP)] {
+            let columns = [a.column, b.column, c.column, d.column];
+            let offsets = [a.offset, b.offset, c.offset, d.offset];
+            [a.ray, b.ray, c.ray, d.ray] = camera.rays::<F>(proof, columns, j, offsets);
+        }
     }
 
     /// Finds the first hit of each ray. `visibility` has those of rays through row `j`, as far as they are known.
@@ -83,10 +169,10 @@ impl SamplePacket {
         probe: &mut P,
     ) {
         let Some(visibility) = visibility else {
-            return caster.nearest_of_packet(&mut self.samples, probe);
+            return caster.nearest_of_packet(self.samples_mut(), probe);
         };
         let mut unsure = vec![];
-        for sample in &mut self.samples {
+        for sample in self.samples_mut() {
             match visibility.seen(caster.world, &sample.ray, sample.column, j) {
                 Seen::Nothing => sample.visible = None,
                 Seen::Primitive(visible) => sample.visible = Some(visible),
@@ -98,15 +184,149 @@ impl SamplePacket {
 
     /// Computes the surface that each ray hits first.
     #[inline(always)]
-    pub fn find_surfaces(&mut self, world: &World) {
-        if !world.triangles.is_empty() {
-            let visible = self.samples.iter().filter_map(|sample| sample.visible);
-            visible.for_each(|visible| world.prefetch(visible.primitive));
-        }
-        for Sample { ray, visible, surface, .. } in &mut self.samples {
-            if let Some(visible) = visible {
-                *surface = Some(world.visible_surface(ray, *visible));
+    pub fn find_surfaces<F: F64x4>(&mut self, proof: F::Proof, world: &World) {
+        let (mut on_triangles, mut count) = ([OnTriangle::default(); Self::SIZE], 0);
+        for (place, sample) in self.places[..self.count].iter_mut().enumerate() {
+            let Some(visible) = sample.visible else { continue };
+            let id = visible.primitive;
+            if world.is_triangle(id) {
+                if count == 0 || on_triangles[count - 1].id != id {
+                    world.prefetch(id);
+                }
+                on_triangles[count] = OnTriangle { place, id };
+                count += 1;
+            } else {
+                sample.surface = Some(world.visible_surface(&sample.ray, visible));
             }
+        }
+        // Neighbours often lie on the same triangles.
+        let mut last: Option<Group<F>> = None;
+        for some in on_triangles[..count].chunks(GROUP) {
+            let four = match some {
+                // Constant indices are faster than computed ones.
+                [a, b, c, d] => [*a, *b, *c, *d],
+                _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
+            };
+            let [a, b, c, d] = four;
+            let ids = [a.id, b.id, c.id, d.id];
+            if !matches!(&last, Some(group) if group.ids == ids) {
+                last = Some(Group::new(proof, world, ids));
+            }
+            if let Some(group) = &last {
+                self.find_points(proof, world, group, four, some.len());
+            }
+        }
+    }
+
+    /// Computes the surfaces of the first `count` of four samples that lie on triangles.
+    #[inline(always)]
+    fn find_points<F: F64x4>(
+        &mut self,
+        proof: F::Proof,
+        world: &World,
+        group: &Group<F>,
+        four: [OnTriangle; GROUP],
+        count: usize,
+    ) {
+        let [a, b, c, d] = four;
+        let places = &self.places;
+        let rays = [&places[a.place].ray, &places[b.place].ray, &places[c.place].ray, &places[d.place].ray];
+        let Hits4 { points, certain } = group.triangles.hits(proof, rays);
+        for (lane, OnTriangle { place, id }) in four[..count].iter().enumerate() {
+            let sample = &mut self.places[*place];
+            sample.surface = if certain & (1 << lane) != 0 {
+                Some(SurfacePoint {
+                    position: points[lane],
+                    normal: group.triangles.normals[lane],
+                    material: group.materials[lane],
+                    primitive: Some(*id),
+                    triangle: Some(*id),
+                })
+            } else {
+                sample.visible.map(|visible| surface_alone(world, &sample.ray, visible))
+            };
+        }
+    }
+}
+
+/// Computes a surface that needs exact arithmetic.
+#[cold]
+fn surface_alone(world: &World, ray: &Ray, visible: Visible) -> SurfacePoint {
+    world.visible_surface(ray, visible)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::f64x4::Scalar;
+    use crate::math::instructions::Portable;
+    use crate::scene::parser::parse;
+
+    /// Two triangles, a sphere and a plane behind them.
+    const TEXT: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 60 }
+         Materials { numMaterials 4 Material { } Material { } Material { } Material { } }
+         Group { numObjects 4
+         MaterialIndex 3 Triangle { vertex0 -2 -1 0 vertex1 0 -1 0.5 vertex2 -1 2 1 }
+         MaterialIndex 1 Triangle { vertex0 0 -1 0.5 vertex1 2 -1 0 vertex2 1 2 -1 }
+         MaterialIndex 2 Sphere { center 0 1.5 0 radius 0.7 }
+         MaterialIndex 0 Plane { normal 0 0 1 offset -3 } }";
+
+    /// A surface as numbers, whose bits are compared.
+    fn bits(surface: Option<SurfacePoint>) -> Option<([u64; 6], MaterialId, Option<u32>, Option<u32>)> {
+        let numbers = |s: SurfacePoint| [s.position.to_array(), s.normal.to_array()].concat();
+        let bits = |s| std::array::from_fn(|k| numbers(s)[k].to_bits());
+        surface.map(|s| (bits(s), s.material, s.primitive, s.triangle))
+    }
+
+    fn finds_what_each_ray_hits<F: F64x4>(proof: F::Proof) {
+        let scene = parse(TEXT).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let size = [32, 24];
+        let camera = Camera::new(&scene.camera, size);
+        let mut packet = SamplePacket::default();
+        let mut kinds = [0; 4];
+        for (j, start) in (0..size[1]).flat_map(|j| (0..size[0]).map(move |start| (j, start))) {
+            let count = 1 + (start + 5 * j) % SamplePacket::SIZE;
+            for k in 0..count {
+                // Some neighbours lie close to each other, others far apart.
+                let column = if j % 2 == 0 { start } else { (start + 3 * k) % size[0] };
+                packet.push(column, DVec2::new(k as f64 / 16.0 - 0.5, 0.25), false);
+            }
+            packet.aim::<F>(proof, &camera, j);
+            for sample in packet.samples_mut() {
+                let t = |id: u32| match world.primitive(id) {
+                    crate::world::Primitive::Triangle(i) => {
+                        crate::primitive::triangle::Shear::new(&sample.ray)
+                            .intersect(world.corners_in_place(i))
+                    }
+                    crate::world::Primitive::Sphere(i) => world.spheres[i].intersect(&sample.ray),
+                    _ => Some(100.0),
+                };
+                let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
+                sample.visible = visible.filter(|_| column_is_open(sample.column));
+            }
+            packet.find_surfaces::<F>(proof, &world);
+            for Sample { ray, visible, surface, .. } in packet.samples() {
+                let expected = visible.map(|visible| world.visible_surface(ray, visible));
+                assert_eq!(bits(*surface), bits(expected), "{ray:?}");
+                visible.iter().for_each(|visible| kinds[visible.primitive as usize] += 1);
+            }
+            packet.clear();
+        }
+        assert!(kinds.iter().all(|&count| count > 100), "{kinds:?}");
+    }
+
+    /// Whether something is seen in a column, so that some samples of a packet see nothing.
+    fn column_is_open(column: usize) -> bool {
+        !column.is_multiple_of(7)
+    }
+
+    #[test]
+    fn a_packet_has_the_surface_that_each_ray_hits() {
+        finds_what_each_ray_hits::<Scalar>(Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            finds_what_each_ray_hits::<crate::math::avx::Avx>(proof);
         }
     }
 }

@@ -5,7 +5,6 @@ use super::{Colors, Painter, Setting};
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
-use crate::render::request::View;
 use crate::render::sample_packet::{Sample, SamplePacket};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
 use crate::scene::Color;
@@ -120,7 +119,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     fn push_first(&self, column: usize, packet: &mut SamplePacket) {
         let index = self.index(column);
         for offset in self.setting.request.sampler.offsets(index) {
-            packet.push(self.setting.camera, [column, self.row.j], offset, false);
+            packet.push(column, offset, false);
         }
     }
 
@@ -149,7 +148,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         strata: &mut Strata,
         packet: &mut SamplePacket,
     ) {
-        let Setting { camera, request, .. } = self.setting;
+        let request = self.setting.request;
         let pixels = (request.size[0] * request.size[1]) as u64;
         let mut rng = request.sampler.further(self.index(column), pixels, settings.most);
         loop {
@@ -159,7 +158,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             }
             for some in new.chunks_mut(SamplePacket::SIZE) {
                 for stratum in &*some {
-                    packet.push(camera, [column, self.row.j], stratum.offset, false);
+                    packet.push(column, stratum.offset, false);
                 }
                 let mut some = some.iter_mut();
                 self.trace_colors(packet, |_, color| {
@@ -173,10 +172,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
 
     /// Traces the samples of a packet, hands out their colours, and empties the packet.
     fn trace_colors(&mut self, packet: &mut SamplePacket, mut take: impl FnMut(&Sample, Color)) {
-        if matches!(self.setting.view, View::Scene) {
-            packet.cast(self.setting.caster, self.visibility, self.row.j, &mut self.row.probe);
-            packet.find_surfaces(self.setting.caster.world);
-        }
+        self.cast_samples(packet);
         for sample in packet.samples() {
             self.row.probe.non_shadow_ray();
             take(sample, self.color_along(&sample.ray, sample.surface.as_ref()));

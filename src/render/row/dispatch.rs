@@ -3,8 +3,11 @@
 
 use super::Painter;
 #[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
+use crate::math::f64x4::Scalar;
+#[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::{Instructions, Portable};
 use crate::mode::Mode;
 use crate::render::sample_packet::SamplePacket;
 use crate::trace::Observer;
@@ -19,7 +22,19 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
                 paint_centers_avx2(avx2, self, columns, packet)
             },
-            _ => self.paint_centers_with(columns, packet),
+            _ => self.paint_centers_with::<Scalar>(Portable, columns, packet),
+        }
+    }
+
+    /// Takes the samples of the pixels in these columns.
+    pub(super) fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        match self.setting.caster.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+            Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
+                take_samples_avx2(avx2, self, columns, packet)
+            },
+            _ => self.take_samples_with(columns, packet),
         }
     }
 
@@ -31,7 +46,19 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
                 color_samples_avx2(avx2, self, packet)
             },
-            _ => self.color_samples_with(packet),
+            _ => self.color_samples_with::<Scalar>(Portable, packet),
+        }
+    }
+
+    /// Casts the samples of a packet, and finds the surfaces that they hit.
+    pub(super) fn cast_samples(&mut self, packet: &mut SamplePacket) {
+        match self.setting.caster.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+            Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
+                cast_samples_avx2(avx2, self, packet)
+            },
+            _ => self.cast_samples_with::<Scalar>(Portable, packet),
         }
     }
 }
@@ -41,18 +68,47 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn paint_centers_avx2<M: Mode, P: Observer>(
+    avx2: Avx2,
+    painter: &mut Painter<M, P>,
+    columns: Range<usize>,
+    packet: &mut SamplePacket,
+) {
+    painter.paint_centers_with::<Avx>(avx2, columns, packet);
+}
+
+/// Takes samples, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn take_samples_avx2<M: Mode, P: Observer>(
     _: Avx2,
     painter: &mut Painter<M, P>,
     columns: Range<usize>,
     packet: &mut SamplePacket,
 ) {
-    painter.paint_centers_with(columns, packet);
+    painter.take_samples_with(columns, packet);
 }
 
 /// Colours the samples of a packet, compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn color_samples_avx2<M: Mode, P: Observer>(_: Avx2, painter: &mut Painter<M, P>, packet: &mut SamplePacket) {
-    painter.color_samples_with(packet);
+fn color_samples_avx2<M: Mode, P: Observer>(
+    avx2: Avx2,
+    painter: &mut Painter<M, P>,
+    packet: &mut SamplePacket,
+) {
+    painter.color_samples_with::<Avx>(avx2, packet);
+}
+
+/// Casts the samples of a packet, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn cast_samples_avx2<M: Mode, P: Observer>(
+    avx2: Avx2,
+    painter: &mut Painter<M, P>,
+    packet: &mut SamplePacket,
+) {
+    painter.cast_samples_with::<Avx>(avx2, packet);
 }

@@ -2,6 +2,7 @@ use super::*;
 use crate::scene::Scene;
 use crate::scene::parser::parse;
 use crate::stats::Quiet;
+use glam::DVec3;
 
 const TEXT: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
      Background { color 0 0 0 ambientLight 0.25 0 0 }

@@ -1,0 +1,297 @@
+//! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
+//!
+//! The steps are those of [`Shear::weights`], [`point`] and [`normal`], so that the results have the same bits. Lanes that
+//! need exact arithmetic are left to these.
+//!
+//! [`Shear::weights`]: super::triangle::Shear::weights
+//! [`point`]: super::triangle::point
+//! [`normal`]: super::triangle::normal
+
+use super::edge_functions::{HUGE, MIN_EDGE_ERROR_BOUND, SCALED_EDGE_ROUNDINGS};
+use super::triangle::{NEEDLE, SHORT};
+use crate::math::f64x4::F64x4;
+use crate::math::ray::Ray;
+use crate::math::vectors4::Vectors4;
+use glam::DVec3;
+
+/// Four triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangles4<F> {
+    corners: [Vectors4<F>; 3],
+    /// The outward unit normals.
+    pub normals: [DVec3; 4],
+    /// The set of the triangles whose normals are accurate, bit 0 for the first one.
+    accurate: u32,
+}
+
+/// The points where four rays hit four triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Hits4 {
+    pub points: [DVec3; 4],
+    /// The set of the rays for which rounded numbers suffice, bit 0 for the first one. The points and the normals of the
+    /// others have no meaning.
+    pub certain: u32,
+}
+
+impl<F: F64x4> Triangles4<F> {
+    /// The triangles with these corners.
+    #[inline(always)]
+    pub fn new(proof: F::Proof, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
+        let a = Vectors4::new(proof, [p[0], q[0], r[0], s[0]]);
+        let b = Vectors4::new(proof, [p[1], q[1], r[1], s[1]]);
+        let c = Vectors4::new(proof, [p[2], q[2], r[2], s[2]]);
+        let (normals, accurate) = normals([a, b, c]);
+        Self { corners: [a, b, c], normals: normals.to_array(), accurate }
+    }
+
+    /// The points where each ray hits its triangle.
+    #[inline(always)]
+    pub fn hits(&self, proof: F::Proof, rays: [&Ray; 4]) -> Hits4 {
+        let [a, b, c] = self.corners;
+        let ([u, v, w], inside) = weights(proof, rays, [a, b, c]);
+        let points = a.times(u).plus(b.times(v)).plus(c.times(w)).over(u + v + w);
+        Hits4 { points: points.to_array(), certain: inside & self.accurate }
+    }
+}
+
+/// The barycentric weights, and the set of the rays that certainly pass through their triangles.
+#[inline(always)]
+fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
+    let [i, j, k, l] = rays;
+    let origin = Vectors4::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
+    let d = Vectors4::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
+    let (p, q, r) = (p.minus(origin), q.minus(origin), r.minus(origin));
+    match common_longest_axis(d) {
+        Some(0) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),
+        Some(1) => sheared_weights(zxy(d), [zxy(p), zxy(q), zxy(r)]),
+        Some(_) => sheared_weights(d, [p, q, r]),
+        None => ([d.x; 3], 0),
+    }
+}
+
+/// The axis along which all these directions are longest, as a shear chooses it; none if they differ.
+#[inline(always)]
+fn common_longest_axis<F: F64x4>(directions: Vectors4<F>) -> Option<usize> {
+    const ALL: u32 = 0b1111;
+    let Vectors4 { x, y, z } = directions.abs();
+    let not_x = x.le_mask(y) | x.le_mask(z);
+    let is_z = x.le_mask(z) & y.le_mask(z);
+    match (not_x, is_z) {
+        (0, _) => Some(0),
+        (ALL, 0) => Some(1),
+        (ALL, ALL) => Some(2),
+        _ => None,
+    }
+}
+
+#[inline(always)]
+fn yzx<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
+    Vectors4 { x: y, y: z, z: x }
+}
+
+#[inline(always)]
+fn zxy<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
+    Vectors4 { x: z, y: x, z: y }
+}
+
+/// The weights for directions that are longest along z, and vertices relative to the rays' origins.
+#[inline(always)]
+fn sheared_weights<F: F64x4>(direction: Vectors4<F>, [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
+    let scale = [direction.x / direction.z, direction.y / direction.z];
+    let (a, b, c) = (sheared(p, scale), sheared(q, scale), sheared(r, scale));
+    let (u, v, w) = (edge_function(b, c), edge_function(c, a), edge_function(a, b));
+    let (min, max) = (u.min(v).min(w), u.max(v).max(w));
+    let error_bound = edge_error_bound(a.abs().max(b.abs()).max(c.abs()));
+    let below_zero = u.broadcast(0.0) - max;
+    ([u, v, w], above(min, error_bound) | above(below_zero, error_bound))
+}
+
+/// Vertices in the sheared space.
+#[inline(always)]
+fn sheared<F: F64x4>(v: Vectors4<F>, [x, y]: [F; 2]) -> Vectors4<F> {
+    Vectors4 { x: v.x - x * v.z, y: v.y - y * v.z, z: v.z }
+}
+
+/// The edge functions of edges between sheared vertices.
+#[inline(always)]
+fn edge_function<F: F64x4>(p: Vectors4<F>, q: Vectors4<F>) -> F {
+    p.x * q.y - p.y * q.x
+}
+
+/// The error bounds of the edge functions of vertices whose coordinates are at most so large.
+#[inline(always)]
+fn edge_error_bound<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>) -> F {
+    let across = x + y;
+    let extent = across + z;
+    let splat = |number: f64| x.broadcast(number);
+    splat(SCALED_EDGE_ROUNDINGS) * (splat(HUGE) * extent * across) + splat(MIN_EDGE_ERROR_BOUND)
+}
+
+/// The unit normals, and the set of those that are accurate.
+#[inline(always)]
+fn normals<F: F64x4>([a, b, c]: [Vectors4<F>; 3]) -> (Vectors4<F>, u32) {
+    let (p, q) = (b.minus(a), c.minus(a));
+    let (normal, along) = (p.cross(q), p.dot(q));
+    let square = normal.dot(normal);
+    let splat = |number: f64| square.broadcast(number);
+    let is_wide = above(square, splat(NEEDLE) * (along * along) + splat(SHORT));
+    (normal.normalized(), is_wide & square.le_mask(splat(f64::MAX)))
+}
+
+/// The set of the lanes where `a` is above `b`. A lane with a NaN is not in it.
+#[inline(always)]
+fn above<F: F64x4>(a: F, b: F) -> u32 {
+    b.le_mask(a) & !a.le_mask(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec3, F64x4, Ray, Triangles4};
+    use crate::math::f64x4::Scalar;
+    use crate::math::instructions::Portable;
+    use crate::primitive::edge_functions::{Sides, edge_error_bound};
+    use crate::primitive::triangle::{Shear, normal, point};
+    use crate::sampling::drand48::Drand48;
+    use rand::RngExt;
+
+    /// Numbers of which some are exceptional.
+    struct Numbers(Drand48);
+
+    impl Numbers {
+        fn below(&mut self, n: usize) -> usize {
+            (self.0.random::<f64>() * n as f64) as usize
+        }
+
+        fn number(&mut self) -> f64 {
+            let x = self.0.random::<f64>() - 0.5;
+            match self.below(200) {
+                0 => f64::NAN,
+                1 => f64::INFINITY.copysign(x),
+                2 => x * 1e200,
+                3 => x * 1e-200,
+                4..10 => 0.0f64.copysign(x),
+                10..20 => (4.0 * x).round(),
+                _ => 4.0 * x,
+            }
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.number(), self.number(), self.number())
+        }
+
+        /// A triangle, of which some are thin or large or small.
+        fn triangle(&mut self) -> [DVec3; 3] {
+            let [a, b, c] = [self.vector(), self.vector(), self.vector()];
+            let scale = [1.0, 1e-90, 1e100, 1e-65, 1e-150, 1e150][[0, 0, 0, 1, 2, 3, 4, 5][self.below(8)]];
+            let c = match self.below(6) {
+                0 => a + 1e-8 * c,
+                1 => a.lerp(b, 0.3) + 1e-9 * c,
+                _ => c,
+            };
+            [a, b, c].map(|v| v * scale)
+        }
+
+        /// A ray towards a triangle, most often through its inside or its boundary.
+        fn ray(&mut self, [a, b, c]: [DVec3; 3], from: DVec3) -> Ray {
+            let [u, v] = [self.0.random::<f64>(), self.0.random()];
+            let target = match self.below(4) {
+                0 => a.lerp(b, u),
+                1 => a,
+                _ => a.lerp(b.lerp(c, u), v),
+            };
+            let towards = target - from;
+            Ray::new(from, if self.below(10) == 0 { self.vector() } else { towards })
+        }
+    }
+
+    fn bits(v: DVec3) -> [u64; 3] {
+        v.to_array().map(f64::to_bits)
+    }
+
+    /// Compares every lane that is certain with the surface of one triangle, and returns how many are certain and how
+    /// many could have been.
+    fn agree_with_one<F: F64x4>(proof: F::Proof) -> [usize; 2] {
+        let mut numbers = Numbers(Drand48::UNSEEDED);
+        let mut counts = [0; 2];
+        for k in 0..40_000 {
+            // Rays towards one triangle often point along the same axis.
+            let first = numbers.triangle();
+            let triangles: [_; 4] =
+                std::array::from_fn(|_| if k % 2 == 0 { first } else { numbers.triangle() });
+            let from = numbers.vector() * if k % 3 == 0 { 1e3 } else { 1.0 };
+            let start = |numbers: &mut Numbers| if k % 2 == 0 { from } else { numbers.vector() };
+            let rays = triangles.map(|triangle| {
+                let from = start(&mut numbers);
+                numbers.ray(triangle, from)
+            });
+            let four = Triangles4::<F>::new(proof, triangles.each_ref().map(|t| t.each_ref()));
+            let hits = four.hits(proof, rays.each_ref());
+            for (lane, (triangle, ray)) in triangles.iter().zip(&rays).enumerate() {
+                let shear = Shear::new(ray);
+                let is_certain = hits.certain & (1 << lane) != 0;
+                let sides = shear.sides(triangle.each_ref());
+                counts[1] += usize::from(sides == Sides::Inside);
+                if is_certain {
+                    counts[0] += 1;
+                    assert_eq!(sides, Sides::Inside, "{ray:?} {triangle:?}");
+                    let weights = shear.weights(triangle.each_ref()).unwrap();
+                    assert_eq!(
+                        bits(hits.points[lane]),
+                        bits(point(*triangle, weights)),
+                        "{ray:?} {triangle:?}"
+                    );
+                    assert_eq!(bits(four.normals[lane]), bits(normal(*triangle)), "{triangle:?}");
+                }
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn certain_lanes_have_the_bits_of_one_triangle() {
+        let counts = agree_with_one::<Scalar>(Portable);
+        // The others point along different axes, or at needles.
+        assert!(counts[0] > 5_000 && counts[0] < counts[1], "{counts:?}");
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            assert_eq!(agree_with_one::<crate::math::avx::Avx>(proof), counts);
+        }
+    }
+
+    #[test]
+    fn a_lane_at_the_error_bound_is_not_certain() {
+        let [a, b] = [DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
+        let bound = edge_error_bound([a, b, DVec3::Z]);
+        for (step, swap) in (-20..=20).flat_map(|step| [(step, false), (step, true)]) {
+            // Two edge functions are this large, since the third corner is so near to the ray.
+            let distance = f64::from_bits(bound.to_bits().wrapping_add_signed(step));
+            let c = DVec3::new(-distance, -distance, 1.0);
+            let triangle = if swap { [b, a, c] } else { [a, b, c] };
+            let (corners, ray) = (triangle.each_ref(), Ray::new(DVec3::ZERO, DVec3::Z));
+            let certain = Triangles4::<Scalar>::new(Portable, [corners; 4]).hits(Portable, [&ray; 4]).certain;
+            assert_eq!(Shear::new(&ray).sides(corners) == Sides::Inside, step > 0);
+            assert_eq!(certain, if step > 0 { 0b1111 } else { 0 }, "{step}");
+        }
+    }
+
+    #[test]
+    fn rays_along_different_axes_are_not_certain() {
+        let triangle = [DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0), DVec3::new(0.0, 0.0, 3.0)];
+        let towards = |target: [f64; 3]| Ray::new(DVec3::ZERO, DVec3::from_array(target));
+        let certain = |rays: [&Ray; 4]| {
+            Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, rays).certain
+        };
+        let [x, y, z] = [[1.0, 0.5, 0.6], [0.5, 1.0, 0.6], [0.6, 0.5, 1.0]].map(towards);
+        assert_eq!([&x, &y, &z].map(|ray| certain([ray; 4])), [0b1111; 3]);
+        assert_eq!([certain([&x, &x, &y, &x]), certain([&z, &y, &y, &y]), certain([&z, &z, &z, &x])], [0; 3]);
+        // Where two components are equal, a shear prefers z, and y to x.
+        for target in [[1.0, 1.0, 0.5], [1.0, 0.5, 1.0], [0.5, 1.0, 1.0], [1.0, 1.0, 1.0]] {
+            let ray = towards(target);
+            let found =
+                Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, [&ray; 4]);
+            let weights = Shear::new(&ray).weights(triangle.each_ref()).unwrap();
+            assert_eq!(found.certain, 0b1111);
+            assert_eq!(bits(found.points[0]), bits(point(triangle, weights)));
+        }
+    }
+}
