@@ -271,11 +271,13 @@ mod tests {
          MaterialIndex 2 Sphere { center 0 1.5 0 radius 0.7 }
          MaterialIndex 0 Plane { normal 0 0 1 offset -3 } }";
 
-    /// A surface as numbers, whose bits are compared.
-    fn bits(surface: Option<SurfacePoint>) -> Option<([u64; 6], MaterialId, Option<u32>, Option<u32>)> {
-        let numbers = |s: SurfacePoint| [s.position.to_array(), s.normal.to_array()].concat();
-        let bits = |s| std::array::from_fn(|k| numbers(s)[k].to_bits());
-        surface.map(|s| (bits(s), s.material, s.primitive, s.triangle))
+    /// The bits of a surface's position and normal, and its ids.
+    type Bits = ([[u64; 3]; 2], [Option<u32>; 3]);
+
+    fn bits(surface: Option<SurfacePoint>) -> Option<Bits> {
+        let bits = |v: DVec3| v.to_array().map(f64::to_bits);
+        let ids = |s: SurfacePoint| [s.primitive, s.triangle, Some(s.material as u32)];
+        surface.map(|s| ([bits(s.position), bits(s.normal)], ids(s)))
     }
 
     fn finds_what_each_ray_hits<F: F64x4>(proof: F::Proof) {
