@@ -35,7 +35,7 @@ pub struct ParallelView {
     radius: f64,
     /// The largest coordinate and distance involved.
     extent: f64,
-    /// Upper bound on the error of the coordinates of a point in the picture, in pixels.
+    /// Upper bound on the error of the coordinates of a point and of a ray in the picture, in pixels.
     pub screen_error: f64,
     pub screen: Screen,
 }
@@ -55,12 +55,8 @@ impl ParallelView {
         let error = (skew + ROUNDINGS * U) * extent;
         let pixels_per_unit = 1.0 / lengths[0].min(lengths[1]);
         let screen_error = pixels_per_unit * error + interpolation_error(pixels_per_unit * distance);
-        let screen = Screen {
-            middle: eye.middle,
-            width,
-            reach: footprint.reach() + screen_error,
-            nothing: f32::NEG_INFINITY,
-        };
+        let reach = footprint.reach();
+        let screen = Screen { middle: eye.middle, width, reach, nothing: f32::NEG_INFINITY };
         // All comparisons are false for a NaN.
         let is_usual = (1e-100..1e100).contains(&radius)
             && (1e-100..1e100).contains(&pixels_per_unit)
