@@ -19,6 +19,23 @@ use glam::DVec2;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+/// The primitive that a ray leaves.
+#[derive(Clone, Copy)]
+struct Left {
+    /// Its id, or [`triangle8::NONE`].
+    primitive: u32,
+    /// Whether it is a sphere or an ellipsoid that the ray may hit again.
+    may_return: bool,
+}
+
+impl Left {
+    #[inline(always)]
+    fn of<M: Mode>(caster: &Caster<M>, primitive: Option<u32>) -> Self {
+        let primitive = primitive.unwrap_or(triangle8::NONE);
+        Self { primitive, may_return: caster.is_round(primitive) }
+    }
+}
+
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
 pub struct Caster<'w, M = Fast> {
@@ -101,22 +118,24 @@ impl<'w, M: Mode> Caster<'w, M> {
     #[inline]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
         if let Some(left) = leaves
-            && let Some(found) = self.through(ray, left, probe)
+            && !M::AS_COURSE
+            && self.solids.stands_alone(left)
         {
-            return Some(found);
+            return self.nearest_from_alone(ray, left, probe);
         }
-        self.run::<P, false>(ray, leaves, probe)
+        self.run::<P, false>(ray, Left::of(self, leaves), probe)
     }
 
-    /// What a ray hits first on its way through the inside of a sphere or an ellipsoid that stands alone: the far side
-    /// or a plane. None if the ray leaves to the outside or leaves another primitive, or if something else may be inside.
+    /// The same for a ray that leaves a sphere or an ellipsoid that stands alone.
     #[inline]
-    fn through<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
-        if M::AS_COURSE || !self.solids.stands_alone(left) {
-            return None;
-        }
-        let far_side = Visible { primitive: left, t_bound: self.world.crossing(ray, left)? };
-        probe.intersections(1 + self.world.planes.len());
+    fn nearest_from_alone<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
+        probe.intersections(1);
+        let Some(t_bound) = self.world.crossing(ray, left) else {
+            return self.run::<P, false>(ray, Left { primitive: left, may_return: false }, probe);
+        };
+        // On its way through the inside the ray hits the far side or a plane.
+        let far_side = Visible { primitive: left, t_bound };
+        probe.intersections(self.world.planes.len());
         let planes = (self.world.first_plane()..).zip(&self.world.planes);
         Some(planes.fold(far_side, |nearest, (primitive, plane)| match plane.intersect(ray) {
             Some(t_bound) if t_bound < nearest.t_bound => Visible { primitive, t_bound },
@@ -156,7 +175,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         {
             return Some(likely);
         }
-        let found = self.run::<P, true>(ray, leaves, probe)?;
+        let found = self.run::<P, true>(ray, Left::of(self, leaves), probe)?;
         Some(found.primitive)
     }
 
@@ -195,13 +214,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     }
 
     #[inline(always)]
-    fn run<P: Probe, const ANY: bool>(
-        &self,
-        ray: &Ray,
-        leaves: Option<u32>,
-        probe: &mut P,
-    ) -> Option<Visible> {
-        let leaves = leaves.unwrap_or(triangle8::NONE);
+    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaves: Left, probe: &mut P) -> Option<Visible> {
         let best = match self.instructions {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2(avx2) => {
@@ -221,7 +234,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         &self,
         kernel: K,
         ray: Ray,
-        leaves: u32,
+        leaves: Left,
         probe: &mut P,
     ) -> Visible {
         let structure = self.structure.as_deref();
@@ -233,10 +246,10 @@ impl<'w, M: Mode> Caster<'w, M> {
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
-        let mut query = RayQuery::new(self.world, &stored, leaves);
+        let mut query = RayQuery::new(self.world, &stored, leaves.primitive);
         query.test_planes(&ray, probe);
-        if self.is_round(leaves) {
-            query.leave_round::<M, P>(leaves, probe);
+        if leaves.may_return {
+            query.leave_round::<M, P>(leaves.primitive, probe);
         }
         if ANY && query.visible().is_some() {
             return query.best;
@@ -261,7 +274,7 @@ fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
     b: DVec2,
     c: DVec2,
     d: DVec2,
-    leaves: u32,
+    leaves: Left,
     probe: &mut P,
 ) -> Visible {
     caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, probe)
