@@ -155,7 +155,7 @@ impl AccelerationStructure {
         let count = self.cells.block_count();
         let own = StructureSize {
             cells: self.table.as_ref().map_or(1, |table| table.lattice().index_count()),
-            references: self.cells.references(&blocks[..count]),
+            references: CellContents::references(&blocks[..count]),
             blocks: count,
             cost: self.cost,
         };

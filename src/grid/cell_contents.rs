@@ -15,6 +15,8 @@ use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
+mod sharing;
+
 /// Number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not
 /// load the first block to know it.
 const COUNT_BITS: u32 = 4;
@@ -24,6 +26,9 @@ const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
 /// The entry of the cell with the first nested grid. Larger entries, up to
 /// [`BORDER`](super::cell_table::BORDER), refer to the following nested grids.
 pub const NESTED: u32 = 1 << 31;
+
+/// The mean number of cells of a primitive from which on it pays to find out which of them have the same primitives.
+const CELLS_TO_SHARE: usize = 8;
 
 /// The contents of all cells. The entry of a cell with primitives holds the index of its first block and the
 /// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a nested grid.
@@ -62,6 +67,9 @@ impl CellContents {
         let mut cells = Self::of_indices(indices, Frame::new(&lattice.bounds));
         cells.encode_entries(entries, lattice);
         cells.add_non_triangles(cell_lists, prims, non_triangles)?;
+        if cell_lists.references() >= CELLS_TO_SHARE * prims.count(world) {
+            cells.share_blocks(lattice);
+        }
         Ok(cells)
     }
 
@@ -105,10 +113,10 @@ impl CellContents {
         Ok(cells)
     }
 
-    /// The number of references to primitives in all cells, whose blocks these are.
-    pub fn references(&self, blocks: &[Block]) -> usize {
-        let triangles: usize = blocks.iter().map(|block| block.index.triangles()).sum();
-        triangles + self.non_triangles.len()
+    /// The number of references to primitives in these blocks.
+    pub fn references(blocks: &[Block]) -> usize {
+        let non_triangles = |[start, end]: [u32; 2]| (end - start) as usize;
+        blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 
     /// Sets the entries of these cells, which must be empty, to those of the nested grids in order.
@@ -274,7 +282,7 @@ mod tests {
         let mut cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
         let mut blocks = vec![Block::zeroed(); cells.block_count()];
         cells.fill(&world, &mut blocks);
-        assert_eq!(cells.references(&blocks), cell_lists.references());
+        assert_eq!(CellContents::references(&blocks), cell_lists.references());
         let mut expected_blocks = 0;
         for index in 0..lattice.index_count() {
             let mut found: Vec<u32> = vec![];
