@@ -10,7 +10,7 @@ use crate::mode::{Fast, Mode};
 use crate::raster::ShadowMaps;
 use crate::scene::Color;
 use crate::shading::light::incident;
-use crate::shading::phong::PointMaterial;
+use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
 use crate::world::{SurfacePoint, World};
 use serde::Serialize;
@@ -76,13 +76,14 @@ pub struct Memory {
     /// The stack of secondary rays, kept so that the loop allocates no memory.
     pending: Vec<Branch>,
     occluders: Occluders,
+    mixture: Mixture,
 }
 
 /// A hit with everything that shading needs.
 struct Lit<'r> {
     ray: &'r Ray,
     surface: &'r SurfacePoint,
-    material: &'r PointMaterial<'r>,
+    material: PointMaterial<'r>,
 }
 
 impl<M: Mode> Tracer<'_, M> {
@@ -92,9 +93,9 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// The material of a surface, with its textures evaluated at the point.
     #[inline(always)]
-    fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
+    fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let Caster { world, instructions, .. } = *self.caster;
-        material_at(&world.materials, surface.material, surface.position, instructions)
+        material_at(&world.materials, surface.material, surface.position, instructions, mixture)
     }
 
     /// The colour along a camera ray, given the surface that it hits.
@@ -182,20 +183,21 @@ impl<M: Mode> Tracer<'_, M> {
             }
             return self.world().background;
         };
-        let material = self.material(surface);
+        let Memory { pending, occluders, mixture } = memory;
+        let material = self.material(surface, mixture);
         if P::OBSERVES {
-            probe.observe(Event::Surface { point: surface, material: &material.phong });
+            probe.observe(Event::Surface { point: surface, material: material.phong });
         }
-        let lit = Lit { ray, surface, material: &material };
+        let lit = Lit { ray, surface, material };
         if path.bounces < self.effects.bounces {
-            self.reflect(path, &lit, memory, probe);
-            self.refract(path, &lit, memory, probe);
+            self.reflect(path, &lit, pending, probe);
+            self.refract(path, &lit, pending, probe);
         } else if P::OBSERVES {
-            let phong = &material.phong;
+            let phong = material.phong;
             probe.observe(Secondary::Reflected.ends(End::of(phong.reflective, End::Bounces)));
             probe.observe(Secondary::Refracted.ends(End::of(phong.transparent, End::Bounces)));
         }
-        let color = self.shade(&lit, &mut memory.occluders, probe);
+        let color = self.shade(&lit, occluders, probe);
         if P::OBSERVES {
             probe.observe(Event::Shaded(color));
         }

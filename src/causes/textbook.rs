@@ -9,7 +9,7 @@ use crate::math::robust::{offset_origin, unit};
 use crate::scene::material::{Material, Pattern, Texture};
 use crate::scene::{Color, MaterialId};
 use crate::shading::light::{Incident, incident};
-use crate::shading::phong::PointMaterial;
+use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
 use crate::trace::{Effects, Shadows, reflected, refracted, transmittance};
 use crate::world::SurfacePoint;
@@ -59,7 +59,8 @@ impl<F: Finder> Textbook<'_, F> {
         let Some(surface) = self.nearest(path) else {
             return self.clamped_by(Rule::RaysClamped, self.background(path));
         };
-        let material = self.material(&surface);
+        let mut mixture = Mixture::default();
+        let material = self.material(&surface, &mut mixture);
         let mut color = self.shade(path, &surface, &material);
         if path.bounces < self.effects.bounces {
             let branches = [self.refract(path, &surface, &material), self.reflect(path, &surface, &material)];
@@ -86,7 +87,7 @@ impl<F: Finder> Textbook<'_, F> {
         Some(if normal.is_finite() { SurfacePoint { normal, ..surface } } else { surface })
     }
 
-    fn material(&self, surface: &SurfacePoint) -> PointMaterial<'_> {
+    fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let (materials, point) = (&self.finder.world().materials, surface.position);
         // The bytes are the same with all of them.
         let instructions = Instructions::Portable;
@@ -94,9 +95,9 @@ impl<F: Finder> Textbook<'_, F> {
             Material::Texture(texture)
                 if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
             {
-                material_at(materials, child_by_cutting(texture, point), point, instructions)
+                material_at(materials, child_by_cutting(texture, point), point, instructions, mixture)
             }
-            _ => material_at(materials, surface.material, point, instructions),
+            _ => material_at(materials, surface.material, point, instructions, mixture),
         }
     }
 
@@ -139,7 +140,7 @@ impl<F: Finder> Textbook<'_, F> {
     fn filtered(&self, mut ray: Ray) -> Color {
         let mut passed = Color::ONE;
         while let Some(Found { t, surface, .. }) = self.finder.nearest(&ray, None) {
-            let tint = self.material(&surface).phong.transparent;
+            let tint = self.material(&surface, &mut Mixture::default()).phong.transparent;
             if tint == Color::ZERO {
                 return Color::ZERO;
             }

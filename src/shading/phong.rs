@@ -3,16 +3,15 @@
 use super::light::Incident;
 use crate::scene::{Color, material::Phong};
 use glam::DVec3;
-use std::borrow::Cow;
 
 /// A material evaluated at one point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMaterial<'m> {
-    /// The material: borrowed from the scene unless a texture mixes several.
-    pub phong: Cow<'m, Phong>,
+    /// The material: the scene's own, unless a texture mixes several.
+    pub phong: &'m Phong,
     /// The highlights of the other materials in a mixture. They stay separate, because exponents cannot be
     /// mixed.
-    further: Vec<Highlight>,
+    further: &'m [Highlight],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,16 +20,19 @@ struct Highlight {
     exponent: f64,
 }
 
-impl<'m> From<&'m Phong> for PointMaterial<'m> {
-    fn from(phong: &'m Phong) -> Self {
-        Self { phong: Cow::Borrowed(phong), further: Vec::new() }
-    }
+/// A mixture of several materials. It is kept from one point to the next, so that neither memory is allocated nor the
+/// mixture moved.
+#[derive(Debug, Default)]
+pub struct Mixture {
+    sum: Phong,
+    further: Vec<Highlight>,
 }
 
-impl PointMaterial<'_> {
-    /// A part of a mixture. The weights of all its parts must add up to one.
-    pub fn part(phong: &Phong, weight: f64) -> Self {
-        let part = Phong {
+impl Mixture {
+    /// Replaces what it was by a part of a new mixture. The weights of all parts must add up to one.
+    #[inline(always)]
+    pub fn start(&mut self, phong: &Phong, weight: f64) {
+        self.sum = Phong {
             diffuse: phong.diffuse * weight,
             specular: phong.specular * weight,
             exponent: phong.exponent,
@@ -38,22 +40,37 @@ impl PointMaterial<'_> {
             transparent: phong.transparent * weight,
             index_of_refraction: phong.index_of_refraction * weight,
         };
-        Self { phong: Cow::Owned(part), further: Vec::new() }
+        self.further.clear();
     }
 
-    /// Adds another part of the mixture.
-    pub fn add_part(&mut self, phong: &Phong, weight: f64) {
-        let sum = self.phong.to_mut();
-        sum.diffuse += phong.diffuse * weight;
-        sum.reflective += phong.reflective * weight;
-        sum.transparent += phong.transparent * weight;
-        sum.index_of_refraction += phong.index_of_refraction * weight;
+    /// Adds another part.
+    #[inline(always)]
+    pub fn add(&mut self, phong: &Phong, weight: f64) {
+        self.sum.diffuse += phong.diffuse * weight;
+        self.sum.reflective += phong.reflective * weight;
+        self.sum.transparent += phong.transparent * weight;
+        self.sum.index_of_refraction += phong.index_of_refraction * weight;
         let color = phong.specular * weight;
         if color != Color::ZERO {
             self.further.push(Highlight { color, exponent: phong.exponent });
         }
     }
 
+    /// The material that the parts make together.
+    #[inline(always)]
+    pub fn material(&self) -> PointMaterial<'_> {
+        PointMaterial { phong: &self.sum, further: &self.further }
+    }
+}
+
+impl<'m> From<&'m Phong> for PointMaterial<'m> {
+    #[inline(always)]
+    fn from(phong: &'m Phong) -> Self {
+        Self { phong, further: &[] }
+    }
+}
+
+impl PointMaterial<'_> {
     /// The light reflected to the viewer: Lambert's diffuse and Blinn's specular term. `normal` and
     /// `to_viewer` are unit vectors, and `cosine`, between the normal and the direction to the light, is
     /// positive. As in the course the specular term is not multiplied by the cosine.
@@ -168,8 +185,10 @@ mod tests {
     #[test]
     fn colours_mix_by_weight_and_highlights_stay_separate() {
         let (one, other) = mixed();
-        let mut mix = PointMaterial::part(&one, 0.25);
-        mix.add_part(&other, 0.75);
+        let mut mixture = Mixture::default();
+        mixture.start(&one, 0.25);
+        mixture.add(&other, 0.75);
+        let mix = mixture.material();
         assert_eq!(mix.phong.diffuse, 0.25 * one.diffuse + 0.75 * other.diffuse);
         assert_eq!(mix.phong.reflective, 0.25 * one.reflective + 0.75 * other.reflective);
         assert_eq!(mix.phong.transparent, 0.25 * one.transparent + 0.75 * other.transparent);
@@ -188,13 +207,12 @@ mod tests {
         let shining = Phong { specular: Color::X, ..black };
         let is_black = |phong| PointMaterial::from(&phong).is_black();
         assert_eq!([is_black(black), is_black(shining), is_black(Phong::default())], [true, false, false]);
-        let parts = |other| {
-            let mut mix = PointMaterial::part(&black, 0.5);
-            mix.add_part(other, 0.5);
-            mix
-        };
-        assert!(parts(&black).is_black() && parts(&black).further.is_empty());
-        assert!(!parts(&shining).is_black());
+        let mut mixture = Mixture::default();
+        for (other, is_black) in [(&shining, false), (&black, true)] {
+            mixture.start(&black, 0.5);
+            mixture.add(other, 0.5);
+            assert_eq!((mixture.material().is_black(), mixture.further.is_empty()), (is_black, is_black));
+        }
     }
 
     #[test]

@@ -1,11 +1,14 @@
 //! Solid textures: the mixture of Phong materials at a point of space.
 
-use super::perlin::{turbulence, wrapped};
-use super::phong::PointMaterial;
+use super::checkerboard::{self, is_in_odd_cell};
+use super::perlin::turbulence;
+use super::phong::{Mixture, PointMaterial};
+#[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
+use crate::math::f64x4::Scalar;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
-use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::instructions::{Instructions, Portable};
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
@@ -13,54 +16,61 @@ use glam::{DAffine3, DVec3};
 
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///
-/// A point of a checkerboard has just one material, which is borrowed from the scene.
+/// A point of a checkerboard has just one material, which is borrowed from the scene. Where a texture mixes several, the
+/// result is in `mixture`.
 #[inline(always)]
-pub fn material_at(
-    materials: &[Material],
+pub fn material_at<'m>(
+    materials: &'m [Material],
     id: MaterialId,
     point: DVec3,
     instructions: Instructions,
-) -> PointMaterial<'_> {
+    mixture: &'m mut Mixture,
+) -> PointMaterial<'m> {
     match &materials[id] {
         Material::Phong(phong) => phong.into(),
         Material::Texture(texture) => match instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { textured_avx2(avx2, materials, id, texture, point) },
-            Instructions::Portable => textured(materials, id, texture, point, instructions),
+            Instructions::Avx2(avx2) => unsafe {
+                textured_avx2(avx2, materials, (id, texture), point, mixture)
+            },
+            Instructions::Portable => textured(materials, (id, texture), point, instructions, mixture),
         },
     }
 }
 
-/// The same for a texture, whose id is `id`, compiled for AVX2.
+/// The same for a texture and its id, compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn textured_avx2<'m>(
     avx2: Avx2,
     materials: &'m [Material],
-    id: MaterialId,
-    texture: &'m Texture,
+    texture: (MaterialId, &'m Texture),
     point: DVec3,
+    mixture: &'m mut Mixture,
 ) -> PointMaterial<'m> {
-    textured(materials, id, texture, point, Instructions::Avx2(avx2))
+    textured(materials, texture, point, Instructions::Avx2(avx2), mixture)
 }
 
 /// The same, compiled for the instructions of the caller.
 #[inline(always)]
 fn textured<'m>(
     materials: &'m [Material],
-    mut id: MaterialId,
-    mut texture: &'m Texture,
+    (mut id, mut texture): (MaterialId, &'m Texture),
     point: DVec3,
     instructions: Instructions,
+    mixture: &'m mut Mixture,
 ) -> PointMaterial<'m> {
     loop {
         let first = first_weight(texture, point, instructions);
         id = match first {
             1.0 => texture.children[0],
             0.0 => texture.children[1],
-            _ => return mixed(&materials[..id], texture, first, point, instructions),
+            _ => {
+                mix(&materials[..id], (texture, first), point, instructions, mixture);
+                return mixture.material();
+            }
         };
         texture = match &materials[id] {
             Material::Phong(phong) => return phong.into(),
@@ -69,20 +79,20 @@ fn textured<'m>(
     }
 }
 
-/// The mixture for `texture`, whose first child has the weight `first`. `materials` are those before it in
+/// Makes the mixture for a texture whose first child has the given weight. `materials` are those before it in
 /// the scene, which include its children.
 ///
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
 /// distributes its weight to its two children, which come before it. This takes time linear in the number of
 /// materials, where a recursion could take exponential time.
-#[inline]
-fn mixed<'m>(
-    materials: &'m [Material],
-    texture: &Texture,
-    first: f64,
+#[inline(always)]
+fn mix(
+    materials: &[Material],
+    (texture, first): (&Texture, f64),
     point: DVec3,
     instructions: Instructions,
-) -> PointMaterial<'m> {
+    mixture: &mut Mixture,
+) {
     let [i, j] = texture.children;
     if let [Material::Phong(one), Material::Phong(other)] = [&materials[i], &materials[j]]
         && i != j
@@ -90,9 +100,8 @@ fn mixed<'m>(
         // Most textures end here. As in longer mixtures the parts are added from the last material to the first.
         let parts = [(one, first), (other, 1.0 - first)];
         let [later, earlier] = if i > j { parts } else { [parts[1], parts[0]] };
-        let mut sum = PointMaterial::part(later.0, later.1);
-        sum.add_part(earlier.0, earlier.1);
-        return sum;
+        mixture.start(later.0, later.1);
+        return mixture.add(earlier.0, earlier.1);
     }
     // Most scenes have so few materials that no memory has to be allocated for their weights.
     let (mut few, mut many) = ([0.0; 16], vec![]);
@@ -102,17 +111,18 @@ fn mixed<'m>(
     });
     weights[texture.children[0]] += first;
     weights[texture.children[1]] += 1.0 - first;
-    let mut sum: Option<PointMaterial> = None;
+    let mut is_empty = true;
     for (i, material) in materials.iter().enumerate().rev() {
         let weight = weights[i];
         if weight == 0.0 {
             continue;
         }
         match material {
-            Material::Phong(phong) => match &mut sum {
-                Some(sum) => sum.add_part(phong, weight),
-                None => sum = Some(PointMaterial::part(phong, weight)),
-            },
+            Material::Phong(phong) if is_empty => {
+                mixture.start(phong, weight);
+                is_empty = false;
+            }
+            Material::Phong(phong) => mixture.add(phong, weight),
             Material::Texture(texture) => {
                 let first = first_weight(texture, point, instructions);
                 weights[texture.children[0]] += weight * first;
@@ -120,7 +130,9 @@ fn mixed<'m>(
             }
         }
     }
-    sum.unwrap_or_else(|| PointMaterial::part(&Default::default(), 1.0))
+    if is_empty {
+        mixture.start(&Default::default(), 1.0);
+    }
 }
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
@@ -128,7 +140,7 @@ fn mixed<'m>(
 pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
-        Pattern::Checkerboard => checkerboard(map, point),
+        Pattern::Checkerboard => checkerboard(map, point, instructions),
         Pattern::Noise { octaves } => {
             (turbulence(to_texture(map, point), octaves, instructions) + 0.5).clamp(0.0, 1.0)
         }
@@ -153,50 +165,26 @@ fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
     map.transform_point3(point).clamp(-bound, bound)
 }
 
-/// 1 in the cells whose indices have an even sum, and 0 in the others. Cells are half open: a boundary
-/// belongs to the cell above it.
-///
-/// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
-/// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
+/// 1 in the even cells of a checkerboard, and 0 in the odd ones.
 #[inline(always)]
-fn checkerboard(map: &DAffine3, point: DVec3) -> f64 {
-    let q = map.transform_point3(point);
-    let rows = map.matrix3.transpose();
-    let cell = |q: f64, row: DVec3, translation: f64| {
-        let below = q.floor();
-        let is_on_next = below + 1.0 - q <= coordinate_error_bound(row, translation, point);
-        wrapped(if is_on_next { below + 1.0 } else { below }, 2)
+fn checkerboard(map: &DAffine3, point: DVec3, instructions: Instructions) -> f64 {
+    let is_odd = match instructions {
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2(avx2) => is_in_odd_cell::<Avx>(avx2, map, point),
+        Instructions::Portable => is_in_odd_cell::<Scalar>(Portable, map, point),
     };
-    let parity = cell(q.x, rows.x_axis, map.translation.x)
-        + cell(q.y, rows.y_axis, map.translation.y)
-        + cell(q.z, rows.z_axis, map.translation.z);
-    (parity % 2 == 0) as u8 as f64
+    if is_odd { 0.0 } else { 1.0 }
 }
 
 /// Whether a point lies in a boundary of a checkerboard within roundings.
 pub fn is_in_boundary(texture: &Texture, point: DVec3) -> bool {
-    let map = &texture.world_to_texture;
-    let (q, rows) = (map.transform_point3(point), map.matrix3.transpose());
-    let is_near = |axis: usize| {
-        let bound = coordinate_error_bound(rows.col(axis), map.translation[axis], point);
-        (q[axis] - q[axis].round()).abs() <= bound
-    };
-    texture.pattern == Pattern::Checkerboard && (0..3).any(is_near)
-}
-
-/// The error bound of `row . point + translation` for a point of a surface that lies in a boundary.
-#[inline(always)]
-fn coordinate_error_bound(row: DVec3, translation: f64, point: DVec3) -> f64 {
-    // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.
-    // Along an axis both are exact.
-    let is_rotated = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
-    let roundings = if is_rotated { 16.0 } else { 4.0 };
-    roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs())
+    texture.pattern == Pattern::Checkerboard && checkerboard::is_in_boundary(&texture.world_to_texture, point)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::robust::UNIT_ROUNDOFF;
     use crate::scene::Color;
     use crate::scene::material::Phong;
     use Instructions::Portable;
@@ -238,7 +226,8 @@ mod tests {
             [3, 2],
         )));
         let point = DVec3::new(0.3, -1.2, 7.7);
-        let m = material_at(&materials, 4, point, Portable);
+        let mut mixture = Mixture::default();
+        let m = material_at(&materials, 4, point, Portable, &mut mixture);
         assert!(
             (m.phong.diffuse.element_sum() - 1.0).abs() < 1e-15
                 && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
@@ -251,12 +240,14 @@ mod tests {
 
     #[test]
     fn a_deep_chain_of_shared_children_takes_linear_time() {
-        let mut materials = vec![Material::Phong(Phong::default())];
+        let (mut materials, mut mixture) = (vec![Material::Phong(Phong::default())], Mixture::default());
         for i in 0..2000 {
             materials.push(Material::Texture(texture(Pattern::Noise { octaves: 1 }, [i, i])));
         }
         assert!(
-            (material_at(&materials, 2000, DVec3::splat(0.3), Portable).phong.diffuse.x - 1.0).abs() < 1e-12
+            (material_at(&materials, 2000, DVec3::splat(0.3), Portable, &mut mixture).phong.diffuse.x - 1.0)
+                .abs()
+                < 1e-12
         );
     }
 
@@ -333,9 +324,16 @@ mod tests {
         let phong = |diffuse| Material::Phong(Phong { diffuse, ..Phong::default() });
         let board = Material::Texture(texture(Pattern::Checkerboard, [0, 1]));
         let materials = [phong(Color::X), phong(Color::Y), board];
+        let mut mixture = Mixture::default();
         for (x, color) in [(0.5, Color::X), (1.5, Color::Y)] {
-            let found = material_at(&materials, 2, DVec3::new(x, 0.5, 0.5), Portable).phong;
-            assert!(matches!(found, std::borrow::Cow::Borrowed(phong) if phong.diffuse == color));
+            let point = DVec3::new(x, 0.5, 0.5);
+            let found = material_at(&materials, 2, point, Portable, &mut mixture).phong;
+            assert!(
+                materials
+                    .iter()
+                    .any(|material| matches!(material, Material::Phong(phong) if std::ptr::eq(phong, found)))
+            );
+            assert_eq!(found.diffuse, color);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::event::{End, Event, Observer, Secondary};
 use super::optics::{reflected, refracted};
-use super::{Lit, Memory, Tracer};
+use super::{Lit, Tracer};
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
 use crate::mode::Mode;
@@ -49,7 +49,13 @@ impl<M: Mode> Tracer<'_, M> {
     }
 
     #[inline(always)]
-    pub(super) fn reflect<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
+    pub(super) fn reflect<P: Observer>(
+        &self,
+        path: &Path,
+        lit: &Lit,
+        pending: &mut Vec<Branch>,
+        probe: &mut P,
+    ) {
         let color = lit.material.phong.reflective;
         let Some((filter, weight)) = self.filter_and_weight(path, color) else {
             if P::OBSERVES {
@@ -64,12 +70,18 @@ impl<M: Mode> Tracer<'_, M> {
             probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
         }
         let known = self.known_end(lit, ray.direction, path.bounces);
-        memory.pending.push(Branch { ray, leaves, path, known });
+        pending.push(Branch { ray, leaves, path, known });
     }
 
     #[inline(always)]
-    pub(super) fn refract<P: Observer>(&self, path: &Path, lit: &Lit, memory: &mut Memory, probe: &mut P) {
-        let material = &lit.material.phong;
+    pub(super) fn refract<P: Observer>(
+        &self,
+        path: &Path,
+        lit: &Lit,
+        pending: &mut Vec<Branch>,
+        probe: &mut P,
+    ) {
+        let material = lit.material.phong;
         let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
             if P::OBSERVES {
                 probe.observe(Secondary::Refracted.ends(too_light(path, material.transparent)));
@@ -92,7 +104,7 @@ impl<M: Mode> Tracer<'_, M> {
             probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
         }
         let known = self.known_end(lit, ray.direction, path.bounces);
-        memory.pending.push(Branch { ray, leaves, path, known });
+        pending.push(Branch { ray, leaves, path, known });
     }
 
     /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on the

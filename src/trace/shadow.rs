@@ -10,6 +10,7 @@ use crate::raster::Blocker;
 use crate::scene::Color;
 use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
+use crate::shading::phong::Mixture;
 use crate::world::SurfacePoint;
 
 impl<M: Mode> Tracer<'_, M> {
@@ -70,11 +71,10 @@ impl<M: Mode> Tracer<'_, M> {
     /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
     /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
     fn filtered<P: Observer>(&self, mut ray: Ray, probe: &mut P) -> Color {
-        let mut passed = Color::ONE;
+        let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, &hit);
-            let material = self.material(&surface);
-            let tint = material.phong.transparent;
+            let tint = self.material(&surface, &mut mixture).phong.transparent;
             let leaves = surface.normal.dot(ray.direction) >= 0.0;
             if P::OBSERVES {
                 probe.observe(Event::Crossed { hit, tint, leaves });

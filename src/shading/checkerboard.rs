@@ -1,0 +1,187 @@
+//! The cells of a checkerboard: unit cubes in the texture's space that alternate between two materials.
+
+use super::perlin::wrapped;
+use crate::math::f64x4::{F64x4, Scalar};
+use crate::math::instructions::Portable;
+use crate::math::robust::UNIT_ROUNDOFF;
+use glam::{DAffine3, DVec3};
+
+/// A point of a surface in the texture's space, one coordinate in each of the first three lanes.
+struct Coordinates<F> {
+    values: F,
+    /// How far the value of a point that lies in a boundary may be from the boundary.
+    error_bounds: F,
+}
+
+/// Whether a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the cell
+/// above it.
+///
+/// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
+/// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
+#[inline(always)]
+pub fn is_in_odd_cell<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> bool {
+    /// Up to this the conversion to integers is exact.
+    const LARGEST_INDEX: f64 = i32::MAX as f64;
+    let Coordinates { values, error_bounds } = coordinates::<F>(proof, map, point);
+    let below = values.floor();
+    if below.abs().le_mask(below.broadcast(LARGEST_INDEX)) & 7 != 7 {
+        return is_in_odd_cell_far_away(values.to_array(), error_bounds.to_array());
+    }
+    let to_next = below + below.broadcast(1.0) - values;
+    let on_next = to_next.le_mask(error_bounds) & 7;
+    let [x, y, z, _] = below.to_i32();
+    // Each step to the next cell changes the parity of the sum.
+    ((x ^ y ^ z) as u32 ^ on_next.count_ones()) & 1 != 0
+}
+
+/// The same where an index is larger than an `i32`, or NaN.
+#[cold]
+fn is_in_odd_cell_far_away(values: [f64; 4], error_bounds: [f64; 4]) -> bool {
+    let cell = |axis: usize| {
+        let below = values[axis].floor();
+        let is_on_next = below + 1.0 - values[axis] <= error_bounds[axis];
+        wrapped(if is_on_next { below + 1.0 } else { below }, 2)
+    };
+    (cell(0) + cell(1) + cell(2)) % 2 != 0
+}
+
+/// Whether a point lies in a boundary within roundings.
+pub fn is_in_boundary(map: &DAffine3, point: DVec3) -> bool {
+    let Coordinates { values, error_bounds } = coordinates::<Scalar>(Portable, map, point);
+    let (q, bounds) = (values.to_array(), error_bounds.to_array());
+    (0..3).any(|axis| (q[axis] - q[axis].round()).abs() <= bounds[axis])
+}
+
+/// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
+#[inline(always)]
+fn coordinates<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> Coordinates<F> {
+    // The fourth number of each column is the first of the next one, so that columns are loaded as a whole.
+    let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
+    let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
+    let [a, b, c] = [F::new(proof, columns[0]), F::new(proof, columns[1]), F::new(proof, columns[2])];
+    let translation = F::new(proof, [tx, ty, tz, tz]);
+    let (x, y, z) = (a * a.broadcast(point.x), b * b.broadcast(point.y), c * c.broadcast(point.z));
+    let sizes = x.abs() + y.abs() + z.abs() + translation.abs();
+    Coordinates { values: x + y + z + translation, error_bounds: roundings([a, b, c]) * sizes }
+}
+
+/// How many roundings the error of each coordinate may have, times the size of one.
+#[inline(always)]
+fn roundings<F: F64x4>([a, b, c]: [F; 3]) -> F {
+    // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.
+    // Along an axis both are exact.
+    let (a, b, c) = (a.abs(), b.abs(), c.abs());
+    // It is rotated if at least two of the numbers are not 0, so that the middle one is not.
+    let middle = a.min(b).max(a.max(b).min(c));
+    let (along_axis, rotated) = (a.broadcast(4.0 * UNIT_ROUNDOFF), a.broadcast(16.0 * UNIT_ROUNDOFF));
+    a.broadcast(0.0).select_lt(middle, rotated, along_axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DQuat};
+
+    /// The same as [`is_in_odd_cell`], one axis after the other.
+    fn is_odd_by_axes(map: &DAffine3, point: DVec3) -> bool {
+        let (q, rows) = (map.transform_point3(point), map.matrix3.transpose());
+        let cell = |axis: usize| {
+            let (row, translation) = (rows.col(axis), map.translation[axis]);
+            let is_rotated = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
+            let roundings = if is_rotated { 16.0 } else { 4.0 };
+            let bound = roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs());
+            let below = q[axis].floor();
+            wrapped(if below + 1.0 - q[axis] <= bound { below + 1.0 } else { below }, 2)
+        };
+        (cell(0) + cell(1) + cell(2)) % 2 != 0
+    }
+
+    fn maps() -> Vec<DAffine3> {
+        let rotation = DQuat::from_rotation_y(0.7);
+        let mut sheared = DAffine3::IDENTITY;
+        sheared.matrix3.x_axis.y = 1.0;
+        vec![
+            DAffine3::IDENTITY,
+            DAffine3::from_translation(DVec3::new(8.0, -0.25, 1e5)),
+            DAffine3::from_scale(DVec3::new(-0.5, 3.0, 1e-9)),
+            DAffine3::from_quat(rotation),
+            DAffine3::from_scale_rotation_translation(
+                DVec3::splat(2.5),
+                rotation,
+                DVec3::new(0.5, -7.0, 3.0),
+            ),
+            DAffine3::from_mat3(DMat3::from_cols(DVec3::Y, DVec3::NEG_Z, DVec3::X)),
+            DAffine3::from_mat3(DMat3::from_cols_array(&[0.1, 0.2, 0.3, -0.4, 0.5, -0.6, 0.7, 0.8, 0.9])),
+            DAffine3::from_mat3(DMat3::ZERO),
+            sheared,
+        ]
+    }
+
+    /// Coordinates in cells, in boundaries, within a few roundings of them, and so large that no `i32` holds an index.
+    fn numbers() -> Vec<f64> {
+        let mut numbers: Vec<f64> =
+            [f64::NAN, f64::INFINITY, 1e300, 1e17 + 16.0, 0.3, 0.7, 1e-300, 5e-324].into();
+        for boundary in [0.0, 1.0, 2.0, 5.0, 1e6, 2f64.powi(31), 2f64.powi(31) - 1.0, 2f64.powi(53)] {
+            let steps = [0u64, 1, 2, 3, 4, 5, 7, 8, 9, 12, 15, 16, 17, 20, 40];
+            let below = |step| f64::from_bits(boundary.to_bits().saturating_sub(step));
+            numbers.extend(
+                steps.into_iter().flat_map(|step| [below(step), f64::from_bits(boundary.to_bits() + step)]),
+            );
+        }
+        numbers.extend(numbers.clone().into_iter().map(|x| -x));
+        numbers
+    }
+
+    fn agrees_with_the_axes<F: F64x4>(proof: F::Proof) {
+        let numbers = numbers();
+        let number = |i: usize| numbers[i % numbers.len()];
+        let mut counts = [0; 2];
+        for map in maps() {
+            let back = map.inverse();
+            for i in 0..60 * numbers.len() {
+                let point = DVec3::new(number(i), number(i * 7 + 3), number(i * 31 + i / 97));
+                // Points that lie in boundaries after a rotation, too.
+                for point in [point, back.transform_point3(point)] {
+                    let expected = is_odd_by_axes(&map, point);
+                    assert_eq!(is_in_odd_cell::<F>(proof, &map, point), expected, "{point} {map}");
+                    counts[usize::from(expected)] += 1;
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 10_000), "{counts:?}");
+    }
+
+    #[test]
+    fn portable_lanes_find_the_cells_of_one_axis_after_the_other() {
+        agrees_with_the_axes::<Scalar>(Portable);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn avx_lanes_find_the_cells_of_one_axis_after_the_other() {
+        use crate::math::{avx::Avx, instructions::Avx2};
+        if let Some(proof) = Avx2::detect() {
+            agrees_with_the_axes::<Avx>(proof);
+        }
+    }
+
+    #[test]
+    fn a_point_is_in_a_boundary_where_a_coordinate_is_within_roundings_of_an_integer() {
+        let is_in_boundary = |map, y| is_in_boundary(&map, DVec3::new(0.5, y, 0.3));
+        let moved = DAffine3::from_translation(DVec3::Y * 8.0);
+        for (map, y, roundings, expected) in [
+            (DAffine3::IDENTITY, 3.0, 8.0, true),
+            (DAffine3::IDENTITY, 3.0, 16.0, false),
+            (moved, -5.0, 48.0, true),
+            (moved, -5.0, 56.0, false),
+        ] {
+            for sign in [1.0, -1.0] {
+                assert_eq!(
+                    is_in_boundary(map, y + sign * roundings * UNIT_ROUNDOFF),
+                    expected,
+                    "{y} {roundings}"
+                );
+            }
+        }
+    }
+}
