@@ -164,6 +164,11 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
+    fn swap_halves(self) -> Self {
+        self.with(avx!(self.proof, _mm256_permute2f128_pd::<0x01>(self.lanes, self.lanes)))
+    }
+
+    #[inline(always)]
     fn to_f32(self) -> [f32; 4] {
         bytemuck::cast(avx!(self.proof, _mm256_cvtpd_ps(self.lanes)))
     }

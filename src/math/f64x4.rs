@@ -73,6 +73,8 @@ pub trait F64x4:
     fn floor(self) -> Self;
     /// The sum of the lanes of each of these, (a + b) + (c + d).
     fn sums(of: [Self; 4]) -> Self;
+    /// The last two lanes, and then the first two.
+    fn swap_halves(self) -> Self;
     /// Rounds to single precision.
     fn to_f32(self) -> [f32; 4];
     /// The minimum of the three axes; when two are compared and one is NaN, the later axis counts.
@@ -209,6 +211,12 @@ impl F64x4 for Scalar {
     #[inline(always)]
     fn sums(of: [Self; 4]) -> Self {
         Self(of.map(|Self([a, b, c, d])| (a + b) + (c + d)))
+    }
+
+    #[inline(always)]
+    fn swap_halves(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([c, d, a, b])
     }
 
     #[inline(always)]

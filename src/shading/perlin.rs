@@ -79,34 +79,36 @@ const GRADIENTS: [[f64; 3]; 16] = [
 ];
 
 /// One octave of noise at `p`, whose first three lanes are the coordinates: between about -1 and 1, zero at integer
-/// points, with period 256 along each axis.
+/// points, with period 256 along each axis. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`].
 #[inline(always)]
-fn noise<F: F64x4>(p: F) -> f64 {
+fn noise<F: F64x4, const IS_FAR: bool>(p: F) -> f64 {
     let cell = p.floor();
-    let indices = indices(cell);
+    let indices = if IS_FAR { far_indices(cell.to_array()) } else { cell.to_i32().map(|index| index as u8) };
     let near = p - cell;
     let steep = near * near.broadcast(6.0) - near.broadcast(15.0);
     let fade = near * near * near * (near * steep + near.broadcast(10.0));
     let [fade_x, fade_y, fade_z, _] = fade.to_array();
     let (left, right) = (side::<F, 0>(near, indices), side::<F, 1>(near, indices));
-    let [low_near, high_near, low_far, high_far] =
-        (left + near.broadcast(fade_x) * (right - left)).to_array();
-    lerp(fade_z, lerp(fade_y, low_near, high_near), lerp(fade_y, low_far, high_far))
+    let low_then_high = left + near.broadcast(fade_x) * (right - left);
+    let high_then_low = low_then_high.swap_halves();
+    let along_y = low_then_high + near.broadcast(fade_y) * (high_then_low - low_then_high);
+    let [at_near, at_far, ..] = along_y.to_array();
+    at_near + fade_z * (at_far - at_near)
 }
 
 /// The dot products of the gradients and the offsets at the four corners of a cell that are `DX` from its index along
-/// x. Bit 0 of a lane's number is the corner's distance from the index along y, and bit 1 that along z.
+/// x. Bit 0 of a lane's number is the corner's distance from the index along z, and bit 1 that along y.
 #[inline(always)]
-fn side<F: F64x4, const DX: usize>(near: F, [x, y, z]: [usize; 3]) -> F {
+fn side<F: F64x4, const DX: usize>(near: F, [x, y, z, _]: [u8; 4]) -> F {
     // Each step of the hash is computed once for all corners that share it.
-    let column = (HASHES[x + DX] as usize + y) & 255;
-    let low = (HASHES[column] as usize + z) & 255;
-    let high = (HASHES[column + 1] as usize + z) & 255;
+    let column = usize::from(HASHES[usize::from(x) + DX].wrapping_add(y));
+    let low = usize::from(HASHES[column].wrapping_add(z));
+    let high = usize::from(HASHES[column + 1].wrapping_add(z));
     let dx = DX as f64;
     F::sums([
         products(low, near, [dx, 0.0, 0.0]),
-        products(high, near, [dx, 1.0, 0.0]),
         products(low + 1, near, [dx, 0.0, 1.0]),
+        products(high, near, [dx, 1.0, 0.0]),
         products(high + 1, near, [dx, 1.0, 1.0]),
     ])
 }
@@ -118,16 +120,13 @@ fn products<F: F64x4>(gradient: usize, near: F, [dx, dy, dz]: [f64; 3]) -> F {
     F::new(near.proof(), HASHED_GRADIENTS[gradient]) * (near - F::new(near.proof(), [dx, dy, dz, 0.0]))
 }
 
-/// The indices of a cell modulo 256 along the three axes.
-#[inline(always)]
-fn indices<F: F64x4>(cell: F) -> [usize; 3] {
-    const BOUND: f64 = (1u64 << 31) as f64;
-    if cell.abs().le_mask(cell.broadcast(BOUND - 1.0)) & 7 == 7 {
-        let [x, y, z, _] = cell.to_i32();
-        return [x as usize & 255, y as usize & 255, z as usize & 255];
-    }
-    let [x, y, z, _] = cell.to_array();
-    [wrapped(x, 256) as usize, wrapped(y, 256) as usize, wrapped(z, 256) as usize]
+/// Up to this size of coordinates the indices of cells are converted to integers exactly.
+const NEAR: f64 = i32::MAX as f64;
+
+/// The indices of a cell modulo 256 along the three axes, which may be larger than [`NEAR`].
+#[cold]
+fn far_indices(cell: [f64; 4]) -> [u8; 4] {
+    cell.map(|index| wrapped(index, 256) as u8)
 }
 
 /// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
@@ -150,19 +149,26 @@ fn turbulence_avx2(avx2: Avx2, p: DVec3, octaves: u32) -> f64 {
 
 #[inline(always)]
 fn turbulence_with<F: F64x4>(proof: F::Proof, p: DVec3, octaves: u32) -> f64 {
-    let mut p = F::new(proof, [p.x, p.y, p.z, 0.0]);
+    let p = F::new(proof, [p.x, p.y, p.z, 0.0]);
+    // The coordinates are the largest in the last octave.
+    let growth = 1u32.checked_shl(octaves).map_or(f64::INFINITY, f64::from);
+    if (p.abs() * p.broadcast(growth)).le_mask(p.broadcast(NEAR)) & 7 == 7 {
+        sum_of_octaves::<F, false>(p, octaves)
+    } else {
+        sum_of_octaves::<F, true>(p, octaves)
+    }
+}
+
+/// The sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each of them.
+#[inline(always)]
+fn sum_of_octaves<F: F64x4, const IS_FAR: bool>(mut p: F, octaves: u32) -> f64 {
     let (mut sum, mut amplitude) = (0.0, 1.0);
     for _ in 0..octaves {
-        sum += amplitude * noise(p);
+        sum += amplitude * noise::<F, IS_FAR>(p);
         p = p + p;
         amplitude *= 0.5;
     }
     sum
-}
-
-#[inline(always)]
-fn lerp(t: f64, a: f64, b: f64) -> f64 {
-    a + t * (b - a)
 }
 
 #[cfg(test)]

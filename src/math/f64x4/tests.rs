@@ -87,6 +87,8 @@ fn selects_and_rounds<F: F64x4>(proof: F::Proof) {
     let rows = [0.1, 0.25, -3.0, HUGE].map(|x| [x, 1e-17, 2.0 * x, 0.7]);
     let sums = F::sums(rows.map(|row| F::new(proof, row))).to_array();
     assert_eq!(sums, rows.map(|[a, b, c, d]| (a + b) + (c + d)));
+    let [a, b, c, d] = numbers;
+    assert_eq!(lanes.swap_halves().to_array(), [c, d, a, b]);
     assert_eq!(lanes.to_i32(), numbers.map(|x| x.round() as i32));
     assert_eq!(next.to_i32(), lanes.to_i32().map(|n| n + 1));
     assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), lanes.to_i32().map(|n| -n));
