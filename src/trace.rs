@@ -13,6 +13,7 @@ use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
 use crate::world::{SurfacePoint, World};
+use glam::DVec3;
 use serde::Serialize;
 
 mod event;
@@ -79,10 +80,11 @@ pub struct Memory {
     mixture: Mixture,
 }
 
-/// A hit with everything that shading needs.
+/// A hit with everything that shading needs. It has copies, which can stay in registers.
 struct Lit<'r> {
-    ray: &'r Ray,
-    surface: &'r SurfacePoint,
+    /// The direction of the ray.
+    direction: DVec3,
+    surface: SurfacePoint,
     material: PointMaterial<'r>,
 }
 
@@ -110,7 +112,10 @@ impl<M: Mode> Tracer<'_, M> {
         memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let color = self.follow(ray, &Path::CAMERA, surface, memory, probe);
+        let color = match surface {
+            Some(surface) => self.follow(ray, &Path::CAMERA, surface, memory, probe),
+            None => self.background(probe),
+        };
         if memory.pending.is_empty() { color } else { self.with_pending(color, memory, probe) }
     }
 
@@ -130,38 +135,46 @@ impl<M: Mode> Tracer<'_, M> {
     /// The same, compiled for the instructions of the caller.
     #[inline(always)]
     fn follow_pending<P: Observer>(&self, mut color: Color, memory: &mut Memory, probe: &mut P) -> Color {
-        while let Some(Branch { ray, leaves, path, known }) = memory.pending.pop() {
+        while let Some(branch) = memory.pending.pop() {
+            let Branch { ray, leaves, path, is_known, known } = &branch;
             // Where rays are counted or observed, they are cast all the same.
-            if let Some(known) = known
-                && !M::AS_COURSE
-                && !P::OBSERVES
-            {
-                color += path.filter * known;
+            if *is_known && !M::AS_COURSE && !P::OBSERVES {
+                color += path.filter * *known;
                 continue;
             }
             if P::OBSERVES {
                 probe.observe(Event::Popped);
             }
             probe.non_shadow_ray();
-            let visible = self.caster.nearest(&ray, leaves, probe);
+            let visible = self.caster.nearest(ray, *leaves, probe);
             if P::OBSERVES {
                 probe.observe(Event::Met(visible));
             }
-            let mut surface = None;
-            // A closure would not be compiled for the instructions of the caller.
-            if let Some(visible) = visible {
-                surface = Some(self.world().visible_surface(&ray, visible));
-            }
-            let mut seen = self.follow(&ray, &path, surface.as_ref(), memory, probe);
-            if let Some(known) = known {
-                seen = known;
+            let mut seen = match visible {
+                Some(visible) => {
+                    let surface = self.world().visible_surface(ray, visible);
+                    self.follow(ray, path, &surface, memory, probe)
+                }
+                None => self.background(probe),
+            };
+            if *is_known {
+                seen = *known;
                 if P::OBSERVES {
-                    probe.observe(Event::Shaded(known));
+                    probe.observe(Event::Shaded(seen));
                 }
             }
             color += path.filter * seen;
         }
         color
+    }
+
+    /// The colour of a ray that hits nothing.
+    #[inline(always)]
+    fn background<P: Observer>(&self, probe: &mut P) -> Color {
+        if P::OBSERVES {
+            probe.observe(Event::Shaded(self.world().background));
+        }
+        self.world().background
     }
 
     /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending`.
@@ -173,22 +186,16 @@ impl<M: Mode> Tracer<'_, M> {
         &self,
         ray: &Ray,
         path: &Path,
-        surface: Option<&SurfacePoint>,
+        surface: &SurfacePoint,
         memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let Some(surface) = surface else {
-            if P::OBSERVES {
-                probe.observe(Event::Shaded(self.world().background));
-            }
-            return self.world().background;
-        };
         let Memory { pending, occluders, mixture } = memory;
         let material = self.material(surface, mixture);
         if P::OBSERVES {
             probe.observe(Event::Surface { point: surface, material: material.phong });
         }
-        let lit = Lit { ray, surface, material };
+        let lit = Lit { direction: ray.direction, surface: *surface, material };
         if path.bounces < self.effects.bounces {
             self.reflect(path, &lit, pending, probe);
             self.refract(path, &lit, pending, probe);
@@ -207,13 +214,13 @@ impl<M: Mode> Tracer<'_, M> {
     /// The local colour: ambient light, and the lights that are visible from the point.
     #[inline(always)]
     fn shade<P: Observer>(&self, lit: &Lit, occluders: &mut Occluders, probe: &mut P) -> Color {
-        let Lit { ray, surface, material } = *lit;
-        let is_inside = surface.normal.dot(ray.direction) > 0.0;
+        let Lit { direction, surface, material } = lit;
+        let is_inside = surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
         let normal = if is_inside { -surface.normal } else { surface.normal };
-        let to_viewer = -ray.direction;
+        let to_viewer = -*direction;
         let mut color = self.world().ambient * material.phong.diffuse;
         if P::OBSERVES {
             probe.observe(Event::Ambient(color));

@@ -1,8 +1,12 @@
 //! The cells of a checkerboard: unit cubes in the texture's space that alternate between two materials.
 
 use super::perlin::wrapped;
+#[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
 use crate::math::f64x4::{F64x4, Scalar};
-use crate::math::instructions::Portable;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::{Instructions, Portable};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::{DAffine3, DVec3};
 
@@ -19,7 +23,25 @@ struct Coordinates<F> {
 /// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
 /// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
 #[inline(always)]
-pub fn is_in_odd_cell<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> bool {
+pub fn is_in_odd_cell(map: &DAffine3, point: DVec3, instructions: Instructions) -> bool {
+    match instructions {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+        Instructions::Avx2(avx2) => unsafe { is_in_odd_cell_avx2(avx2, map, point) },
+        Instructions::Portable => is_in_odd_cell_with::<Scalar>(Portable, map, point),
+    }
+}
+
+/// The same, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn is_in_odd_cell_avx2(avx2: Avx2, map: &DAffine3, point: DVec3) -> bool {
+    is_in_odd_cell_with::<Avx>(avx2, map, point)
+}
+
+#[inline(always)]
+fn is_in_odd_cell_with<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> bool {
     /// Up to this the conversion to integers is exact.
     const LARGEST_INDEX: f64 = i32::MAX as f64;
     let Coordinates { values, error_bounds } = coordinates::<F>(proof, map, point);
@@ -132,7 +154,8 @@ mod tests {
         numbers
     }
 
-    fn agrees_with_the_axes<F: F64x4>(proof: F::Proof) {
+    #[test]
+    fn the_axes_side_by_side_find_the_cells_of_one_axis_after_the_other() {
         let numbers = numbers();
         let number = |i: usize| numbers[i % numbers.len()];
         let mut counts = [0; 2];
@@ -143,26 +166,15 @@ mod tests {
                 // Points that lie in boundaries after a rotation, too.
                 for point in [point, back.transform_point3(point)] {
                     let expected = is_odd_by_axes(&map, point);
-                    assert_eq!(is_in_odd_cell::<F>(proof, &map, point), expected, "{point} {map}");
+                    for instructions in Instructions::available() {
+                        let found = is_in_odd_cell(&map, point, instructions);
+                        assert_eq!(found, expected, "{point} {map} {instructions:?}");
+                    }
                     counts[usize::from(expected)] += 1;
                 }
             }
         }
         assert!(counts.iter().all(|&count| count > 10_000), "{counts:?}");
-    }
-
-    #[test]
-    fn portable_lanes_find_the_cells_of_one_axis_after_the_other() {
-        agrees_with_the_axes::<Scalar>(Portable);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[test]
-    fn avx_lanes_find_the_cells_of_one_axis_after_the_other() {
-        use crate::math::{avx::Avx, instructions::Avx2};
-        if let Some(proof) = Avx2::detect() {
-            agrees_with_the_axes::<Avx>(proof);
-        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
             let to_light = position - point;
             let distance = to_light.length();
             // A light at the point itself has no direction, and lights nothing.
-            let direction = to_light.try_normalize().unwrap_or(DVec3::ZERO);
+            let direction = unit_or_zero(to_light);
             let falloff = a0 + a1 * distance + a2 * distance * distance;
             // As in the course a negative attenuation gives no light. The upper limit keeps the factor
             // finite.
@@ -36,6 +36,16 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
     // The result is built in one place for all kinds of light, so that it stays in registers.
     let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
     Incident { direction, distance, color: color * factor }
+}
+
+/// The unit vector along `v`, or zero where its length is zero, infinite or NaN.
+///
+/// The library's function instead asks whether the reciprocal of the length is finite and positive, which takes longer. It is
+/// so for the same vectors, because a length is a square root: where it is not zero, it is at least 1e-162.
+#[inline(always)]
+pub(super) fn unit_or_zero(v: DVec3) -> DVec3 {
+    let length = v.length();
+    if length > 0.0 && length <= f64::MAX { v * (1.0 / length) } else { DVec3::ZERO }
 }
 
 #[cfg(test)]
@@ -56,6 +66,20 @@ mod tests {
             let light = Light::Point { position: DVec3::Y, color: Color::ONE, attenuation };
             let at = incident(&light, DVec3::Y);
             assert!(at.color.is_finite() && at.direction.is_finite());
+        }
+    }
+
+    #[test]
+    fn unit_vectors_have_the_bits_of_the_library_s() {
+        let lengths = [0.0, 5e-324, 1e-309, 1e-308, 1e-200, 1e-162, 2.3e-162, 1e-150, 0.3, 1.0, 7e7, 1e150];
+        let large = [1e154, 1.3e154, 1e155, 1e300, f64::MAX, f64::INFINITY, f64::NAN];
+        for length in lengths.into_iter().chain(large) {
+            for way in [DVec3::X, DVec3::NEG_Z, DVec3::new(0.3, -0.4, 0.5), DVec3::new(1.0, 0.0, 1e-8)] {
+                let v = way * length;
+                let [found, expected] =
+                    [unit_or_zero(v), v.normalize_or_zero()].map(|u| u.to_array().map(f64::to_bits));
+                assert_eq!(found, expected, "{v}");
+            }
         }
     }
 

@@ -124,7 +124,6 @@ fn products<F: F64x4>(gradient: usize, near: F, [dx, dy, dz]: [f64; 3]) -> F {
 const NEAR: f64 = i32::MAX as f64;
 
 /// The indices of a cell modulo 256 along the three axes, which may be larger than [`NEAR`].
-#[cold]
 fn far_indices(cell: [f64; 4]) -> [u8; 4] {
     cell.map(|index| wrapped(index, 256) as u8)
 }
@@ -149,14 +148,17 @@ fn turbulence_avx2(avx2: Avx2, p: DVec3, octaves: u32) -> f64 {
 
 #[inline(always)]
 fn turbulence_with<F: F64x4>(proof: F::Proof, p: DVec3, octaves: u32) -> f64 {
-    let p = F::new(proof, [p.x, p.y, p.z, 0.0]);
+    let lanes = F::new(proof, [p.x, p.y, p.z, 0.0]);
     // The coordinates are the largest in the last octave.
     let growth = 1u32.checked_shl(octaves).map_or(f64::INFINITY, f64::from);
-    if (p.abs() * p.broadcast(growth)).le_mask(p.broadcast(NEAR)) & 7 == 7 {
-        sum_of_octaves::<F, false>(p, octaves)
-    } else {
-        sum_of_octaves::<F, true>(p, octaves)
-    }
+    let is_near = (lanes.abs() * lanes.broadcast(growth)).le_mask(lanes.broadcast(NEAR)) & 7 == 7;
+    if is_near { sum_of_octaves::<F, false>(lanes, octaves) } else { far_turbulence(p, octaves) }
+}
+
+/// The same where coordinates may be larger than [`NEAR`].
+#[cold]
+fn far_turbulence(p: DVec3, octaves: u32) -> f64 {
+    sum_of_octaves::<Scalar, true>(Scalar::new(Portable, [p.x, p.y, p.z, 0.0]), octaves)
 }
 
 /// The sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each of them.

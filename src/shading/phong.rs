@@ -1,6 +1,6 @@
 //! Blinn-Phong reflection, and the material at a point of a surface after its textures are evaluated.
 
-use super::light::Incident;
+use super::light::{Incident, unit_or_zero};
 use crate::scene::{Color, material::Phong};
 use glam::DVec3;
 
@@ -92,7 +92,7 @@ impl PointMaterial<'_> {
     /// Blinn's specular term, per unit of light.
     #[inline(always)]
     fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
-        let half = (to_light + to_viewer).normalize_or_zero();
+        let half = unit_or_zero(to_light + to_viewer);
         let alignment = normal.dot(half).max(0.0);
         let Phong { specular, exponent, .. } = *self.phong;
         let first = Highlight { color: specular, exponent }.strength(alignment);

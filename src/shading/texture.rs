@@ -4,11 +4,8 @@ use super::checkerboard::{self, is_in_odd_cell};
 use super::perlin::turbulence;
 use super::phong::{Mixture, PointMaterial};
 #[cfg(target_arch = "x86_64")]
-use crate::math::avx::Avx;
-use crate::math::f64x4::Scalar;
-#[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::instructions::Instructions;
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
@@ -26,61 +23,77 @@ pub fn material_at<'m>(
     instructions: Instructions,
     mixture: &'m mut Mixture,
 ) -> PointMaterial<'m> {
-    match &materials[id] {
-        Material::Phong(phong) => phong.into(),
-        Material::Texture(texture) => match instructions {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe {
-                textured_avx2(avx2, materials, (id, texture), point, mixture)
-            },
-            Instructions::Portable => textured(materials, (id, texture), point, instructions, mixture),
-        },
+    let mut id = id;
+    loop {
+        let texture = match &materials[id] {
+            Material::Phong(phong) => return phong.into(),
+            Material::Texture(texture) => texture,
+        };
+        if texture.pattern == Pattern::Checkerboard {
+            let is_odd = is_in_odd_cell(&texture.world_to_texture, point, instructions);
+            id = texture.children[usize::from(is_odd)];
+            continue;
+        }
+        match only_child(&materials[..id], texture, point, instructions, mixture) {
+            Some(child) => id = child,
+            None => return mixture.material(),
+        }
     }
 }
 
-/// The same for a texture and its id, compiled for AVX2.
+/// The child of a texture that has all the weight at a point. If there is none, the material is in `mixture`.
+/// `materials` are those before the texture in the scene, which include its children.
+#[inline(always)]
+fn only_child(
+    materials: &[Material],
+    texture: &Texture,
+    point: DVec3,
+    instructions: Instructions,
+    mixture: &mut Mixture,
+) -> Option<MaterialId> {
+    match instructions {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+        Instructions::Avx2(avx2) => unsafe { only_child_avx2(avx2, materials, texture, point, mixture) },
+        Instructions::Portable => only_child_with(materials, texture, point, instructions, mixture),
+    }
+}
+
+/// The same, compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn textured_avx2<'m>(
+fn only_child_avx2(
     avx2: Avx2,
-    materials: &'m [Material],
-    texture: (MaterialId, &'m Texture),
+    materials: &[Material],
+    texture: &Texture,
     point: DVec3,
-    mixture: &'m mut Mixture,
-) -> PointMaterial<'m> {
-    textured(materials, texture, point, Instructions::Avx2(avx2), mixture)
+    mixture: &mut Mixture,
+) -> Option<MaterialId> {
+    only_child_with(materials, texture, point, Instructions::Avx2(avx2), mixture)
 }
 
 /// The same, compiled for the instructions of the caller.
 #[inline(always)]
-fn textured<'m>(
-    materials: &'m [Material],
-    (mut id, mut texture): (MaterialId, &'m Texture),
+fn only_child_with(
+    materials: &[Material],
+    texture: &Texture,
     point: DVec3,
     instructions: Instructions,
-    mixture: &'m mut Mixture,
-) -> PointMaterial<'m> {
-    loop {
-        let first = first_weight(texture, point, instructions);
-        id = match first {
-            1.0 => texture.children[0],
-            0.0 => texture.children[1],
-            _ => {
-                mix(&materials[..id], (texture, first), point, instructions, mixture);
-                return mixture.material();
-            }
-        };
-        texture = match &materials[id] {
-            Material::Phong(phong) => return phong.into(),
-            Material::Texture(texture) => texture,
-        };
+    mixture: &mut Mixture,
+) -> Option<MaterialId> {
+    let first = first_weight(texture, point, instructions);
+    match first {
+        1.0 => Some(texture.children[0]),
+        0.0 => Some(texture.children[1]),
+        _ => {
+            mix(materials, (texture, first), point, instructions, mixture);
+            None
+        }
     }
 }
 
-/// Makes the mixture for a texture whose first child has the given weight. `materials` are those before it in
-/// the scene, which include its children.
+/// Makes the mixture for a texture whose first child has the given weight.
 ///
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
 /// distributes its weight to its two children, which come before it. This takes time linear in the number of
@@ -140,7 +153,8 @@ fn mix(
 pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
-        Pattern::Checkerboard => checkerboard(map, point, instructions),
+        Pattern::Checkerboard if is_in_odd_cell(map, point, instructions) => 0.0,
+        Pattern::Checkerboard => 1.0,
         Pattern::Noise { octaves } => {
             (turbulence(to_texture(map, point), octaves, instructions) + 0.5).clamp(0.0, 1.0)
         }
@@ -163,17 +177,6 @@ pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions)
 fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
     let bound = DVec3::splat(LARGEST);
     map.transform_point3(point).clamp(-bound, bound)
-}
-
-/// 1 in the even cells of a checkerboard, and 0 in the odd ones.
-#[inline(always)]
-fn checkerboard(map: &DAffine3, point: DVec3, instructions: Instructions) -> f64 {
-    let is_odd = match instructions {
-        #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2(avx2) => is_in_odd_cell::<Avx>(avx2, map, point),
-        Instructions::Portable => is_in_odd_cell::<Scalar>(Portable, map, point),
-    };
-    if is_odd { 0.0 } else { 1.0 }
 }
 
 /// Whether a point lies in a boundary of a checkerboard within roundings.

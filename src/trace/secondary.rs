@@ -35,8 +35,10 @@ pub(super) struct Branch {
     /// The primitive that the ray leaves.
     pub leaves: Option<u32>,
     pub path: Path,
-    /// The colour along the ray, if it is known without casting it.
-    pub known: Option<Color>,
+    /// Whether the colour along the ray is known without casting it.
+    pub is_known: bool,
+    /// That colour; black if it is not known.
+    pub known: Color,
 }
 
 impl<M: Mode> Tracer<'_, M> {
@@ -63,14 +65,15 @@ impl<M: Mode> Tracer<'_, M> {
             }
             return;
         };
-        let ray = self.secondary(lit.surface, reflected(lit.ray.direction, lit.surface.normal));
+        let ray = self.secondary(&lit.surface, reflected(lit.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
         let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
             probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
         }
         let known = self.known_end(lit, ray.direction, path.bounces);
-        pending.push(Branch { ray, leaves, path, known });
+        let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
+        pending.push(Branch { ray, leaves, path, is_known, known });
     }
 
     #[inline(always)]
@@ -88,7 +91,7 @@ impl<M: Mode> Tracer<'_, M> {
             }
             return;
         };
-        let (d, n) = (lit.ray.direction, lit.surface.normal);
+        let (d, n) = (lit.direction, lit.surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
         let Some(direction) = refracted(d, normal, path.index / index) else {
@@ -97,21 +100,22 @@ impl<M: Mode> Tracer<'_, M> {
             }
             return;
         };
-        let ray = self.secondary(lit.surface, direction);
+        let ray = self.secondary(&lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
         let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
             probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
         }
         let known = self.known_end(lit, ray.direction, path.bounces);
-        pending.push(Branch { ray, leaves, path, known });
+        let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
+        pending.push(Branch { ray, leaves, path, is_known, known });
     }
 
     /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on the
     /// inner side of a solid with nothing in it ends on the inner side of the same solid.
     #[inline(always)]
     fn known_end(&self, lit: &Lit, direction: DVec3, bounces: u32) -> Option<Color> {
-        let Lit { surface, material, .. } = *lit;
+        let Lit { surface, material, .. } = lit;
         let is_last_within = bounces == self.effects.bounces && direction.dot(surface.normal) < 0.0;
         if !is_last_within || !self.caster.solids.are_empty_within(surface.primitive?) {
             return None;

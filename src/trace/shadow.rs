@@ -27,12 +27,12 @@ impl<M: Mode> Tracer<'_, M> {
             return Color::ONE;
         }
         probe.shadow_ray();
-        let blocker = self.blocker(lit.surface, index, side);
+        let blocker = self.blocker(&lit.surface, index, side);
         // The ray leaves the only plane.
         if blocker == Blocker::Nothing && self.caster.has_no_plane_but(lit.surface.primitive) {
             return Color::ONE;
         }
-        let mut ray = self.secondary(lit.surface, light.direction);
+        let mut ray = self.secondary(&lit.surface, light.direction);
         // The distance to a point light is measured from the origin of the shadow ray.
         ray.t_max = light.distance;
         if P::OBSERVES {
