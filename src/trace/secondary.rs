@@ -67,13 +67,11 @@ impl<M: Mode> Tracer<'_, M> {
         };
         let ray = self.secondary(&lit.surface, reflected(lit.direction, lit.surface.normal));
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
+            let exclude = lit.surface.triangle;
             probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
         }
-        let known = self.known_end(lit, ray.direction, path.bounces);
-        let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
-        pending.push(Branch { ray, leaves, path, is_known, known });
+        pending.push(self.branch(lit, ray, path));
     }
 
     #[inline(always)]
@@ -102,13 +100,19 @@ impl<M: Mode> Tracer<'_, M> {
         };
         let ray = self.secondary(&lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        let (leaves, exclude) = (lit.surface.primitive, lit.surface.triangle);
         if P::OBSERVES {
+            let exclude = lit.surface.triangle;
             probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
         }
+        pending.push(self.branch(lit, ray, path));
+    }
+
+    /// The branch of a ray that leaves a hit.
+    #[inline(always)]
+    fn branch(&self, lit: &Lit, ray: Ray, path: Path) -> Branch {
         let known = self.known_end(lit, ray.direction, path.bounces);
         let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
-        pending.push(Branch { ray, leaves, path, is_known, known });
+        Branch { ray, leaves: lit.surface.primitive, path, is_known, known }
     }
 
     /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on the
