@@ -135,30 +135,31 @@ impl<M: Mode> Tracer<'_, M> {
     /// The same, compiled for the instructions of the caller.
     #[inline(always)]
     fn follow_pending<P: Observer>(&self, mut color: Color, memory: &mut Memory, probe: &mut P) -> Color {
-        while let Some(branch) = memory.pending.pop() {
-            let Branch { ray, leaves, path, is_known, known } = &branch;
+        // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
+        // vectors would fail to forward the stores, and the processor would stall.
+        while let Some(Branch { ray, leaves, path, is_known, known }) = memory.pending.pop() {
             // Where rays are counted or observed, they are cast all the same.
-            if *is_known && !M::AS_COURSE && !P::OBSERVES {
-                color += path.filter * *known;
+            if is_known && !M::AS_COURSE && !P::OBSERVES {
+                color += path.filter * known;
                 continue;
             }
             if P::OBSERVES {
                 probe.observe(Event::Popped);
             }
             probe.non_shadow_ray();
-            let visible = self.caster.nearest(ray, *leaves, probe);
+            let visible = self.caster.nearest(&ray, leaves, probe);
             if P::OBSERVES {
                 probe.observe(Event::Met(visible));
             }
             let mut seen = match visible {
                 Some(visible) => {
-                    let surface = self.world().visible_surface(ray, visible);
-                    self.follow(ray, path, &surface, memory, probe)
+                    let surface = self.world().visible_surface(&ray, visible);
+                    self.follow(&ray, &path, &surface, memory, probe)
                 }
                 None => self.background(probe),
             };
-            if *is_known {
-                seen = *known;
+            if is_known {
+                seen = known;
                 if P::OBSERVES {
                     probe.observe(Event::Shaded(seen));
                 }
