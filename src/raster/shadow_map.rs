@@ -47,7 +47,7 @@ const SIZE: usize = 256;
 
 /// There are at least so many rays to a light for each triangle, and one for each pixel, or there are no maps. According
 /// to measurements they take more time than they save otherwise.
-const RAYS_PER_TRIANGLE: usize = 64;
+const RAYS_PER_TRIANGLE: usize = 48;
 
 impl ShadowMaps {
     /// Maps for so many rays to each light. There is none for a light that is too close to the primitives, or where there
