@@ -5,7 +5,8 @@ use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::rng::Rng;
 use crate::support::scenes::layers_and_nans;
-use crate::support::views::View;
+use crate::support::views::{View, triangles};
+use glam::DVec2;
 use raytracer::grid::Caster;
 use raytracer::mode::Course;
 use raytracer::primitive::plane::Plane;
@@ -64,6 +65,33 @@ fn triangles_at_almost_the_depth_of_a_plane() {
         if normal.is_finite() {
             world.planes.push(Plane { normal, offset: normal.dot(a) + aside });
         }
+        (view, world)
+    });
+}
+
+/// Long thin triangles through the centre of a pixel, parallel to a plane just before or behind them. Their areas are
+/// small differences of large numbers, and so are the depths that are interpolated.
+#[test]
+fn slivers_at_almost_the_depth_of_a_plane() {
+    demand(3046, rays(20_000, 2_000_000), 0.2, |rng| {
+        let view = View::parallel(rng);
+        let pixel = DVec2::from_array(view.some_pixel(rng).map(|i| i as f64));
+        let (length, width) = (f64::powf(10.0, rng.range(0.0, 4.5)), f64::powf(10.0, rng.range(-12.0, -3.0)));
+        let corners = [(-1.0, -1.0), (1.0, rng.range(-1.0, 1.0)), (rng.range(-1.0, 1.0), 1.0)];
+        let depth = view.scale * rng.range(-1.0, 1.0);
+        let sliver = corners.map(|(x, y)| {
+            let aside = if view.size[0] % 2 == 0 {
+                DVec2::new(x * length, y * width)
+            } else {
+                DVec2::new(y * width, x * length)
+            };
+            view.camera.ray(pixel, aside).at(depth)
+        });
+        let ahead =
+            (sliver[1] - sliver[0]).length() * f64::powf(10.0, rng.range(-10.0, -3.0)) * rng.range(-1.0, 1.0);
+        let mut world = triangles([sliver]);
+        let normal = view.direction.normalize();
+        world.planes.push(Plane { normal, offset: normal.dot(view.ray([0, 0]).at(depth)) + ahead });
         (view, world)
     });
 }
