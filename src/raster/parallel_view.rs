@@ -104,3 +104,91 @@ impl ParallelView {
 fn interpolation_error(pixels: f64) -> f64 {
     1e-9 * pixels + 1e-13 * pixels * pixels
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_rational::BigRational;
+    use num_traits::ToPrimitive;
+
+    /// A vector of exact numbers.
+    fn exact(v: DVec3) -> [BigRational; 3] {
+        v.to_array().map(|x| BigRational::from_float(x).unwrap())
+    }
+
+    fn number(x: f64) -> BigRational {
+        BigRational::from_float(x).unwrap()
+    }
+
+    fn dot([a, b, c]: &[BigRational; 3], [d, e, f]: &[BigRational; 3]) -> BigRational {
+        a * d + b * e + c * f
+    }
+
+    /// The sum of a vector and so many times another one.
+    fn moved(a: &[BigRational; 3], factor: &BigRational, b: &[BigRational; 3]) -> [BigRational; 3] {
+        [0, 1, 2].map(|i| &a[i] + factor * &b[i])
+    }
+
+    /// A view of a box of this size, as far from the origin.
+    fn view(size: f64, far: f64) -> ParallelView {
+        let middle = far * DVec3::new(1.0 / 3.0, -0.7, 0.3);
+        let bounds = Aabb { min: middle - size, max: middle + size };
+        let direction = DVec3::new(0.48, 0.6, 0.64);
+        let (right, up) = (DVec3::new(-0.8, 0.0, 0.6) / 3.0, DVec3::new(0.36, -0.8, 0.48) / 3.0);
+        let eye = Eye { center: middle, direction, right, up, middle: DVec2::splat(31.5) };
+        ParallelView::new(eye, &bounds, 64, Footprint::Center).unwrap()
+    }
+
+    /// The difference of a plane's nearness from the exact one at a pixel, and its error bound.
+    fn error_and_bound(view: &ParallelView, plane: &Plane, x: f64, y: f64) -> [f64; 2] {
+        let Eye { center, direction, right, up, .. } = view.eye;
+        let (normal, d) = (exact(plane.normal), exact(direction));
+        let origin = moved(&moved(&exact(center), &number(x), &exact(right)), &number(y), &exact(up));
+        // The rate is that of the ray's test.
+        let rate = number(plane.normal.dot(direction));
+        let t = (number(plane.offset) - dot(&normal, &origin)) / rate;
+        let from_middle = moved(&moved(&origin, &t, &d), &number(-1.0), &exact(view.middle));
+        let nearness = number(2.0) - dot(&from_middle, &d) / number(view.radius);
+        let computed = view.plane(plane);
+        let value = computed.inv_depth.at(x, y);
+        let error = (number(value) - nearness).to_f64().unwrap().abs();
+        [error, computed.error_bound.at(value.abs())]
+    }
+
+    #[test]
+    fn the_nearness_of_a_plane_along_the_rays_is_within_its_error_bound() {
+        let mut largest = 0.0f64;
+        for far in [0.0, 1.0, 1e6, 1e9] {
+            let view = view(1e4, far);
+            for (k, tilt) in [1.0, 0.1, 1e-3, 1e-5, 1e-7, -1e-9].into_iter().enumerate() {
+                let across = (view.eye.right + 0.3 * k as f64 * view.eye.up).normalize();
+                let normal = (across + tilt * view.eye.direction).normalize();
+                let offset = normal.dot(view.middle) + 0.1 * k as f64;
+                for (x, y) in [(0.5, -3.5), (31.5, 31.5), (-31.5, 7.5)] {
+                    let [error, bound] = error_and_bound(&view, &Plane { normal, offset }, x, y);
+                    assert!(error <= bound, "{far} {tilt} {x} {y}: {error} {bound}");
+                    largest = largest.max(error);
+                }
+            }
+        }
+        // More than where planes are across the rays, so that the bound has to grow with the slope.
+        assert!(largest > 10.0 * NEARNESS_ERROR, "{largest}");
+    }
+
+    #[test]
+    fn there_is_no_view_with_large_errors() {
+        let good = view(1.0, 0.0).eye;
+        let bounds = |size: f64| Aabb { min: DVec3::splat(-size), max: DVec3::splat(size) };
+        let is_drawn =
+            |eye: Eye, size: f64| ParallelView::new(eye, &bounds(size), 64, Footprint::Center).is_some();
+        assert!(is_drawn(good, 1.0) && is_drawn(good, 1e-4) && is_drawn(good, 1e4));
+        // The primitives are small, large, or far away, or the axes are not at right angles.
+        assert!(!is_drawn(good, 1e-9) && !is_drawn(good, 1e5) && !is_drawn(good, 1e6));
+        assert!(!is_drawn(Eye { center: DVec3::splat(1e12), ..good }, 1.0));
+        assert!(!is_drawn(Eye { up: good.up + 1e-4 * good.right, ..good }, 1.0));
+        // The depths are too inexact, though the pixels are large.
+        let coarse = Eye { right: 1e5 * good.right, up: 1e5 * good.up, ..good };
+        assert!(is_drawn(coarse, 1.0) && !is_drawn(Eye { center: DVec3::splat(1e9), ..coarse }, 1.0));
+        assert!(is_drawn(Eye { center: DVec3::splat(1e9), ..coarse }, 1e4));
+    }
+}

@@ -80,7 +80,7 @@ fn slivers_at_almost_the_depth_of_a_plane() {
         let corners = [(-1.0, -1.0), (1.0, rng.range(-1.0, 1.0)), (rng.range(-1.0, 1.0), 1.0)];
         let depth = view.scale * rng.range(-1.0, 1.0);
         let sliver = corners.map(|(x, y)| {
-            let aside = if view.size[0] % 2 == 0 {
+            let aside = if view.size[0].is_multiple_of(2) {
                 DVec2::new(x * length, y * width)
             } else {
                 DVec2::new(y * width, x * length)

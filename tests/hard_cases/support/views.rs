@@ -51,7 +51,8 @@ impl View {
     pub fn parallel_along(rng: &mut Rng, direction: DVec3, up: DVec3) -> Self {
         let size = [8 + rng.below(40), 8 + rng.below(40)];
         let scale = f64::powi(2.0, rng.below(60) as i32 - 30);
-        let eye = scale * if rng.below(2) == 0 { DVec3::ZERO } else { 1e4 * rng.in_cube() };
+        let farthest = [0.0, 0.0, 4.0, 9.0][rng.below(4)];
+        let eye = scale * (f64::powf(10.0, rng.range(0.0, farthest)) - 1.0) * rng.in_cube();
         let exponent = if rng.below(4) == 0 { rng.range(-6.0, 6.0) } else { rng.range(-0.5, 0.5) };
         let across = scale * f64::powf(10.0, exponent);
         let camera = scene::Camera::Orthographic { center: eye, direction, up, size: across };
