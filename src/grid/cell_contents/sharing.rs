@@ -62,10 +62,10 @@ mod tests {
     use glam::DVec3;
 
     /// The entries of the first four cells in a row, and the number of blocks, of primitives that are in these cells.
-    /// Eight of them are triangles, the others spheres. One more sphere is in all of the many cells after these.
-    fn entries(cells_of: &[&[u32]], along: usize) -> (Vec<u32>, usize) {
-        let objects = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } ".repeat(8)
-            + &"Sphere { center 0 0 0 radius 1 } ".repeat(cells_of.len() - 7);
+    /// So many of them are triangles, the others spheres. One more sphere is in all of the many cells after these.
+    fn entries(cells_of: &[&[u32]], triangles: usize, along: usize) -> (Vec<u32>, usize) {
+        let objects = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } ".repeat(triangles)
+            + &"Sphere { center 0 0 0 radius 1 } ".repeat(cells_of.len() - triangles + 1);
         let text = format!(
             "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
              Group {{ numObjects {} Material {{ }} {objects} }}",
@@ -92,23 +92,32 @@ mod tests {
         for along in 0..3 {
             let everywhere: &[u32] = &[0, 1, 2, 3];
             let mut cells_of = vec![everywhere; 8];
-            let (found, blocks) = entries(&cells_of, along);
+            let (found, blocks) = entries(&cells_of, 8, along);
             assert!(found[0] != EMPTY && found.iter().all(|&entry| entry == found[0]) && blocks == 1);
             // One triangle more or less, and a sphere, make a difference.
             cells_of[7] = &[0, 1, 3];
-            let (found, blocks) = entries(&cells_of, along);
+            let (found, blocks) = entries(&cells_of, 8, along);
             assert!(found[0] == found[1] && found[1] != found[2] && found[2] != found[3] && blocks == 3);
             cells_of[7] = everywhere;
             cells_of.push(&[1, 2]);
-            let (found, blocks) = entries(&cells_of, along);
+            let (found, blocks) = entries(&cells_of, 8, along);
             assert!(found[0] != found[1] && found[1] == found[2] && found[2] != found[3] && blocks == 3);
         }
     }
 
     #[test]
+    fn a_cell_with_a_block_more_shares_nothing() {
+        let (everywhere, apart): (&[u32], &[u32]) = (&[0, 1, 2, 3], &[1, 3]);
+        let mut cells_of = vec![everywhere; 8];
+        cells_of.push(apart);
+        let (found, blocks) = entries(&cells_of, 9, 0);
+        assert!(found.windows(2).all(|pair| pair[0] != pair[1]) && blocks == 6, "{found:?}");
+    }
+
+    #[test]
     fn an_empty_cell_shares_nothing() {
         let apart: &[u32] = &[0, 2];
-        let (found, blocks) = entries(&[apart; 8], 0);
+        let (found, blocks) = entries(&[apart; 8], 8, 0);
         assert!(found[1] == EMPTY && found[3] == EMPTY && found[0] != found[2] && blocks == 2);
         assert_eq!(found[2] >> COUNT_BITS, 1);
     }
