@@ -42,7 +42,12 @@ pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
         next.send(thread).map_err(|_| io::Error::other("a thread has ended"))
     });
     let pool = if place == Place::Here { pool.use_current_thread() } else { pool };
-    pool.build().map_err(|error| refused(error.to_string()))
+    let pool = pool.build().map_err(|error| refused(error.to_string()))?;
+    if memory_is_limited() {
+        // A thread allocates when it first looks for work, and ends the program if there is no memory left by then.
+        pool.broadcast(|_| ());
+    }
+    Ok(pool)
 }
 
 /// A thread that waits for the pool that it is to work for. It ends when this is dropped.
