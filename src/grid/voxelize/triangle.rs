@@ -75,14 +75,17 @@ impl<const U: usize, const V: usize> Projection<U, V> {
     #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let [p, q, r] = v.map(|v| [v[U], v[V]]);
-        let area = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-        // The sign makes the interior the positive side of all edges, whatever the orientation is.
-        let sign = 1f64.copysign(area);
-        let edge = |from: [f64; 2], to: [f64; 2]| {
-            let (a, b) = ((from[1] - to[1]) * sign, (to[0] - from[0]) * sign);
+        let edge = |from: [f64; 2], to: [f64; 2], opposite: [f64; 2]| {
+            let (a, b) = (from[1] - to[1], to[0] - from[0]);
+            // The sign makes the interior the positive side of the edge, whatever the orientation is. It may
+            // be wrong only where rounding errors hide on which side of this edge the triangle is, and then
+            // the whole triangle is as good as on the edge. One sign for all edges would not do: the area of
+            // a needle has the rounding errors of its long edges, which hide the side of a short edge.
+            let sign = 1f64.copysign(a * (opposite[0] - from[0]) + b * (opposite[1] - from[1]));
+            let (a, b) = (a * sign, b * sign);
             [a, b, half * (a.abs() + b.abs()) - (a * from[0] + b * from[1])]
         };
-        Self { edges: [edge(p, q), edge(q, r), edge(r, p)] }
+        Self { edges: [edge(p, q, r), edge(q, r, p), edge(r, p, q)] }
     }
 
     /// Whether the cell with this centre, in units of cells, overlaps the projection.
@@ -190,6 +193,24 @@ mod tests {
                 let in_cells = l.to_cells(p);
                 let cell = [0, 1, 2].map(|axis| l.cell_at(axis, in_cells[axis]));
                 assert!(cells.contains(&(l.index(cell) as u32)), "{k}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_needle_whose_short_side_is_a_few_roundings_is_inserted_along_its_whole_length() {
+        let l = lattice();
+        for k in 0..343 {
+            let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0 + 0.002 * f64::from(k), 0.8));
+            let ulps = [k % 7, k / 7 % 7, k / 49].map(|i| f64::from(i - 3) * f64::EPSILON);
+            let c = b * (1.0 + DVec3::from_array(ulps));
+            for corners in [[a, b, c], [b, c, a], [c, a, b], [b, a, c]] {
+                let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+                for p in (0..=1000).map(|i| a + f64::from(i) / 1000.0 * (b - a)) {
+                    let in_cells = l.to_cells(p);
+                    let cell = [0, 1, 2].map(|axis| l.cell_at(axis, in_cells[axis]));
+                    assert!(cells.contains(&(l.index(cell) as u32)), "{k} {corners:?}");
+                }
             }
         }
     }
