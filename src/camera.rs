@@ -21,8 +21,8 @@ pub struct Camera {
     size: DVec2,
 }
 
-/// How the rays through the pixels' centres depend on the pixel. For the one in column i of row j, let the way across be
-/// `(i - middle.x) right + (j - middle.y) up`.
+/// How the rays through the pixels' centres depend on the pixel. For the one in column i of row j, let the way across
+/// be `(i - middle.x) right + (j - middle.y) up`.
 #[derive(Clone, Copy, Debug)]
 pub enum Projection {
     /// All rays start at the eye. The way across is added to their direction, which is normalised then.

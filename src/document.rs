@@ -16,8 +16,8 @@ mod scene;
 
 use scene::SceneSummary;
 
-/// The version of the form. It changes when a member is removed, renamed, or gets another meaning, and stays when one is
-/// added.
+/// The version of the form. It changes when a member is removed, renamed, or gets another meaning, and stays when one
+/// is added.
 const FORMAT: u32 = 1;
 
 /// What a comparison has found.

@@ -78,8 +78,8 @@ fn escaped_byte(byte: u8) -> String {
     }
 }
 
-/// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a formula
-/// starts with an apostrophe.
+/// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a
+/// formula starts with an apostrophe.
 pub fn csv_field(text: &str) -> String {
     let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
     let apostrophe = if is_formula { "'" } else { "" };

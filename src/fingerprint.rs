@@ -35,8 +35,8 @@ pub fn part<M: Mode>(
     })
 }
 
-/// A hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of the scene,
-/// its meshes in world space, and those of the flags that change the layer.
+/// A hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of the
+/// scene, its meshes in world space, and those of the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
 /// crate. It tells apart what was mixed up by mistake, not by malice.

@@ -31,9 +31,9 @@
 //!
 //! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
-//! PNG, PFM and OpenEXR files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out why,
-//! [`grade`] does both for many pictures of many people, [`error_report`] measures what settings cost and buy, and `live`
-//! shows a scene as a page in the browser.
+//! PNG, PFM and OpenEXR files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out
+//! why, [`grade`] does both for many pictures of many people, [`error_report`] measures what settings cost and buy,
+//! and `live` shows a scene as a page in the browser.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 

@@ -101,8 +101,8 @@ impl Products {
         Ok(())
     }
 
-    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which part of
-    /// the whole they are.
+    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which
+    /// part of the whole they are.
     pub fn keep_parts(
         self,
         request: &Request,

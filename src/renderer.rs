@@ -117,8 +117,8 @@ impl Renderer {
         Ok(prepared)
     }
 
-    /// What is known about the solids, with more of them found where this saves time. It is the same for all windows of a
-    /// picture, and in every mode, as the colours may depend on it at a solid's edges.
+    /// What is known about the solids, with more of them found where this saves time. It is the same for all windows
+    /// of a picture, and in every mode, as the colours may depend on it at a solid's edges.
     fn solids(&self, request: &Request) -> Arc<Solids> {
         let known = &self.world.solids;
         let triangles = known.undecided_triangles();
@@ -244,8 +244,8 @@ impl<'r, M: Mode> Prepared<'r, M> {
         self.renderer.camera(request)
     }
 
-    /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the parts
-    /// of the pixel that they stand for, up to a factor.
+    /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the
+    /// parts of the pixel that they stand for, up to a factor.
     pub(crate) fn samples(&self, request: &Request, [column, row]: [usize; 2]) -> Vec<(DVec2, f64)> {
         let Some(settings) = request.adaptive else {
             let index = (column * request.size[1] + row) as u64;

@@ -163,8 +163,8 @@ fn refused(error: &io::Error, path: &Path) -> Option<NoMemory> {
     (error.kind() == io::ErrorKind::OutOfMemory).then(|| NoMemory { bytes: bytes() })
 }
 
-/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the program
-/// and a device may have no end.
+/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the
+/// program and a device may have no end.
 fn read_mesh_file(place: &Path) -> Result<Vec<u8>, Unread> {
     let unread = |error: io::Error| match refused(&error, place) {
         Some(refused) => Unread::Memory(refused),

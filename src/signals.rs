@@ -54,7 +54,8 @@ impl Signals {
         self.end_if(&Arc::new(AtomicBool::new(true)))
     }
 
-    /// From now on, the second signal ends the program at once, and the first is noted. An error if one was noted before.
+    /// From now on, the second signal ends the program at once, and the first is noted. An error if one was noted
+    /// before.
     pub fn end_at_second(&mut self) -> Result<(), Interrupted> {
         let has_come = Arc::new(AtomicBool::new(self.received().is_some()));
         let noted = self.end_if(&has_come);

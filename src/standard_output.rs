@@ -24,16 +24,16 @@ fn failed(reason: impl std::fmt::Display) -> String {
     crate::failed(format!("cannot write to standard output: {reason}"))
 }
 
-/// Before `main` starts, the standard library opens `/dev/null` in place of a closed descriptor, and writes to it vanish. So
-/// the descriptor is looked at before that.
+/// Before `main` starts, the standard library opens `/dev/null` in place of a closed descriptor, and writes to it
+/// vanish. So the descriptor is looked at before that.
 #[cfg(target_os = "linux")]
 mod at_start {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     static IS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-    // SAFETY: the section holds pointers to functions of the C calling convention, which the loader calls once, before `main`
-    // and before there are other threads. This one needs nothing that has to be initialized.
+    // SAFETY: the section holds pointers to functions of the C calling convention, which the loader calls once,
+    // before `main` and before there are other threads. This one needs nothing that has to be initialized.
     #[used]
     #[unsafe(link_section = ".init_array")]
     static LOOK: extern "C" fn() = look;

@@ -267,8 +267,7 @@ impl World {
         primitive < self.triangles.len() as u32
     }
 
-    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the
-    /// one
+    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the one
     /// `along` the ray has a rounding error that grows with the distance from its origin.
     #[inline(always)]
     fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {
@@ -278,8 +277,7 @@ impl World {
 
     #[inline(always)]
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
-        let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
-        self.material_runs[run - 1].1 as MaterialId
+        self.material_run(primitive).1
     }
 
     /// The runs of primitives with the same material, and their materials.
@@ -293,6 +291,7 @@ impl World {
     }
 
     /// The first of the primitives around this one that share its material, and the material.
+    #[inline(always)]
     pub(crate) fn material_run(&self, primitive: u32) -> (u32, MaterialId) {
         let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
         let (first, material) = self.material_runs[run - 1];

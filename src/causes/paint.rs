@@ -16,7 +16,8 @@ use std::ops::Range;
 /// How many rows are painted at once. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// Paints the window of a picture. The rays run through points that are `shift` pixels to the right of the samples and above them.
+/// Paints the window of a picture. The rays run through points that are `shift` pixels to the right of the samples
+/// and above them.
 pub fn paint(
     camera: &Camera,
     request: &Request,

@@ -124,8 +124,8 @@ fn is_checkerboard(material: &Material) -> bool {
     matches!(material, Material::Texture(texture) if texture.pattern == Pattern::Checkerboard)
 }
 
-/// The colours by a textbook's tracer that breaks the rule, or none, and finds by these means what rays hit. The renderer
-/// must have kept the meshes.
+/// The colours by a textbook's tracer that breaks the rule, or none, and finds by these means what rays hit. The
+/// renderer must have kept the meshes.
 pub fn colors(
     renderer: &Renderer,
     request: &Request,

@@ -43,8 +43,8 @@ impl Flag {
         self
     }
 
-    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, `-merge` has
-    /// any number of files, and the name of a picture may be followed by its format.
+    /// The numbers of values that the flag accepts: `-grid` may also have the single value `auto` or `none`, `-merge`
+    /// has any number of files, and the name of a picture may be followed by its format.
     pub fn value_counts(&self) -> std::ops::RangeInclusive<usize> {
         match self.name {
             // `-size 200x200` is one word.

@@ -87,8 +87,8 @@ impl Raw {
         self.all_values(flag).map(|words| exactly(flag, words)).transpose()
     }
 
-    /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if there is
-    /// one. No word may follow a name that tells it.
+    /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if
+    /// there is one. No word may follow a name that tells it.
     pub fn picture_values<const N: usize>(&self, flag: &Flag) -> Result<Option<Picture<'_, N>>, CliError> {
         let Some(mut words) = self.all_values(flag) else { return Ok(None) };
         let Some(place) = flag.picture.filter(|_| words.len() > N) else {

@@ -25,8 +25,8 @@ const DROPPED: [&Flag; 7] = [
     &flags::TOLERANCE,
 ];
 
-/// The command line that renders this region with all else as in `argv`, whose first word is the program's name. A shell
-/// reads it as it stands.
+/// The command line that renders this region with all else as in `argv`, whose first word is the program's name. A
+/// shell reads it as it stands.
 pub fn command_of_rest(argv: &[OsString], region: Window) -> String {
     let Window { x, y, width, height } = region;
     let (program, mut words) = argv

@@ -116,8 +116,8 @@ impl Measurement {
 }
 
 impl Group {
-    /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not compared, nor
-    /// what no flags can ask for.
+    /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not
+    /// compared, nor what no flags can ask for.
     pub fn front(&self) -> Vec<bool> {
         let candidates: Vec<usize> =
             (0..self.measurements.len()).filter(|&index| self.measurements[index].is_candidate()).collect();

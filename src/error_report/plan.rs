@@ -45,8 +45,8 @@ const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 /// A list of all primitives is traced for at most so many tests of rays against primitives.
 const MOST_TESTS: usize = 50_000_000_000;
 
-/// The settings to measure, those with the request's own filter first. What the request asks for is right; `structure` is
-/// what its rays are traced through.
+/// The settings to measure, those with the request's own filter first. What the request asks for is right;
+/// `structure` is what its rays are traced through.
 pub fn plan(scene: &Scene, world: &World, request: &Request, structure: Structure) -> Vec<Group> {
     let own = Setting::of(request, structure);
     let mut first = samples(own);
@@ -123,8 +123,8 @@ pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     changed
 }
 
-/// The structures that rays can be traced through, the one asked for first. There is nothing to build for a world of planes
-/// alone.
+/// The structures that rays can be traced through, the one asked for first. There is nothing to build for a world of
+/// planes alone.
 fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     let count = world.finite_count();
     if count == 0 {

@@ -105,8 +105,8 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// The request and the structure are those of the command line. The renderer must have kept the scene's meshes, and must
-    /// have no threads of its own.
+    /// The request and the structure are those of the command line. The renderer must have kept the scene's meshes,
+    /// and must have no threads of its own.
     pub fn new(renderer: &'a Renderer, request: &'a Request, structure: Structure, bench: Bench<'a>) -> Self {
         Self {
             renderer,

@@ -4,9 +4,9 @@ use super::{Departure, ErrorReport, Group, Kind, Measurement, Numerical, filter_
 use crate::stats::RULE;
 use std::fmt::Write;
 
-/// The table of each filter. A star marks the front: nothing else with this filter is as fast and better, or as good and
-/// faster. A row ends with `numerical` if the program's roundings are more than a tenth of its error, and with `f32` if
-/// those of single precision would be.
+/// The table of each filter. A star marks the front: nothing else with this filter is as fast and better, or as good
+/// and faster. A row ends with `numerical` if the program's roundings are more than a tenth of its error, and with
+/// `f32` if those of single precision would be.
 pub fn text(report: &ErrorReport) -> String {
     let [width, height] = report.size;
     let mut text = format!("{RULE}\nSPEED AGAINST ERROR\n");

@@ -1,7 +1,7 @@
 //! Grading: the pictures of many people, each compared with its reference, in one table.
 //!
-//! A [`Table`] has a row for every name and a [`Column`] for every picture. A column is made at a time, so that only the
-//! pictures of one column are in memory; what the [`Page`] shows of them is kept as compressed bytes.
+//! A [`Table`] has a row for every name and a [`Column`] for every picture. A column is made at a time, so that only
+//! the pictures of one column are in memory; what the [`Page`] shows of them is kept as compressed bytes.
 
 mod column;
 mod csv;

@@ -182,7 +182,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// Whether the ray hits a primitive, which is not the triangle that it leaves.
     #[inline(never)]
     pub fn is_hit<P: Probe>(&self, ray: &Ray, primitive: u32, leaves: Option<u32>, probe: &mut P) -> bool {
-        if leaves == Some(primitive) && (primitive as usize) < self.world.triangles.len() {
+        if leaves == Some(primitive) && self.world.is_triangle(primitive) {
             return false;
         }
         probe.intersections(1);
@@ -210,7 +210,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// Whether this is a sphere or an ellipsoid.
     #[inline(always)]
     pub fn is_round(&self, primitive: u32) -> bool {
-        primitive >= self.world.triangles.len() as u32 && primitive < self.world.first_plane()
+        !self.world.is_triangle(primitive) && primitive < self.world.first_plane()
     }
 
     #[inline(always)]

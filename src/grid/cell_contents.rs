@@ -171,10 +171,15 @@ impl CellContents {
         self.set_non_triangles(by_block)
     }
 
+    /// The indices of the blocks of the cell with this entry, which must be that of a cell with blocks.
+    fn range(&self, entry: u32) -> Range<usize> {
+        let first = (entry >> COUNT_BITS) as usize;
+        first..first + self.indices[first].count as usize
+    }
+
     /// The index of the last block of a cell that has blocks.
     fn last_block(&self, cell: u32) -> u32 {
-        let first = self.entries[cell as usize] >> COUNT_BITS;
-        first + self.indices[first as usize].count - 1
+        self.range(self.entries[cell as usize]).end as u32 - 1
     }
 
     /// Stores primitives that are not triangles, given as pairs of the cell's last block and the primitive's

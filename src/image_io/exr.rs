@@ -40,8 +40,8 @@ pub(super) fn header([width, height]: [u16; 2], place: Place, channels: &[&str])
     bytes
 }
 
-/// What precedes the numbers of a row, which is counted from the top of the whole: its index and its length in bytes. The numbers
-/// are those of the first channel, then those of the next.
+/// What precedes the numbers of a row, which is counted from the top of the whole: its index and its length in bytes.
+/// The numbers are those of the first channel, then those of the next.
 pub(super) fn row_start(row: usize, numbers: usize) -> [u8; 8] {
     let mut start = [0; 8];
     start[..4].copy_from_slice(&(row as i32).to_le_bytes());

@@ -203,8 +203,8 @@ fn window(value: &[u8]) -> Option<[i32; 4]> {
     Some([0, 1, 2, 3].map(|index: usize| i32::from_le_bytes(ints[index])))
 }
 
-/// Inflates a block. Its bytes are differences to the one before, the even ones in the first half and the odd ones in the
-/// second.
+/// Inflates a block. Its bytes are differences to the one before, the even ones in the first half and the odd ones in
+/// the second.
 fn unzip(bytes: &[u8], length: usize) -> Option<Vec<u8>> {
     let mut parts = fdeflate::decompress_to_vec_bounded(bytes, length).ok()?;
     if parts.len() != length {

@@ -15,8 +15,8 @@ pub enum FileId {
 }
 
 impl FileId {
-    /// The file that `path` leads to, which need not exist. None for devices, which hold nothing that could be lost, and
-    /// if the folder cannot be read.
+    /// The file that `path` leads to, which need not exist. None for devices, which hold nothing that could be lost,
+    /// and if the folder cannot be read.
     pub fn of(path: &Path) -> Option<Self> {
         match fs::metadata(path) {
             Ok(found) => existing(path, &found),

@@ -35,8 +35,8 @@ impl std::ops::AddAssign for Exceptional {
 
 /// Encodes the rows of one file.
 pub(super) struct FloatRows {
-    /// Whether the format is PFM, where three lines of text for the kind, the size and the byte order precede the rows; else
-    /// it is OpenEXR.
+    /// Whether the format is PFM, where three lines of text for the kind, the size and the byte order precede the
+    /// rows; else it is OpenEXR.
     is_pfm: bool,
     content: Content,
     size: [u16; 2],

@@ -22,7 +22,8 @@ const MAX_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// Upper bound on the pixels in a packet of run-length encoding.
 const MAX_PIXELS_PER_PACKET: u64 = 128;
 
-/// Reads a picture of any common variant of TGA or PNG, or of floating-point numbers. The format is determined by the end of the name.
+/// Reads a picture of any common variant of TGA or PNG, or of floating-point numbers. The format is determined by the
+/// end of the name.
 ///
 /// The result is 8-bit RGB. Alpha is ignored: a transparent pixel keeps its colour and is not blended with a
 /// background. Grey becomes three equal channels. 16-bit channels are reduced to their high byte, and 5-bit
@@ -38,14 +39,14 @@ pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
     read(path, None).map(|(picture, _)| picture)
 }
 
-/// Reads a picture like [`read_picture`], and counts the pixels whose numbers a byte does not show, because they are below 0,
-/// above 1 or not numbers.
+/// Reads a picture like [`read_picture`], and counts the pixels whose numbers a byte does not show, because they are
+/// below 0, above 1 or not numbers.
 pub fn read_clamped_picture(path: &Path) -> Result<(Picture, u64), ImageError> {
     read(path, None)
 }
 
-/// Reads a picture like [`read_picture`], of this width and height in pixels. One of another size is an error, for which
-/// no memory is allocated.
+/// Reads a picture like [`read_picture`], of this width and height in pixels. One of another size is an error, for
+/// which no memory is allocated.
 pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, ImageError> {
     read(path, Some(size)).map(|(picture, _)| picture)
 }

@@ -164,8 +164,8 @@ impl Merge {
         (!is_whole).then(|| Part { at: [x, y].map(|n| n as u32), ..part.clone() })
     }
 
-    /// Hands the rows to the writer. The watch is told after each row, and may end the work. Only files that the current
-    /// row crosses are open.
+    /// Hands the rows to the writer. The watch is told after each row, and may end the work. Only files that the
+    /// current row crosses are open.
     pub fn write(
         &self,
         writer: &mut PictureWriter,

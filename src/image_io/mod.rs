@@ -1,5 +1,5 @@
-//! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing of
-//! text files.
+//! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing
+//! of text files.
 
 pub(crate) mod embedded;
 mod error;

@@ -30,7 +30,8 @@ impl Spool {
         Self { memory, file: None, folder, reversed: None }
     }
 
-    /// Says that a header of this many bytes precedes rows of this many bytes each, of which the last is to be written first.
+    /// Says that a header of this many bytes precedes rows of this many bytes each, of which the last is to be
+    /// written first.
     pub fn reverse_rows(&mut self, header: usize, row: usize) {
         self.reversed = Some((header, row));
     }

@@ -130,8 +130,8 @@ impl PictureWriter {
         self.encode()
     }
 
-    /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of floating-point
-    /// numbers.
+    /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of
+    /// floating-point numbers.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
         if let Encoder::Floats(_) = self.encoder {
             return Err(ImageError::OnlyBytes { path: self.path.clone() });
@@ -154,8 +154,8 @@ impl PictureWriter {
     }
 
     /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
-    /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or if it
-    /// has floating-point numbers, which are not put together.
+    /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or
+    /// if it has floating-point numbers, which are not put together.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
         let has_parts = !self.format.is_float() && Format::of(&self.path) == Some(self.format);
         if self.rows == 0 || !has_parts || !matches!(self.target, Target::Replace { .. }) {

@@ -18,7 +18,8 @@ const SCRIPTS: [&str; 9] = [
     include_str!("main.js"),
 ];
 
-/// The page. Its policy lets nothing run or be loaded but what stands in it: the mark on its own parts is new each time.
+/// The page. Its policy lets nothing run or be loaded but what stands in it: the mark on its own parts is new each
+/// time.
 pub fn page() -> Answer {
     let Ok(mark) = random_digits() else { return Answer::text(503, "there are no random numbers") };
     let scripts: String =

@@ -1,5 +1,5 @@
-//! The search for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. It finds
-//! the same inputs on every machine.
+//! The search for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. It
+//! finds the same inputs on every machine.
 
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
 //!
-//! The steps are those of [`Shear::weights`], [`point`] and [`normal`], so that the results have the same bits. Lanes that
-//! need exact arithmetic are left to these.
+//! The steps are those of [`Shear::weights`], [`point`] and [`normal`], so that the results have the same bits. Lanes
+//! that need exact arithmetic are left to these.
 //!
 //! [`Shear::weights`]: super::triangle::Shear::weights
 //! [`point`]: super::triangle::point
@@ -28,8 +28,8 @@ pub struct Triangles4<F> {
 #[derive(Clone, Copy, Debug)]
 pub struct Hits4 {
     pub points: [DVec3; 4],
-    /// The set of the rays for which rounded numbers suffice, bit 0 for the first one. The points and the normals of the
-    /// others have no meaning.
+    /// The set of the rays for which rounded numbers suffice, bit 0 for the first one. The points and the normals of
+    /// the others have no meaning.
     pub certain: u32,
 }
 

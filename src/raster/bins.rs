@@ -28,8 +28,8 @@ const FRONTS: usize = 0;
 const BACKS: usize = 1;
 
 impl Bins {
-    /// The triangles whose ids are below `count`, in these rows. `bounds_of` has the bounds of each, and whether it seems
-    /// to be front-facing.
+    /// The triangles whose ids are below `count`, in these rows. `bounds_of` has the bounds of each, and whether it
+    /// seems to be front-facing.
     pub fn new(
         rows: &Range<usize>,
         count: usize,

@@ -1,10 +1,11 @@
 //! Triangles in a picture in which they lie flat: all of their vertices are projected to it, and clipped nowhere.
 //!
-//! *Error bounds.* Let a vertex be off by at most e pixels along each axis, and so a ray. For vertices a and b and a point
-//! q, the edge function (a - q) x (b - q) is then off by at most 2.83 e (|a - q| + |b - q|) + 8 e^2. The interpolated
-//! nearness of a point within the triangle is off by at most the changes that moving the vertices and the ray make: e for
-//! each axis times the slope. The roundings of both are far smaller if the triangle's area exceeds the error of an edge
-//! function, and e is at least a billionth of the vertices' distances from the middle of the picture.
+//! *Error bounds.* Let a vertex be off by at most e pixels along each axis, and so a ray. For vertices a and b and a
+//! point q, the edge function (a - q) x (b - q) is then off by at most 2.83 e (|a - q| + |b - q|) + 8 e^2. The
+//! interpolated nearness of a point within the triangle is off by at most the changes that moving the vertices and
+//! the ray make: e for each axis times the slope. The roundings of both are far smaller if the triangle's area
+//! exceeds the error of an edge function, and e is at least a billionth of the vertices' distances from the middle of
+//! the picture.
 
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::ScreenVertex;

@@ -1,9 +1,10 @@
 //! Primary visibility by rasterization: the triangles and planes are projected onto the pixels.
 //!
-//! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much cheaper
-//! to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
-//! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error
-//! bounds are proved in `proofs/raster_*.g`.
+//! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much
+//! cheaper to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
+//! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error bounds of
+//! an eye's rays are proved in `proofs/raster_*.g`; those of parallel rays are said in [`parallel_view`] and
+//! [`flat_triangle`].
 //!
 //! If rays go through other points of the pixels, the functions of a pixel's centre get the amount by which they
 //! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,
@@ -94,8 +95,8 @@ const TILE_ROWS: usize = 32;
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
-    /// The first hits in a world of triangles and planes, for the rays of this footprint in these rows. None if the world has other primitives, if casting the rays is cheaper, or where there is no memory
-    /// for them.
+    /// The first hits in a world of triangles and planes, for the rays of this footprint in these rows. None if the
+    /// world has other primitives, if casting the rays is cheaper, or where there is no memory for them.
     pub fn new<M: Mode>(
         camera: &Camera,
         caster: &Caster<M>,

@@ -1,9 +1,9 @@
 //! The picture of an orthographic camera. Nothing is clipped, since such a camera also sees what is behind it.
 //!
-//! *Error bounds.* A point's coordinates are off because of the roundings of the point, the axes and the ray that is cast,
-//! a few of the largest coordinate, and because the camera's axes are not quite orthogonal. The distances along rays are
-//! off by the roundings of the ray's test, up to [`T_ROUNDINGS`] of them. There is no view where the sum
-//! of all of them may exceed a small fraction of a pixel, or of the depth of the finite primitives.
+//! *Error bounds.* A point's coordinates are off because of the roundings of the point, the axes and the ray that is
+//! cast, a few of the largest coordinate, and because the camera's axes are not quite orthogonal. The distances along
+//! rays are off by the roundings of the ray's test, up to [`T_ROUNDINGS`] of them. There is no view where the sum of
+//! all of them may exceed a small fraction of a pixel, or of the depth of the finite primitives.
 
 use super::edge_functions::{ErrorBound, InvDepthPlane};
 use super::flat_triangle::{NEARNESS_ERROR, Projected};
@@ -97,10 +97,10 @@ impl ParallelView {
     }
 }
 
-/// The error of coordinates that is assumed for triangles up to so many pixels from the middle, because of the roundings
-/// of interpolated numbers: a billionth for those of [`flat_triangle`](super::flat_triangle). With the other part a
-/// triangle that is not seen edge on has more than the area, relative to the squared distance, with which the error of
-/// the ray's t is [`T_ROUNDINGS`].
+/// The error of coordinates that is assumed for triangles up to so many pixels from the middle, because of the
+/// roundings of interpolated numbers: a billionth for those of [`flat_triangle`](super::flat_triangle). With the
+/// other part a triangle that is not seen edge on has more than the area, relative to the squared distance, with
+/// which the error of the ray's t is [`T_ROUNDINGS`].
 fn interpolation_error(pixels: f64) -> f64 {
     1e-9 * pixels + 1e-13 * pixels * pixels
 }

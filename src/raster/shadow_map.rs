@@ -2,9 +2,10 @@
 //! any point of the world, as far as rasterization tells.
 //!
 //! The triangles are drawn as the light sees them, as on whole pixels of a picture: a pixel is certain if nothing is in
-//! it, or if one triangle covers it and is the nearest of all of them. A ray to the light from a point in the pixel then
-//! hits nothing, or that triangle or nothing. All other rays have to be cast, among them those near spheres. So shadows
-//! are as exact as without maps. How exact the pictures are is said in [`light_view`](super::light_view) and [`flat_triangle`](super::flat_triangle).
+//! it, or if one triangle covers it and is the nearest of all of them. A ray to the light from a point in the pixel
+//! then hits nothing, or that triangle or nothing. All other rays have to be cast, among them those near spheres. So
+//! shadows are as exact as without maps. How exact the pictures are is said in [`light_view`](super::light_view) and
+//! [`flat_triangle`](super::flat_triangle).
 
 use super::bins::Bins;
 use super::flat_triangle::{Projected, edge_functions};
@@ -45,13 +46,13 @@ pub struct ShadowMaps(Vec<Option<ShadowMap>>);
 /// The number of pixels along a side: so few that a map stays in the cache.
 const SIZE: usize = 256;
 
-/// There are at least so many rays to a light for each triangle, and one for each pixel, or there are no maps. According
-/// to measurements they take more time than they save otherwise.
+/// There are at least so many rays to a light for each triangle, and one for each pixel, or there are no maps.
+/// According to measurements they take more time than they save otherwise.
 const RAYS_PER_TRIANGLE: usize = 48;
 
 impl ShadowMaps {
-    /// Maps for so many rays to each light. There is none for a light that is too close to the primitives, or where there
-    /// is no memory for it, or where casting the rays is less work.
+    /// Maps for so many rays to each light. There is none for a light that is too close to the primitives, or where
+    /// there is no memory for it, or where casting the rays is less work.
     pub fn new(world: &World, rays: usize) -> Self {
         // The light side of spheres is unsure.
         let has_flat_surfaces = !world.triangles.is_empty() || !world.planes.is_empty();

@@ -25,8 +25,8 @@ pub struct Tile<'c> {
     rows: Range<usize>,
     /// The distance in the lists from one row to the next, which leaves room for `LANES` pixels after a row.
     stride: usize,
-    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or the screen's `nothing` where there is
-    /// none.
+    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or the screen's `nothing` where
+    /// there is none.
     min_inv_depths: Vec<f32>,
     /// An upper bound on it.
     max_inv_depths: Vec<f32>,
@@ -43,8 +43,8 @@ struct AffineRow {
 }
 
 impl AffineRow {
-    /// For the pixels from `corner` on, as many as `extent` says, and for rays so far from their centres. `error_bound` is
-    /// that of the function in double precision.
+    /// For the pixels from `corner` on, as many as `extent` says, and for rays so far from their centres.
+    /// `error_bound` is that of the function in double precision.
     fn new(
         function: Affine,
         corner: [f64; 2],
@@ -109,8 +109,8 @@ impl<'c> Tile<'c> {
         Ok(Self { screen, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
     }
 
-    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. Where it has
-    /// no edge functions, the pixels become unsure.
+    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. Where it
+    /// has no edge functions, the pixels become unsure.
     pub fn draw(
         &mut self,
         triangle_bounds: &TriangleBounds,

@@ -17,7 +17,8 @@ pub enum Layer {
         /// The t that is shown black.
         far: f64,
     },
-    /// The t of the hit of the ray through each pixel's centre, in all three channels; infinity if the ray hits nothing.
+    /// The t of the hit of the ray through each pixel's centre, in all three channels; infinity if the ray hits
+    /// nothing.
     Distance,
     /// The absolute coordinates of the unit normal at the hit of the ray through each pixel's centre.
     Normals,

@@ -38,8 +38,8 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The rays that have been cast for them; 0 if the probe does not count them. Those of the first samples of adaptive
-    /// sampling are not among them.
+    /// The rays that have been cast for them; 0 if the probe does not count them. Those of the first samples of
+    /// adaptive sampling are not among them.
     pub rays: u64,
 }
 

@@ -148,8 +148,8 @@ impl Request {
         if casts { pixels * self.sampler.count() as usize } else { 0 }
     }
 
-    /// The first hits of camera rays in these rows, if such rays are needed and rasterizing the triangles is cheaper than
-    /// casting them. The course's program casts them all.
+    /// The first hits of camera rays in these rows, if such rays are needed and rasterizing the triangles is cheaper
+    /// than casting them. The course's program casts them all.
     pub(super) fn visibility<M: Mode, P: Probe>(
         &self,
         camera: &Camera,

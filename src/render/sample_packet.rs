@@ -59,8 +59,8 @@ impl PacketRay for Sample {
 /// Up to [`SIZE`](Self::SIZE) samples of a row.
 #[derive(Debug)]
 pub struct SamplePacket {
-    /// The places of samples, the first of which are taken. They stay where they are from one packet to the next, because
-    /// it would take longer to make whole samples than to change what is different.
+    /// The places of samples, the first of which are taken. They stay where they are from one packet to the next,
+    /// because it would take longer to make whole samples than to change what is different.
     places: [Sample; Self::SIZE],
     count: usize,
 }

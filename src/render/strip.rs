@@ -30,8 +30,8 @@ const MEMORY_IN_FLIGHT: usize = 32 << 20;
 /// not have to provide much memory, and so many that threads seldom wait for each other.
 const ROWS_IN_FLIGHT_PER_THREAD: usize = 32;
 
-/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is lost
-/// when the render is cancelled: a few seconds' work.
+/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is
+/// lost when the render is cancelled: a few seconds' work.
 const SAMPLES: usize = 1 << 24;
 
 /// A strip is not made shorter than this many times the rows beside it that are traced for it, which cost a thirtieth

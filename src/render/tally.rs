@@ -36,9 +36,9 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top, so
-/// that what is done until the render is cancelled are the topmost rows; the other results are none. The work ends where
-/// there is no memory for it.
+/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top,
+/// so that what is done until the render is cancelled are the topmost rows; the other results are none. The work ends
+/// where there is no memory for it.
 pub fn in_parallel<T: Send>(
     rows: Range<usize>,
     tally: &Tally,

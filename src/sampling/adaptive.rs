@@ -43,11 +43,12 @@ pub struct Quarters {
     variance: f64,
 }
 
-/// A pixel's first samples among those of the 3 x 3 pixels around it, row by row from the bottom left. Those outside the
-/// picture are missing.
+/// A pixel's first samples among those of the 3 x 3 pixels around it, row by row from the bottom left. Those outside
+/// the picture are missing.
 pub type Neighborhood<'a> = [[Option<&'a Quarters>; 3]; 3];
 
-/// The share of the squared differences between a sample and the four around it that is the variance within its stratum.
+/// The share of the squared differences between a sample and the four around it that is the variance within its
+/// stratum.
 ///
 /// It is 1/8 if all samples are independent, and less at an edge or a gradient.
 const SHARE: f64 = 1.0 / 8.0;
@@ -210,8 +211,8 @@ impl Strata {
         depth
     }
 
-    /// The sum of the squared differences, as the mean of the channels, between a stratum's sample and those to its left
-    /// and right, below and above.
+    /// The sum of the squared differences, as the mean of the channels, between a stratum's sample and those to its
+    /// left and right, below and above.
     fn contrast(&self, stratum: &Stratum, depth: u32, around: &Neighborhood) -> f64 {
         let side = 1usize << depth;
         let size = 1 << (depth - stratum.depth);

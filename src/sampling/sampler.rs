@@ -71,8 +71,8 @@ impl Sampler {
         self.pattern == Pattern::Uniform && self.count == 1
     }
 
-    /// The random numbers for up to `most` further samples of the pixel with this index, of a picture with so many pixels.
-    /// They follow those of the samples of all pixels.
+    /// The random numbers for up to `most` further samples of the pixel with this index, of a picture with so many
+    /// pixels. They follow those of the samples of all pixels.
     pub fn further(self, index: u64, pixels: u64, most: u32) -> Drand48 {
         self.rng.jumped(2 * pixels * u64::from(self.count) + 2 * index * u64::from(most))
     }

@@ -21,8 +21,8 @@ impl Sum {
         }
     }
 
-    /// Adds samples, whose colours are followed by the parts of the pixel that they stand for, as in `add_part`. `are_finite` tells that none of them is infinite or
-    /// NaN.
+    /// Adds samples, whose colours are followed by the parts of the pixel that they stand for, as in `add_part`.
+    /// `are_finite` tells that none of them is infinite or NaN.
     #[inline(always)]
     pub(super) fn add_all<F: F64x4>(
         &mut self,

@@ -40,8 +40,9 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
 
 /// The unit vector along `v`, or zero where its length is zero, infinite or NaN.
 ///
-/// The library's function instead asks whether the reciprocal of the length is finite and positive, which takes longer. It is
-/// so for the same vectors, because a length is a square root: where it is not zero, it is at least 1e-162.
+/// The library's function instead asks whether the reciprocal of the length is finite and positive, which takes
+/// longer. It is so for the same vectors, because a length is a square root: where it is not zero, it is at least
+/// 1e-162.
 #[inline(always)]
 pub(super) fn unit_or_zero(v: DVec3) -> DVec3 {
     let length = v.length();

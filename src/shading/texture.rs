@@ -13,8 +13,8 @@ use glam::{DAffine3, DVec3};
 
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///
-/// A point of a checkerboard has just one material, which is borrowed from the scene. Where a texture mixes several, the
-/// result is in `mixture`.
+/// A point of a checkerboard has just one material, which is borrowed from the scene. Where a texture mixes several,
+/// the result is in `mixture`.
 #[inline(always)]
 pub fn material_at<'m>(
     materials: &'m [Material],

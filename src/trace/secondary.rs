@@ -115,8 +115,8 @@ impl<M: Mode> Tracer<'_, M> {
         Branch { ray, leaves: lit.surface.primitive, path, is_known, known }
     }
 
-    /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on the
-    /// inner side of a solid with nothing in it ends on the inner side of the same solid.
+    /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on
+    /// the inner side of a solid with nothing in it ends on the inner side of the same solid.
     #[inline(always)]
     fn known_end(&self, lit: &Lit, direction: DVec3, bounces: u32) -> Option<Color> {
         let Lit { surface, material, .. } = lit;

@@ -57,8 +57,8 @@ impl<M: Mode> Tracer<'_, M> {
         if is_blocked { Color::ZERO } else { Color::ONE }
     }
 
-    /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere. One from
-    /// an inner side most often hits what the last one hit, which is tested sooner.
+    /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere.
+    /// One from an inner side most often hits what the last one hit, which is tested sooner.
     #[inline(always)]
     fn blocker(&self, surface: &SurfacePoint, index: usize, side: Side) -> Blocker {
         let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));

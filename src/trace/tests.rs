@@ -140,8 +140,8 @@ fn only_the_course_casts_a_shadow_ray_to_a_light_behind_the_surface() {
     assert_eq!((fast.shadow_rays, fast.non_shadow_rays), (1, 0));
 }
 
-/// A ray through the upper half of a glass ball sees its outside, which the sun lights, and then its inside, which faces
-/// away from the sun. Through the lower half it is the other way round.
+/// A ray through the upper half of a glass ball sees its outside, which the sun lights, and then its inside, which
+/// faces away from the sun. Through the lower half it is the other way round.
 #[test]
 fn no_shadow_ray_is_cast_from_inside_of_a_solid_unless_a_light_may_reach_it() {
     let ball = "Material { diffuseColor 1 1 1 transparentColor 1 1 1 } Sphere { center 0 0 -5 radius 1 }";
@@ -182,8 +182,8 @@ fn no_light_leaks_into_a_solid_at_its_edges() {
     }
 }
 
-/// The camera ray enters the object. What it sees within is lit by the ambient light alone. It sees black where the inner
-/// sides of surfaces are not lit.
+/// The camera ray enters the object. What it sees within is lit by the ambient light alone. It sees black where the
+/// inner sides of surfaces are not lit.
 #[test]
 fn the_last_ray_within_an_empty_solid_is_not_cast() {
     let glass = "Material { diffuseColor 1 .5 .25 transparentColor 1 1 1 }";

@@ -8,18 +8,19 @@
 //! of its faces be seen from behind from one point, its centre. The number of faces by which a ray without an end
 //! leaves the mesh, minus the number of those by which it enters, is the winding number of its start: it is the same
 //! for all directions, and zero outside of the mesh's box. A ray away from the centre leaves by every face that it
-//! crosses. If it starts behind a face, it crosses at least this one, so the winding number is positive behind all faces.
+//! crosses. If it starts behind a face, it crosses at least this one, so the winding number is positive behind all
+//! faces.
 //!
 //! The same is known of a mesh that is *embedded*, which takes longer to find out ([`embedding`]): its triangles meet
-//! only at the vertices and the edges that they share, so that close to a face no other face is. Where only two faces have
-//! an edge, the front of one is connected there to the front of the other, and no face is between, so that the winding
-//! number is the same before all faces of a component. Where it is zero before them, it is one behind.
+//! only at the vertices and the edges that they share, so that close to a face no other face is. Where only two faces
+//! have an edge, the front of one is connected there to the front of the other, and no face is between, so that the
+//! winding number is the same before all faces of a component. Where it is zero before them, it is one behind.
 //!
-//! *What is seen within.* Where the winding number of the centre is one, it is one behind every face, since it only falls
-//! on the way out. Let nothing else be in the mesh's box. A ray from the inner side of a face, to the inside, goes from
-//! where the winding number is one to where it is zero: the first face that it meets it sees from behind. If the mesh is
-//! of one plain material, the colour of this face is that of its ambient light, or black, and known before the ray is cast.
-//! The same holds for an embedded mesh and for a sphere.
+//! *What is seen within.* Where the winding number of the centre is one, it is one behind every face, since it only
+//! falls on the way out. Let nothing else be in the mesh's box. A ray from the inner side of a face, to the inside,
+//! goes from where the winding number is one to where it is zero: the first face that it meets it sees from behind.
+//! If the mesh is of one plain material, the colour of this face is that of its ambient light, or black, and known
+//! before the ray is cast. The same holds for an embedded mesh and for a sphere.
 
 use super::{Primitive, World};
 use crate::math::aabb::Aabb;
@@ -83,7 +84,8 @@ impl Solids {
         Ok(solids)
     }
 
-    /// The number of triangles of which [`with_embedded`](Self::with_embedded) would find out whether they bound solids.
+    /// The number of triangles of which [`with_embedded`](Self::with_embedded) would find out whether they bound
+    /// solids.
     pub fn undecided_triangles(&self) -> usize {
         self.undecided.iter().map(Range::len).sum()
     }
@@ -203,7 +205,8 @@ fn clipped(ids: &Range<u32>, to: Range<u32>) -> Range<u32> {
     ids.start.max(to.start)..ids.end.min(to.end)
 }
 
-/// For each material, whether rays are refracted anywhere on a surface of it. Textures follow the materials that they mix.
+/// For each material, whether rays are refracted anywhere on a surface of it. Textures follow the materials that they
+/// mix.
 pub(super) fn transparent(materials: &[Material]) -> Result<Vec<bool>, NoMemory> {
     let mut transparent = memory::with_room(materials.len())?;
     for material in materials {
@@ -244,8 +247,8 @@ fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemo
     Ok(Some(Solid { ids: mesh.clone(), bounds, is_simple: winding_number == 1 }))
 }
 
-/// The edges of the triangles, each with its face: the vertices in order, and twice the face, plus one where the face has
-/// them in this order. Equal edges follow each other.
+/// The edges of the triangles, each with its face: the vertices in order, and twice the face, plus one where the face
+/// has them in this order. Equal edges follow each other.
 fn sorted_edges(triangles: &[[u32; 3]]) -> Result<Vec<(u64, u32)>, NoMemory> {
     let mut edges = memory::with_room(3 * triangles.len())?;
     for (&[a, b, c], face) in triangles.iter().zip(0..) {

@@ -255,13 +255,18 @@ fn a_pixel_sees_what_its_ray_hits() {
 /// The visibility buffer leaves the t of a triangle open, so that pictures of depths have to compute it.
 #[test]
 fn depths_and_normals_are_those_of_the_rays() {
+    demand_layers(3029, View::new, [0.1, 2.0]);
+}
+
+/// Demands the same bytes of depths, in this range, and of normals from rasterization as from rays.
+pub fn demand_layers(seed: u64, view: impl Fn(&mut Rng) -> View + Sync, depths: [f64; 2]) {
     let failures = Failures::default();
     let one = |index| {
-        let rng = &mut Rng::at(3029, index);
-        let view = View::new(rng);
+        let rng = &mut Rng::at(seed, index);
+        let view = view(rng);
         let world = if rng.below(2) == 0 { view.world(rng) } else { view.small_triangles(rng) };
         let caster = Caster::new(&world, None).unwrap();
-        let [near, far] = [0.1, 2.0].map(|t| t * view.scale);
+        let [near, far] = depths.map(|t| t * view.scale);
         let layers = vec![Layer::Depth { near, far }, Layer::Normals];
         let request = Request { layers, ..Request::new(view.size) };
         let (rasterized, nans) = layers_and_nans(&view.camera, &caster, &request);

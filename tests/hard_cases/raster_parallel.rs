@@ -1,17 +1,13 @@
 //! Visibility by rasterization for orthographic cameras: the primitive that a pixel shows is the one that its ray hits.
 
-use crate::raster::compare;
+use crate::raster::{compare, demand_layers};
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::rng::Rng;
-use crate::support::scenes::layers_and_nans;
 use crate::support::views::{View, triangles};
 use glam::DVec2;
-use raytracer::grid::Caster;
-use raytracer::mode::Course;
 use raytracer::primitive::plane::Plane;
 use raytracer::raster::Footprint;
-use raytracer::render::{Layer, Request};
 use raytracer::world::World;
 
 /// Runs pictures for both footprints, and asserts that none is wrong and that more than this part of the rays is sure.
@@ -126,23 +122,5 @@ fn views_almost_along_their_up() {
 /// Pictures of depths and normals, against the course's mode, which casts every ray.
 #[test]
 fn depths_and_normals_are_those_of_the_rays() {
-    let failures = Failures::default();
-    let one = |index| {
-        let rng = &mut Rng::at(3045, index);
-        let view = View::parallel(rng);
-        let world = if rng.below(2) == 0 { view.world(rng) } else { view.small_triangles(rng) };
-        let caster = Caster::new(&world, None).unwrap();
-        let [near, far] = [-2.0, 2.0].map(|t| t * view.scale);
-        let layers = vec![Layer::Depth { near, far }, Layer::Normals];
-        let request = Request { layers, ..Request::new(view.size) };
-        let (rasterized, nans) = layers_and_nans(&view.camera, &caster, &request);
-        let (cast, _) = layers_and_nans(&view.camera, &caster.in_mode::<Course>(), &request);
-        let wrong = nans > 0 || rasterized != cast;
-        let wrong = failures.note(wrong, || format!("picture {index}: {nans} not numbers"));
-        ([wrong, u64::from(cast[0].iter().any(|&byte| byte > 0))], [])
-    };
-    let pictures = rays(2_000, 200_000);
-    let [wrong, shown] = measure::<2, 0>(pictures, one).0;
-    assert_eq!(wrong, 0);
-    assert!(shown > pictures / 4, "the test tests nothing: {shown}");
+    demand_layers(3045, View::parallel, [-2.0, 2.0]);
 }

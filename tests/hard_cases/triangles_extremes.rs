@@ -159,8 +159,8 @@ fn errors(ray: &Ray, triangle: [DVec3; 3]) -> ([u64; 5], f64) {
     ([1, !textbook as u64, wrong as u64, !bent as u64, lost as u64], error)
 }
 
-/// The largest error of t that samples may have. What is proved, the source's `T_ROUNDINGS`, allows for steeper triangles
-/// than samples have.
+/// The largest error of t that samples may have. What is proved, the source's `T_ROUNDINGS`, allows for steeper
+/// triangles than samples have.
 const MOST_ROUNDINGS: f64 = 16.0;
 
 #[test]

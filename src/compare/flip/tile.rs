@@ -4,8 +4,8 @@ use super::Flip;
 use super::filter::{Kernel, LANES};
 use glam::{DVec2, DVec3};
 
-/// Pixels per side of the largest tile, a multiple of [`LANES`]. The filters read a border around each tile, which makes
-/// smaller ones slow; larger ones leave less to skip where pictures are equal.
+/// Pixels per side of the largest tile, a multiple of [`LANES`]. The filters read a border around each tile, which
+/// makes smaller ones slow; larger ones leave less to skip where pictures are equal.
 const LARGEST: usize = 64;
 
 /// A rectangle of a picture, from its top left.

@@ -45,8 +45,8 @@ pub struct Departure {
 /// No more tests of rays against primitives than these are made by each tracer, about.
 const MOST_TESTS: f64 = 5e8;
 
-/// Measures the samples of the request's picture, or of a window in its middle where brute force would take too long. None
-/// where rays are followed too deep for the recursion. The renderer must have kept the meshes.
+/// Measures the samples of the request's picture, or of a window in its middle where brute force would take too long.
+/// None where rays are followed too deep for the recursion. The renderer must have kept the meshes.
 pub fn measure(
     renderer: &Renderer,
     prepared: &Prepared<Fast>,

@@ -30,12 +30,6 @@ impl CellContents {
         self.block_count = kept;
     }
 
-    /// The blocks of the cell with this entry.
-    fn range(&self, entry: u32) -> Range<usize> {
-        let first = (entry >> COUNT_BITS) as usize;
-        first..first + self.indices[first].count as usize
-    }
-
     /// Whether the cell with an entry has the same primitives as these blocks.
     fn are_same(&self, entry: u32, own: &Range<usize>) -> bool {
         let (one, other) = (&self.indices[self.range(entry)], &self.indices[own.clone()]);

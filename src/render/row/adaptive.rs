@@ -1,5 +1,5 @@
-//! The adaptive samples of a row of pixels: the first samples of each pixel, and then, where these and those around them
-//! disagree, more.
+//! The adaptive samples of a row of pixels: the first samples of each pixel, and then, where these and those around
+//! them disagree, more.
 
 use super::{Colors, Painter, Setting};
 use crate::memory::{self, NoMemory};
@@ -53,7 +53,8 @@ impl FirstSamples {
 pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
 impl<M: Mode> Setting<'_, M> {
-    /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the columns of the row's pixels and of those around them.
+    /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the
+    /// columns of the row's pixels and of those around them.
     pub fn first_samples<P: Observer>(
         &self,
         visibility: Option<&VisibilityBuffer>,

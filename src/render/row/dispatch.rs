@@ -1,5 +1,5 @@
-//! The stages of a row that take the most time, compiled for each instruction set. Where the time does not matter, because
-//! steps are counted or recorded, they are compiled once.
+//! The stages of a row that take the most time, compiled for each instruction set. Where the time does not matter,
+//! because steps are counted or recorded, they are compiled once.
 
 use super::Painter;
 #[cfg(target_arch = "x86_64")]

@@ -94,8 +94,8 @@ pub fn segment_misses([p, q]: [DVec3; 2], sides: [i32; 2], face: &Face) -> bool 
     }
 }
 
-/// Whether two convex polygons of a plane, of two or three vertices each, have no point in common. If so, the line of an
-/// edge separates them.
+/// Whether two convex polygons of a plane, of two or three vertices each, have no point in common. If so, the line of
+/// an edge separates them.
 fn are_apart_in_plane(axis: usize, one: &[DVec3], other: &[DVec3]) -> bool {
     let separates = |from: &[DVec3], to: &[DVec3]| {
         (0..from.len()).any(|i| {
@@ -126,8 +126,9 @@ fn meet_at_first_vertex(one: &Face, other: &Face) -> bool {
         ([_, 0], _) => is_beside(one.widest_axis(), v, [a, b], d),
         (_, [0, _]) => is_beside(other.widest_axis(), v, [c, d], a),
         (_, [_, 0]) => is_beside(other.widest_axis(), v, [c, d], b),
-        // Each cone meets the line of both planes on one side of the vertex. With all vectors from v, Cramer's rule says
-        // that a [bcd] - b [acd] + c [abd] - d [abc] = 0. They meet it on the same side where [bcd] and [abd] differ.
+        // Each cone meets the line of both planes on one side of the vertex. With all vectors from v, Cramer's rule
+        // says that a [bcd] - b [acd] + c [abd] - d [abc] = 0. They meet it on the same side where [bcd] and [abd]
+        // differ.
         ([_, of_d], [_, of_b]) => of_d == of_b,
     }
 }

@@ -113,8 +113,8 @@ impl<'w> Mesh<'w> {
         if is_close { self.winding_number(ends[0]) } else { None }
     }
 
-    /// The winding number of a point: the number of faces by which a ray from there leaves, minus the number of those by
-    /// which it enters. None if the point is in the plane of a face that the ray's line crosses.
+    /// The winding number of a point: the number of faces by which a ray from there leaves, minus the number of those
+    /// by which it enters. None if the point is in the plane of a face that the ray's line crosses.
     fn winding_number(&self, point: DVec3) -> Option<i32> {
         let ray = Ray::new(point, DVec3::X);
         let shear = Shear::new(&ray);

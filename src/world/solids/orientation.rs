@@ -21,8 +21,8 @@ fn sign(value: f64, error: f64, magnitude: f64) -> Option<i32> {
     (value.abs() > error * magnitude).then_some(if value > 0.0 { 1 } else { -1 })
 }
 
-/// On which side of a triangle's plane a point is: 1 in front, where the vertices are seen counter-clockwise, -1 behind,
-/// and 0 in the plane.
+/// On which side of a triangle's plane a point is: 1 in front, where the vertices are seen counter-clockwise, -1
+/// behind, and 0 in the plane.
 #[inline]
 pub fn side([a, b, c]: [DVec3; 3], p: DVec3) -> i32 {
     let vectors = [b - a, c - a, p - a];
