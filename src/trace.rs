@@ -3,8 +3,11 @@
 
 use crate::grid::Caster;
 #[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
+use crate::math::f64x4::{F64x4, Scalar};
+#[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::Ray;
 use crate::mode::{Fast, Mode};
 use crate::raster::ShadowMaps;
@@ -21,11 +24,13 @@ mod occluders;
 mod optics;
 mod secondary;
 mod shadow;
+mod side_by_side;
 
 pub use event::{End, Event, Observer, Secondary};
 use occluders::{Occluders, Side};
 pub use optics::{reflected, refracted, transmittance};
 use secondary::{Branch, Path};
+use side_by_side::Cast;
 
 /// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -71,11 +76,17 @@ pub struct Tracer<'a, M = Fast> {
     pub shadow_maps: Option<&'a ShadowMaps>,
 }
 
+/// The largest number of camera rays whose colours are computed together: so many that most of their secondary rays
+/// have enough company, and so few that they stay in the cache.
+pub const MOST_CAMERA_RAYS: usize = 32;
+
 /// What is kept from one camera ray to the next.
 #[derive(Debug, Default)]
 pub struct Memory {
-    /// The stack of secondary rays, kept so that the loop allocates no memory.
-    pending: Vec<Branch>,
+    /// A stack of secondary rays for each camera ray, kept so that the loop allocates no memory.
+    pending: [Vec<Branch>; MOST_CAMERA_RAYS],
+    /// The rays that are cast together.
+    cast: Vec<Cast>,
     occluders: Occluders,
     mixture: Mixture,
 }
@@ -101,10 +112,6 @@ impl<M: Mode> Tracer<'_, M> {
     }
 
     /// The colour along a camera ray, given the surface that it hits.
-    ///
-    /// Secondary rays are kept on an explicit stack instead of being traced by recursion, so that the number
-    /// of bounces is limited by nothing but memory.
-    #[inline(always)]
     pub fn color<P: Observer>(
         &self,
         ray: &Ray,
@@ -112,32 +119,78 @@ impl<M: Mode> Tracer<'_, M> {
         memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let color = match surface {
-            Some(surface) => self.follow(ray, &Path::CAMERA, surface, memory, probe),
-            None => self.background(probe),
-        };
-        if memory.pending.is_empty() { color } else { self.with_pending(color, memory, probe) }
+        let mut colors = [self.local_color(ray, surface, 0, memory, probe)];
+        self.add_secondary(&mut colors, memory, probe);
+        let [color] = colors;
+        color
     }
 
-    /// Adds the colours of the pending secondary rays, and of those that they cause in turn.
-    #[cold]
-    fn with_pending<P: Observer>(&self, color: Color, memory: &mut Memory, probe: &mut P) -> Color {
+    /// The same without secondary rays, for the camera ray with this index among up to [`MOST_CAMERA_RAYS`]. Its
+    /// secondary rays wait for [`add_secondary`](Self::add_secondary).
+    #[inline(always)]
+    pub fn local_color<P: Observer>(
+        &self,
+        ray: &Ray,
+        surface: Option<&SurfacePoint>,
+        camera_ray: usize,
+        memory: &mut Memory,
+        probe: &mut P,
+    ) -> Color {
+        match surface {
+            Some(surface) => self.follow(ray, &Path::CAMERA, surface, camera_ray, memory, probe),
+            None => self.background(probe),
+        }
+    }
+
+    /// Adds the colours of the secondary rays that wait, and of those that they cause in turn, to the colours of their
+    /// camera rays.
+    ///
+    /// Secondary rays are kept on explicit stacks instead of being traced by recursion, so that the number of bounces is
+    /// limited by nothing but memory.
+    #[inline(always)]
+    pub fn add_secondary<P: Observer>(&self, colors: &mut [Color], memory: &mut Memory, probe: &mut P) {
+        if self.effects.bounces == 0 {
+            return;
+        }
         match self.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
             Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
-                with_pending_avx2(avx2, self, color, memory, probe)
+                add_secondary_avx2(avx2, self, colors, memory, probe)
             },
-            _ => self.follow_pending(color, memory, probe),
+            _ => self.add_secondary_with::<Scalar, _>(Portable, colors, memory, probe),
         }
     }
 
     /// The same, compiled for the instructions of the caller.
     #[inline(always)]
-    fn follow_pending<P: Observer>(&self, mut color: Color, memory: &mut Memory, probe: &mut P) -> Color {
+    fn add_secondary_with<F: F64x4, P: Observer>(
+        &self,
+        proof: F::Proof,
+        colors: &mut [Color],
+        memory: &mut Memory,
+        probe: &mut P,
+    ) {
+        if self.goes_side_by_side::<P>() {
+            return self.follow_side_by_side::<F, _>(proof, colors, memory, probe);
+        }
+        for (camera_ray, color) in colors.iter_mut().enumerate() {
+            *color = self.follow_pending(*color, camera_ray, memory, probe);
+        }
+    }
+
+    /// Adds the secondary rays of one camera ray.
+    #[inline(always)]
+    fn follow_pending<P: Observer>(
+        &self,
+        mut color: Color,
+        camera_ray: usize,
+        memory: &mut Memory,
+        probe: &mut P,
+    ) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
-        while let Some(Branch { ray, leaves, path, is_known, known }) = memory.pending.pop() {
+        while let Some(Branch { ray, leaves, path, is_known, known }) = memory.pending[camera_ray].pop() {
             // Where rays are counted or observed, they are cast all the same.
             if is_known && !M::AS_COURSE && !P::OBSERVES {
                 color += path.filter * known;
@@ -154,7 +207,7 @@ impl<M: Mode> Tracer<'_, M> {
             let mut seen = match visible {
                 Some(visible) => {
                     let surface = self.world().visible_surface(&ray, visible);
-                    self.follow(&ray, &path, &surface, memory, probe)
+                    self.follow(&ray, &path, &surface, camera_ray, memory, probe)
                 }
                 None => self.background(probe),
             };
@@ -178,7 +231,8 @@ impl<M: Mode> Tracer<'_, M> {
         self.world().background
     }
 
-    /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending`.
+    /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending` of this camera
+    /// ray.
     ///
     /// This is inlined because a colour that is returned through memory would be written in two parts and
     /// read as a whole, so that store forwarding fails and the processor stalls.
@@ -188,10 +242,12 @@ impl<M: Mode> Tracer<'_, M> {
         ray: &Ray,
         path: &Path,
         surface: &SurfacePoint,
+        camera_ray: usize,
         memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let Memory { pending, occluders, mixture } = memory;
+        let Memory { pending, occluders, mixture, .. } = memory;
+        let pending = &mut pending[camera_ray];
         let material = self.material(surface, mixture);
         if P::OBSERVES {
             probe.observe(Event::Surface { point: surface, material: material.phong });
@@ -264,18 +320,18 @@ impl<M: Mode> Tracer<'_, M> {
     }
 }
 
-/// Adds the colours of the pending secondary rays, compiled for AVX2.
+/// Adds the colours of the secondary rays that wait, compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn with_pending_avx2<M: Mode, P: Observer>(
-    _: Avx2,
+fn add_secondary_avx2<M: Mode, P: Observer>(
+    avx2: Avx2,
     tracer: &Tracer<M>,
-    color: Color,
+    colors: &mut [Color],
     memory: &mut Memory,
     probe: &mut P,
-) -> Color {
-    tracer.follow_pending(color, memory, probe)
+) {
+    tracer.add_secondary_with::<Avx, _>(avx2, colors, memory, probe);
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod builder;
 mod crossing;
 mod placement;
 mod solids;
+pub(crate) mod surfaces;
 
 use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;

@@ -28,17 +28,32 @@ pub const PACKET_SIZE: usize = 16;
 
 /// A ray of a packet, and the destination of its result.
 pub trait PacketRay {
+    /// Whether it is one that leaves a surface, rather than a camera ray. Such rays differ more, so that their ways
+    /// through the grid are not prepared in advance.
+    const LEAVES_A_SURFACE: bool = false;
     /// The ray.
     fn ray(&self) -> &Ray;
+    /// The primitive that it leaves, if it leaves a surface.
+    #[inline(always)]
+    fn leaves(&self) -> Option<u32> {
+        None
+    }
     /// Receives the result that [`Caster::nearest`] has for the ray. It is called at least once, and the last
     /// call counts.
     fn set_visible(&mut self, visible: Option<Visible>);
 }
 
 impl<R: PacketRay> PacketRay for &mut R {
+    const LEAVES_A_SURFACE: bool = R::LEAVES_A_SURFACE;
+
     #[inline(always)]
     fn ray(&self) -> &Ray {
         (**self).ray()
+    }
+
+    #[inline(always)]
+    fn leaves(&self) -> Option<u32> {
+        (**self).leaves()
     }
 
     #[inline(always)]
@@ -144,7 +159,7 @@ impl<M: Mode> Caster<'_, M> {
 
     /// Casts one of the rays by itself.
     fn cast_alone<P: Probe>(&self, ray: &mut impl PacketRay, probe: &mut P) {
-        let visible = self.nearest(ray.ray(), None, probe);
+        let visible = self.nearest(ray.ray(), ray.leaves(), probe);
         ray.set_visible(visible);
     }
 
@@ -158,6 +173,12 @@ impl<M: Mode> Caster<'_, M> {
         rays: &mut [Q],
         probe: &mut P,
     ) {
+        if Q::LEAVES_A_SURFACE {
+            for four in rays.chunks_mut(GROUP) {
+                self.trace_four(kernel, grid, table, four, probe);
+            }
+            return;
+        }
         let blocks = grid.blocks.as_slice();
         let mut setups = [PacketSetup::default(); PACKET_SIZE / GROUP];
         let (mut passing, mut too_far) = (0, 0);
@@ -182,23 +203,62 @@ impl<M: Mode> Caster<'_, M> {
             pending = ((1 << rays.len()) - 1) & !too_far;
         }
         for i in lanes(pending) {
-            let ray = rays[i].ray();
-            let mut query = RayQuery::new(self.world, ray, NONE);
-            query.test_planes(ray, probe);
-            if let Some(cursor) = cursors[i] {
-                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t_bound);
-                grid.traverse_cells::<K, M, P, false>(
-                    kernel,
-                    cursor,
-                    blocks,
-                    &mut filter_state,
-                    &mut query,
-                    probe,
-                );
-            }
-            let visible = query.visible();
-            rays[i].set_visible(visible);
+            let (setup, ray) = (&setups[i / GROUP], &mut rays[i]);
+            self.trace_one(kernel, grid, cursors[i], (setup, i % GROUP), (ray, NONE), probe);
         }
+    }
+
+    /// Casts up to four rays that leave surfaces.
+    #[inline(always)]
+    fn trace_four<K: TraversalKernel, Q: PacketRay, P: Probe>(
+        &self,
+        kernel: K,
+        grid: &AccelerationStructure,
+        table: &CellTable,
+        rays: &mut [Q],
+        probe: &mut P,
+    ) {
+        let setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), rays);
+        for (i, ray) in rays.iter_mut().enumerate() {
+            let (is_too_far, leaves) = (setup.too_far >> i & 1 != 0, ray.leaves().unwrap_or(NONE));
+            if is_too_far || self.is_round(leaves) {
+                self.cast_alone(ray, probe);
+                continue;
+            }
+            let passes = setup.passing >> i & 1 != 0;
+            // A closure would not be compiled for the instructions of the caller.
+            let cursor = if passes { Some(table.cursor_of(&setup.dda4, i)) } else { None };
+            self.trace_one(kernel, grid, cursor, (&setup, i), (ray, leaves), probe);
+        }
+    }
+
+    /// Casts one of four rays, which traverses the grid from this cell on.
+    #[inline(always)]
+    fn trace_one<K: TraversalKernel, P: Probe>(
+        &self,
+        kernel: K,
+        grid: &AccelerationStructure,
+        cursor: Option<CellCursor>,
+        (setup, i): (&PacketSetup, usize),
+        (ray, leaves): (&mut impl PacketRay, u32),
+        probe: &mut P,
+    ) {
+        let mut query = RayQuery::new(self.world, ray.ray(), leaves);
+        query.test_planes(ray.ray(), probe);
+        if let Some(cursor) = cursor {
+            let mut filter_state = setup.filter_state(i, query.best.t_bound);
+            let blocks = grid.blocks.as_slice();
+            grid.traverse_cells::<K, M, P, false>(
+                kernel,
+                cursor,
+                blocks,
+                &mut filter_state,
+                &mut query,
+                probe,
+            );
+        }
+        let visible = query.visible();
+        ray.set_visible(visible);
     }
 }
 

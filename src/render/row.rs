@@ -18,7 +18,7 @@ use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::stats::Probe;
 use crate::trace::{Memory, Observer, Tracer};
-use crate::world::{SurfacePoint, World};
+use crate::world::World;
 use adaptive::Refinement;
 use glam::DVec2;
 use plot::plots;
@@ -272,9 +272,9 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// Colours the samples of a packet.
     #[inline(always)]
     fn color<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
+        let colors = self.colors_along(packet);
         let mut sum = self.sum;
-        for Sample { column, offset, is_last, ray, surface, .. } in packet.samples() {
-            let color = self.color_along(ray, surface.as_ref());
+        for (Sample { column, offset, is_last, .. }, color) in packet.samples().iter().zip(colors) {
             self.add_sample::<CENTERS>(*column, *offset, color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);
@@ -307,16 +307,27 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         }
     }
 
-    /// The colour along a ray that hits this surface first.
+    /// The colours along the rays of a packet's samples.
     #[inline(always)]
-    fn color_along(&mut self, ray: &Ray, surface: Option<&SurfacePoint>) -> Color {
+    fn colors_along(&mut self, packet: &SamplePacket) -> [Color; SamplePacket::SIZE] {
+        let mut colors = [Color::ZERO; SamplePacket::SIZE];
+        let samples = packet.samples();
         match self.setting.view {
-            View::Scene => self.tracer.color(ray, surface, &mut self.memory, &mut self.row.probe),
+            View::Scene => {
+                let (tracer, memory, probe) = (&self.tracer, &mut self.memory, &mut self.row.probe);
+                for (i, (color, Sample { ray, surface, .. })) in colors.iter_mut().zip(samples).enumerate() {
+                    *color = tracer.local_color(ray, surface.as_ref(), i, memory, probe);
+                }
+                tracer.add_secondary(&mut colors[..samples.len()], memory, probe);
+            }
             View::Cells(occupancy) => {
-                let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
-                face.map_or(world.background, |face| cell_color(&face, ray, world))
+                for (color, Sample { ray, .. }) in colors.iter_mut().zip(samples) {
+                    let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
+                    *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
+                }
             }
         }
+        colors
     }
 }
 

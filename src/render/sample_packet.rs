@@ -4,14 +4,14 @@
 
 use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::grid::packet::{PACKET_SIZE, PacketRay};
+use crate::grid::packet::PacketRay;
 use crate::math::f64x4::F64x4;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
-use crate::primitive::triangle4::{Hits4, Triangles4};
 use crate::raster::{Seen, VisibilityBuffer};
-use crate::scene::MaterialId;
 use crate::stats::Probe;
+use crate::trace::MOST_CAMERA_RAYS;
+use crate::world::surfaces::SurfaceRay;
 use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
@@ -56,6 +56,23 @@ impl PacketRay for Sample {
     }
 }
 
+impl SurfaceRay for Sample {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn visible(&self) -> Option<Visible> {
+        self.visible
+    }
+
+    #[inline(always)]
+    fn set_surface(&mut self, surface: SurfacePoint) {
+        self.surface = Some(surface);
+    }
+}
+
 /// Up to [`SIZE`](Self::SIZE) samples of a row.
 #[derive(Debug)]
 pub struct SamplePacket {
@@ -71,43 +88,12 @@ impl Default for SamplePacket {
     }
 }
 
-/// The place of a sample that lies on a triangle, and the triangle's id.
-#[derive(Clone, Copy, Debug, Default)]
-struct OnTriangle {
-    place: usize,
-    id: u32,
-}
-
-/// The triangles that four samples lie on.
-#[derive(Clone, Copy, Debug)]
-struct Group<F> {
-    ids: [u32; GROUP],
-    materials: [MaterialId; GROUP],
-    triangles: Triangles4<F>,
-}
-
-impl<F: F64x4> Group<F> {
-    #[inline(always)]
-    fn new(proof: F::Proof, world: &World, ids: [u32; GROUP]) -> Self {
-        let [a, b, c, d] = ids;
-        let corners = [
-            world.corners_in_place(a as usize),
-            world.corners_in_place(b as usize),
-            world.corners_in_place(c as usize),
-            world.corners_in_place(d as usize),
-        ];
-        let materials =
-            [world.material_of(a), world.material_of(b), world.material_of(c), world.material_of(d)];
-        Self { ids, materials, triangles: Triangles4::new(proof, corners) }
-    }
-}
-
 /// The number of samples that are computed together, one in each SIMD lane.
 const GROUP: usize = 4;
 
 impl SamplePacket {
-    /// The maximum number of samples, which is the number of rays that are cast together.
-    pub const SIZE: usize = PACKET_SIZE;
+    /// The maximum number of samples.
+    pub const SIZE: usize = MOST_CAMERA_RAYS;
 
     #[inline(always)]
     pub fn samples(&self) -> &[Sample] {
@@ -185,74 +171,8 @@ impl SamplePacket {
     /// Computes the surface that each ray hits first.
     #[inline(always)]
     pub fn find_surfaces<F: F64x4>(&mut self, proof: F::Proof, world: &World) {
-        let (mut on_triangles, mut count) = ([OnTriangle::default(); Self::SIZE], 0);
-        for (place, sample) in self.places[..self.count].iter_mut().enumerate() {
-            let Some(visible) = sample.visible else { continue };
-            let id = visible.primitive;
-            if world.is_triangle(id) {
-                if count == 0 || on_triangles[count - 1].id != id {
-                    world.prefetch(id);
-                }
-                on_triangles[count] = OnTriangle { place, id };
-                count += 1;
-            } else {
-                sample.surface = Some(world.visible_surface(&sample.ray, visible));
-            }
-        }
-        // Neighbours often lie on the same triangles.
-        let mut last: Option<Group<F>> = None;
-        for some in on_triangles[..count].chunks(GROUP) {
-            let four = match some {
-                // Constant indices are faster than computed ones.
-                [a, b, c, d] => [*a, *b, *c, *d],
-                _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
-            };
-            let [a, b, c, d] = four;
-            let ids = [a.id, b.id, c.id, d.id];
-            if !matches!(&last, Some(group) if group.ids == ids) {
-                last = Some(Group::new(proof, world, ids));
-            }
-            if let Some(group) = &last {
-                self.find_points(proof, world, group, four, some.len());
-            }
-        }
+        world.find_surfaces::<F>(proof, self.samples_mut());
     }
-
-    /// Computes the surfaces of the first `count` of four samples that lie on triangles.
-    #[inline(always)]
-    fn find_points<F: F64x4>(
-        &mut self,
-        proof: F::Proof,
-        world: &World,
-        group: &Group<F>,
-        four: [OnTriangle; GROUP],
-        count: usize,
-    ) {
-        let [a, b, c, d] = four;
-        let places = &self.places;
-        let rays = [&places[a.place].ray, &places[b.place].ray, &places[c.place].ray, &places[d.place].ray];
-        let Hits4 { points, certain } = group.triangles.hits(proof, rays);
-        for (lane, OnTriangle { place, id }) in four[..count].iter().enumerate() {
-            let sample = &mut self.places[*place];
-            sample.surface = if certain & (1 << lane) != 0 {
-                Some(SurfacePoint {
-                    position: points[lane],
-                    normal: group.triangles.normals[lane],
-                    material: group.materials[lane],
-                    primitive: Some(*id),
-                    triangle: Some(*id),
-                })
-            } else {
-                sample.visible.map(|visible| surface_alone(world, &sample.ray, visible))
-            };
-        }
-    }
-}
-
-/// Computes a surface that needs exact arithmetic.
-#[cold]
-fn surface_alone(world: &World, ray: &Ray, visible: Visible) -> SurfacePoint {
-    world.visible_surface(ray, visible)
 }
 
 #[cfg(test)]

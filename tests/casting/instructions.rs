@@ -133,6 +133,25 @@ impl PacketRay for Asked {
     }
 }
 
+/// A ray that leaves a primitive, and its hit.
+struct Leaving(Asked, Option<u32>);
+
+impl PacketRay for Leaving {
+    const LEAVES_A_SURFACE: bool = true;
+
+    fn ray(&self) -> &Ray {
+        self.0.ray()
+    }
+
+    fn leaves(&self) -> Option<u32> {
+        self.1
+    }
+
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.0.set_visible(visible);
+    }
+}
+
 /// Packets of all lengths, up to more rays than one packet holds.
 fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
     let mut rest = rays;
@@ -144,6 +163,21 @@ fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hi
         caster.nearest_of_packet(&mut asked, &mut Quiet);
         for Asked(ray, visible) in asked {
             assert_eq!(visible, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
+        }
+        // The rays leave what they hit, or another triangle, or one of the primitives that are not triangles.
+        let round = caster.world.triangles.len() as u32;
+        let left = |k: usize, hit: &Option<Hit>| match k % 4 {
+            0 => None,
+            1 => Some(round + (k / 4 % 3) as u32),
+            2 => Some(k as u32 % round),
+            _ => hit.map(|hit| hit.primitive),
+        };
+        let leaving = now.iter().enumerate();
+        let leaving = leaving.map(|(k, (ray, hit))| Leaving(Asked(*ray, wrong), left(k + rest.len(), hit)));
+        let mut leaving: Vec<Leaving> = leaving.collect();
+        caster.nearest_of_packet(&mut leaving, &mut Quiet);
+        for Leaving(Asked(ray, visible), left) in leaving {
+            assert_eq!(visible, caster.nearest(&ray, left, &mut Quiet), "{left:?} {ray:?}");
         }
         rest = later;
         if rest.is_empty() {

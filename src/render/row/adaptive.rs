@@ -174,9 +174,10 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// Traces the samples of a packet, hands out their colours, and empties the packet.
     fn trace_colors(&mut self, packet: &mut SamplePacket, mut take: impl FnMut(&Sample, Color)) {
         self.cast_samples(packet);
-        for sample in packet.samples() {
+        let colors = self.colors_along(packet);
+        for (sample, color) in packet.samples().iter().zip(colors) {
             self.row.probe.non_shadow_ray();
-            take(sample, self.color_along(&sample.ray, sample.surface.as_ref()));
+            take(sample, color);
         }
         packet.clear();
     }

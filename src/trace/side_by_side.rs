@@ -1,0 +1,183 @@
+//! The secondary rays of several camera rays, side by side.
+//!
+//! Of all camera rays the next secondary rays are cast together, and their surfaces are found four at a time. The stages
+//! of one ray depend on each other, while those of different rays overlap. Each camera ray keeps the order of its own
+//! rays, so that its colour is the same sum as by itself.
+
+use super::secondary::Branch;
+use super::{Memory, Observer, Tracer};
+use crate::grid::packet::PacketRay;
+use crate::math::f64x4::F64x4;
+use crate::math::ray::{Ray, Visible};
+use crate::mode::Mode;
+use crate::scene::Color;
+use crate::world::SurfacePoint;
+use crate::world::surfaces::SurfaceRay;
+
+/// A secondary ray that is cast.
+#[derive(Clone, Copy, Debug)]
+pub struct Cast {
+    /// The index of the camera ray.
+    camera_ray: usize,
+    ray: Ray,
+    /// The primitive that the ray leaves.
+    leaves: Option<u32>,
+    /// What the ray hits first, once it has been cast.
+    visible: Option<Visible>,
+    /// The surface there, once it has been computed.
+    surface: Option<SurfacePoint>,
+}
+
+impl PacketRay for Cast {
+    const LEAVES_A_SURFACE: bool = true;
+
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn leaves(&self) -> Option<u32> {
+        self.leaves
+    }
+
+    #[inline(always)]
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.visible = visible;
+    }
+}
+
+impl SurfaceRay for Cast {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn visible(&self) -> Option<Visible> {
+        self.visible
+    }
+
+    #[inline(always)]
+    fn set_surface(&mut self, surface: SurfacePoint) {
+        self.surface = Some(surface);
+    }
+}
+
+impl<M: Mode> Tracer<'_, M> {
+    /// Whether secondary rays are followed side by side. It pays where they traverse a grid with triangles. Where they
+    /// are counted or observed, they are followed one after the other.
+    pub(super) fn goes_side_by_side<P: Observer>(&self) -> bool {
+        let is_fast = !M::AS_COURSE && !P::OBSERVES && !P::COUNTS;
+        is_fast && self.caster.has_grid() && !self.world().triangles.is_empty()
+    }
+
+    /// Adds the colours of the secondary rays to those of their camera rays.
+    #[inline(always)]
+    pub(super) fn follow_side_by_side<F: F64x4, P: Observer>(
+        &self,
+        proof: F::Proof,
+        colors: &mut [Color],
+        memory: &mut Memory,
+        probe: &mut P,
+    ) {
+        let mut cast = std::mem::take(&mut memory.cast);
+        loop {
+            cast.clear();
+            for (camera_ray, color) in colors.iter_mut().enumerate() {
+                let pending = &mut memory.pending[camera_ray];
+                while let Some(&Branch { ray, leaves, path, is_known, known }) = pending.last() {
+                    if !is_known {
+                        cast.push(Cast { camera_ray, ray, leaves, visible: None, surface: None });
+                        break;
+                    }
+                    *color += path.filter * known;
+                    pending.pop();
+                }
+            }
+            if cast.is_empty() {
+                break;
+            }
+            self.caster.nearest_of_packet(&mut cast, probe);
+            self.world().find_surfaces::<F>(proof, &mut cast);
+            for Cast { camera_ray, ray, surface, .. } in &cast {
+                let Some(Branch { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
+                probe.non_shadow_ray();
+                let seen = match surface {
+                    Some(surface) => self.follow(ray, &path, surface, *camera_ray, memory, probe),
+                    None => self.background(probe),
+                };
+                colors[*camera_ray] += path.filter * seen;
+            }
+        }
+        memory.cast = cast;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::GridOptions;
+    use crate::grid::{Caster, Instructions};
+    use crate::scene::parser::parse;
+    use crate::stats::{Counts, Probe, Quiet, RayCount};
+    use crate::trace::{Effects, MOST_CAMERA_RAYS, Shadows};
+    use crate::world::World;
+    use glam::DVec3;
+
+    /// Glass with a mirror's coating, that of boxes and that of a ball, a mirror that is a floor, and something dull.
+    const TEXT: &str = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
+         Background { color .25 .5 1 ambientLight .125 .125 .125 }
+         Lights { numLights 2 DirectionalLight { direction -1 -2 -1 color .5 .5 .5 }
+         PointLight { position 0 4 0 color 1 .5 .25 } }
+         Materials { numMaterials 3
+         Material { diffuseColor .2 .3 .4 reflectiveColor .4 .3 .2 transparentColor .9 .8 .7 indexOfRefraction 1.5 }
+         Material { diffuseColor .5 .1 .2 reflectiveColor .5 .5 .5 }
+         Material { diffuseColor 1 .5 .25 specularColor 1 1 1 exponent 9 } }
+         Group { numObjects 5
+         MaterialIndex 0 Transform { Translate -1 .5 0 XRotate 40 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+         MaterialIndex 0 Transform { Translate 1 .5 0 ZRotate 25 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+         MaterialIndex 0 Sphere { center 0 .4 1.5 radius .6 }
+         MaterialIndex 2 Box { min -3 -1 -3 max -2 2 -2 }
+         MaterialIndex 1 Plane { normal 0 1 0 offset -1 } }";
+
+    /// Camera rays from around the objects, some of which miss them. Neighbours are often close to each other.
+    fn camera_ray(k: usize) -> Ray {
+        let [turn, height, aim] = [k / 8, k % 5, k].map(|k| k as f64);
+        let origin = DVec3::new(4.0 * turn.cos(), 0.2 + 0.5 * height, 4.0 * turn.sin());
+        let target = DVec3::new(1.3 * (0.37 * aim).sin(), 0.9 * (0.61 * aim).cos() + 0.4, (0.23 * aim).sin());
+        Ray::new(origin, (target - origin).normalize())
+    }
+
+    #[test]
+    fn camera_rays_have_the_colours_and_the_rays_that_they_have_alone() {
+        let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
+        let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
+        for instructions in Instructions::available() {
+            let caster = Caster::with(&world, GridOptions::uniform([6, 5, 7]), instructions).unwrap();
+            let tracer = Tracer { caster: &caster, effects, shadow_maps: None };
+            assert!(tracer.goes_side_by_side::<RayCount>() && !tracer.goes_side_by_side::<Counts>());
+            let (mut memory, mut together, mut alone) =
+                (Memory::default(), RayCount::default(), Counts::default());
+            let mut first = 0;
+            for count in (1..=MOST_CAMERA_RAYS).cycle().take(100) {
+                let rays: Vec<Ray> = (first..first + count).map(camera_ray).collect();
+                let surface = |ray| Some(world.visible_surface(ray, caster.nearest(ray, None, &mut Quiet)?));
+                let surfaces: Vec<_> = rays.iter().map(surface).collect();
+                let mut colors = vec![];
+                for (i, (ray, surface)) in rays.iter().zip(&surfaces).enumerate() {
+                    colors.push(tracer.local_color(ray, surface.as_ref(), i, &mut memory, &mut together));
+                }
+                tracer.add_secondary(&mut colors, &mut memory, &mut together);
+                for (color, (ray, surface)) in colors.iter().zip(rays.iter().zip(&surfaces)) {
+                    let expected = tracer.color(ray, surface.as_ref(), &mut Memory::default(), &mut alone);
+                    let bits = |color: &Color| color.to_array().map(f64::to_bits);
+                    assert_eq!(bits(color), bits(&expected), "{ray:?}");
+                }
+                first += count;
+            }
+            assert_eq!(together.counts().rays(), alone.rays());
+            assert!(alone.non_shadow_rays as usize > 4 * first, "{}", alone.non_shadow_rays);
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The surfaces that several rays hit first: those of triangles four at a time.
+
+use super::{SurfacePoint, World};
+use crate::math::f64x4::F64x4;
+use crate::math::ray::{Ray, Visible};
+use crate::primitive::triangle4::{Hits4, Triangles4};
+use crate::scene::MaterialId;
+
+/// A ray that has been cast, and the destination of its surface.
+pub trait SurfaceRay {
+    /// The ray.
+    fn ray(&self) -> &Ray;
+    /// What it hits first.
+    fn visible(&self) -> Option<Visible>;
+    /// Receives the surface there, if it hits anything.
+    fn set_surface(&mut self, surface: SurfacePoint);
+}
+
+/// The largest number of rays whose surfaces are computed together.
+const MOST_RAYS: usize = 32;
+
+/// The number of rays in a group, one in each SIMD lane.
+const GROUP: usize = 4;
+
+/// The index of a ray that hits a triangle, and the triangle's id.
+#[derive(Clone, Copy, Debug, Default)]
+struct OnTriangle {
+    ray: usize,
+    id: u32,
+}
+
+/// The triangles that four rays hit.
+#[derive(Clone, Copy, Debug)]
+struct Group<F> {
+    ids: [u32; GROUP],
+    materials: [MaterialId; GROUP],
+    triangles: Triangles4<F>,
+}
+
+impl<F: F64x4> Group<F> {
+    #[inline(always)]
+    fn new(proof: F::Proof, world: &World, ids: [u32; GROUP]) -> Self {
+        let [a, b, c, d] = ids;
+        let corners = [
+            world.corners_in_place(a as usize),
+            world.corners_in_place(b as usize),
+            world.corners_in_place(c as usize),
+            world.corners_in_place(d as usize),
+        ];
+        let materials =
+            [world.material_of(a), world.material_of(b), world.material_of(c), world.material_of(d)];
+        Self { ids, materials, triangles: Triangles4::new(proof, corners) }
+    }
+}
+
+impl World {
+    /// Computes the surface that each ray hits first, as [`visible_surface`](Self::visible_surface) does.
+    #[inline(always)]
+    pub fn find_surfaces<F: F64x4>(&self, proof: F::Proof, rays: &mut [impl SurfaceRay]) {
+        for rays in rays.chunks_mut(MOST_RAYS) {
+            self.find_some::<F>(proof, rays);
+        }
+    }
+
+    /// The same for at most [`MOST_RAYS`].
+    #[inline(always)]
+    fn find_some<F: F64x4>(&self, proof: F::Proof, rays: &mut [impl SurfaceRay]) {
+        let (mut on_triangles, mut count) = ([OnTriangle::default(); MOST_RAYS], 0);
+        for (i, ray) in rays.iter_mut().enumerate() {
+            let Some(visible) = ray.visible() else { continue };
+            let id = visible.primitive;
+            if self.is_triangle(id) {
+                if count == 0 || on_triangles[count - 1].id != id {
+                    self.prefetch(id);
+                }
+                on_triangles[count] = OnTriangle { ray: i, id };
+                count += 1;
+            } else {
+                ray.set_surface(self.visible_surface(ray.ray(), visible));
+            }
+        }
+        // Neighbours often lie on the same triangles.
+        let mut last: Option<Group<F>> = None;
+        for some in on_triangles[..count].chunks(GROUP) {
+            let four = match some {
+                // Constant indices are faster than computed ones.
+                [a, b, c, d] => [*a, *b, *c, *d],
+                _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
+            };
+            let [a, b, c, d] = four;
+            let ids = [a.id, b.id, c.id, d.id];
+            if !matches!(&last, Some(group) if group.ids == ids) {
+                last = Some(Group::new(proof, self, ids));
+            }
+            if let Some(group) = &last {
+                self.find_points(proof, rays, group, four, some.len());
+            }
+        }
+    }
+
+    /// Computes the surfaces of the first `count` of four rays that hit triangles.
+    #[inline(always)]
+    fn find_points<F: F64x4>(
+        &self,
+        proof: F::Proof,
+        rays: &mut [impl SurfaceRay],
+        group: &Group<F>,
+        four: [OnTriangle; GROUP],
+        count: usize,
+    ) {
+        let [a, b, c, d] = four;
+        let of = [rays[a.ray].ray(), rays[b.ray].ray(), rays[c.ray].ray(), rays[d.ray].ray()];
+        let Hits4 { points, certain } = group.triangles.hits(proof, of);
+        for (lane, OnTriangle { ray, id }) in four[..count].iter().enumerate() {
+            let ray = &mut rays[*ray];
+            if certain & (1 << lane) != 0 {
+                ray.set_surface(SurfacePoint {
+                    position: points[lane],
+                    normal: group.triangles.normals[lane],
+                    material: group.materials[lane],
+                    primitive: Some(*id),
+                    triangle: Some(*id),
+                });
+            } else if let Some(visible) = ray.visible() {
+                ray.set_surface(self.surface_alone(ray.ray(), visible));
+            }
+        }
+    }
+
+    /// Computes a surface that needs exact arithmetic.
+    #[cold]
+    fn surface_alone(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        self.visible_surface(ray, visible)
+    }
+}
