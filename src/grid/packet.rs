@@ -306,12 +306,15 @@ mod tests {
     use crate::world::World;
     use glam::DVec3;
 
-    struct TestRay {
+    /// A ray, which leaves a surface or not.
+    struct TestRay<const LEAVES: bool> {
         ray: Ray,
         visible: Option<Visible>,
     }
 
-    impl PacketRay for TestRay {
+    impl<const LEAVES: bool> PacketRay for TestRay<LEAVES> {
+        const LEAVES_A_SURFACE: bool = LEAVES;
+
         fn ray(&self) -> &Ray {
             &self.ray
         }
@@ -323,6 +326,11 @@ mod tests {
 
     #[test]
     fn a_ray_from_too_far_is_answered_at_any_place_of_a_packet() {
+        is_answered_at_any_place::<false>();
+        is_answered_at_any_place::<true>();
+    }
+
+    fn is_answered_at_any_place<const LEAVES: bool>() {
         let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
              Group { numObjects 2 Material { }
              Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }
@@ -335,7 +343,7 @@ mod tests {
                     let origin = DVec3::new(0.0, 0.75 - 0.1 * i as f64, if i == far { 1e9 } else { 3.0 });
                     TestRay { ray: Ray::new(origin, DVec3::NEG_Z), visible: None }
                 };
-                let mut rays: Vec<TestRay> = (0..count).map(asked).collect();
+                let mut rays: Vec<TestRay<LEAVES>> = (0..count).map(asked).collect();
                 caster.nearest_of_packet(&mut rays, &mut Quiet);
                 for TestRay { ray, visible } in &rays {
                     let expected = caster.nearest(ray, None, &mut Quiet);
