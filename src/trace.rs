@@ -149,7 +149,7 @@ impl<M: Mode> Tracer<'_, M> {
     /// limited by nothing but memory.
     #[inline(always)]
     pub fn add_secondary<P: Observer>(&self, colors: &mut [Color], memory: &mut Memory, probe: &mut P) {
-        if self.effects.bounces == 0 {
+        if self.effects.bounces == 0 || memory.pending[..colors.len()].iter().all(Vec::is_empty) {
             return;
         }
         match self.caster.instructions {
@@ -172,10 +172,12 @@ impl<M: Mode> Tracer<'_, M> {
         probe: &mut P,
     ) {
         if self.goes_side_by_side::<P>() {
-            return self.follow_side_by_side::<F, _>(proof, colors, memory, probe);
+            self.follow_side_by_side::<F, _>(proof, colors, memory, probe);
         }
         for (camera_ray, color) in colors.iter_mut().enumerate() {
-            *color = self.follow_pending(*color, camera_ray, memory, probe);
+            if !memory.pending[camera_ray].is_empty() {
+                *color = self.follow_pending(*color, camera_ray, memory, probe);
+            }
         }
     }
 

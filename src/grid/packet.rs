@@ -218,6 +218,10 @@ impl<M: Mode> Caster<'_, M> {
         rays: &mut [Q],
         probe: &mut P,
     ) {
+        let is_round = |ray: &Q| self.is_round(ray.leaves().unwrap_or(NONE));
+        if rays.iter().all(is_round) {
+            return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
+        }
         let setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), rays);
         for (i, ray) in rays.iter_mut().enumerate() {
             let (is_too_far, leaves) = (setup.too_far >> i & 1 != 0, ray.leaves().unwrap_or(NONE));

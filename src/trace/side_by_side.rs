@@ -5,14 +5,18 @@
 //! rays, so that its colour is the same sum as by itself.
 
 use super::secondary::Branch;
-use super::{Memory, Observer, Tracer};
+use super::{MOST_CAMERA_RAYS, Memory, Observer, Tracer};
 use crate::grid::packet::PacketRay;
+use crate::grid::query::lanes;
 use crate::math::f64x4::F64x4;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
 use crate::scene::Color;
 use crate::world::SurfacePoint;
 use crate::world::surfaces::SurfaceRay;
+
+/// Fewer rays are followed one after the other.
+const LEAST_RAYS: usize = 4;
 
 /// A secondary ray that is cast.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +76,7 @@ impl<M: Mode> Tracer<'_, M> {
         is_fast && self.caster.has_grid() && !self.world().triangles.is_empty()
     }
 
-    /// Adds the colours of the secondary rays to those of their camera rays.
+    /// Adds the colours of the secondary rays to those of their camera rays, until few camera rays have any left.
     #[inline(always)]
     pub(super) fn follow_side_by_side<F: F64x4, P: Observer>(
         &self,
@@ -82,20 +86,25 @@ impl<M: Mode> Tracer<'_, M> {
         probe: &mut P,
     ) {
         let mut cast = std::mem::take(&mut memory.cast);
+        // The set of the camera rays with secondary rays.
+        let mut active = u32::MAX >> (MOST_CAMERA_RAYS - colors.len());
         loop {
             cast.clear();
-            for (camera_ray, color) in colors.iter_mut().enumerate() {
-                let pending = &mut memory.pending[camera_ray];
+            let mut next_active = 0;
+            for camera_ray in lanes(active) {
+                let (color, pending) = (&mut colors[camera_ray], &mut memory.pending[camera_ray]);
                 while let Some(&Branch { ray, leaves, path, is_known, known }) = pending.last() {
                     if !is_known {
                         cast.push(Cast { camera_ray, ray, leaves, visible: None, surface: None });
+                        next_active |= 1 << camera_ray;
                         break;
                     }
                     *color += path.filter * known;
                     pending.pop();
                 }
             }
-            if cast.is_empty() {
+            active = next_active;
+            if cast.len() < LEAST_RAYS {
                 break;
             }
             self.caster.nearest_of_packet(&mut cast, probe);
@@ -121,7 +130,7 @@ mod tests {
     use crate::grid::{Caster, Instructions};
     use crate::scene::parser::parse;
     use crate::stats::{Counts, Probe, Quiet, RayCount};
-    use crate::trace::{Effects, MOST_CAMERA_RAYS, Shadows};
+    use crate::trace::{Effects, Shadows};
     use crate::world::World;
     use glam::DVec3;
 

@@ -175,9 +175,9 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     fn trace_colors(&mut self, packet: &mut SamplePacket, mut take: impl FnMut(&Sample, Color)) {
         self.cast_samples(packet);
         let colors = self.colors_along(packet);
-        for (sample, color) in packet.samples().iter().zip(colors) {
+        for (sample, color) in packet.samples().iter().zip(&colors) {
             self.row.probe.non_shadow_ray();
-            take(sample, color);
+            take(sample, *color);
         }
         packet.clear();
     }
