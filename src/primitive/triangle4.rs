@@ -61,27 +61,37 @@ fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 
     let origin = Vectors4::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
     let d = Vectors4::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
     let (p, q, r) = (p.minus(origin), q.minus(origin), r.minus(origin));
-    match common_longest_axis(d) {
-        Some(0) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),
-        Some(1) => sheared_weights(zxy(d), [zxy(p), zxy(q), zxy(r)]),
-        Some(_) => sheared_weights(d, [p, q, r]),
-        None => ([d.x; 3], 0),
+    const ALL: u32 = 0b1111;
+    match longest_axes(d) {
+        (0, _) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),
+        (ALL, 0) => sheared_weights(zxy(d), [zxy(p), zxy(q), zxy(r)]),
+        (ALL, ALL) => sheared_weights(d, [p, q, r]),
+        (not_x, is_z) => {
+            let axis =
+                F::new(proof, [0, 1, 2, 3].map(|lane| f64::from((not_x >> lane & 1) + (is_z >> lane & 1))));
+            let turned = |v| turned(v, axis);
+            sheared_weights(turned(d), [turned(p), turned(q), turned(r)])
+        }
     }
 }
 
-/// The axis along which all these directions are longest, as a shear chooses it; none if they differ.
+/// The axes along which these directions are longest, as a shear chooses them: the set of those that are not longest
+/// along x, and the set of those that are longest along z.
 #[inline(always)]
-fn common_longest_axis<F: F64x4>(directions: Vectors4<F>) -> Option<usize> {
-    const ALL: u32 = 0b1111;
+fn longest_axes<F: F64x4>(directions: Vectors4<F>) -> (u32, u32) {
     let Vectors4 { x, y, z } = directions.abs();
-    let not_x = x.le_mask(y) | x.le_mask(z);
     let is_z = x.le_mask(z) & y.le_mask(z);
-    match (not_x, is_z) {
-        (0, _) => Some(0),
-        (ALL, 0) => Some(1),
-        (ALL, ALL) => Some(2),
-        _ => None,
-    }
+    (x.le_mask(y) | x.le_mask(z), is_z)
+}
+
+/// Each vector turned so that this axis of it, 0 to 2, is the last one.
+#[inline(always)]
+fn turned<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>, axis: F) -> Vectors4<F> {
+    let choose = |of_x: F, of_y: F, of_z: F| {
+        let of_y_or_z = axis.select_lt(axis.broadcast(2.0), of_y, of_z);
+        axis.select_lt(axis.broadcast(1.0), of_x, of_y_or_z)
+    };
+    Vectors4 { x: choose(y, z, x), y: choose(z, x, y), z: choose(x, y, z) }
 }
 
 #[inline(always)]
@@ -250,7 +260,7 @@ mod tests {
     #[test]
     fn certain_lanes_have_the_bits_of_one_triangle() {
         let counts = agree_with_one::<Scalar>(Portable);
-        // The others point along different axes, or at needles.
+        // The others point at edges or at needles.
         assert!(counts[0] > 5_000 && counts[0] < counts[1], "{counts:?}");
         #[cfg(target_arch = "x86_64")]
         if let Some(proof) = crate::math::instructions::Avx2::detect() {
@@ -275,23 +285,21 @@ mod tests {
     }
 
     #[test]
-    fn rays_along_different_axes_are_not_certain() {
+    fn rays_along_any_axes_have_the_points_of_one_triangle() {
         let triangle = [DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0), DVec3::new(0.0, 0.0, 3.0)];
-        let towards = |target: [f64; 3]| Ray::new(DVec3::ZERO, DVec3::from_array(target));
-        let certain = |rays: [&Ray; 4]| {
-            Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, rays).certain
-        };
-        let [x, y, z] = [[1.0, 0.5, 0.6], [0.5, 1.0, 0.6], [0.6, 0.5, 1.0]].map(towards);
-        assert_eq!([&x, &y, &z].map(|ray| certain([ray; 4])), [0b1111; 3]);
-        assert_eq!([certain([&x, &x, &y, &x]), certain([&z, &y, &y, &y]), certain([&z, &z, &z, &x])], [0; 3]);
         // Where two components are equal, a shear prefers z, and y to x.
-        for target in [[1.0, 1.0, 0.5], [1.0, 0.5, 1.0], [0.5, 1.0, 1.0], [1.0, 1.0, 1.0]] {
-            let ray = towards(target);
-            let found =
-                Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, [&ray; 4]);
-            let weights = Shear::new(&ray).weights(triangle.each_ref()).unwrap();
+        let targets = [[1.0, 0.5, 0.6], [0.5, 1.0, 0.6], [0.6, 0.5, 1.0], [1.0, 1.0, 0.5], [1.0, 0.5, 1.0]];
+        let targets = targets.into_iter().chain([[0.5, 1.0, 1.0], [1.0, 1.0, 1.0]]);
+        let rays: Vec<Ray> = targets.map(|target| Ray::new(DVec3::ZERO, DVec3::from_array(target))).collect();
+        let count = rays.len();
+        for k in 0..count.pow(4) {
+            let four = [0, 1, 2, 3].map(|lane| &rays[k / count.pow(lane) % count]);
+            let found = Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, four);
             assert_eq!(found.certain, 0b1111);
-            assert_eq!(bits(found.points[0]), bits(point(triangle, weights)));
+            for (lane, ray) in four.into_iter().enumerate() {
+                let weights = Shear::new(ray).weights(triangle.each_ref()).unwrap();
+                assert_eq!(bits(found.points[lane]), bits(point(triangle, weights)), "{lane} {four:?}");
+            }
         }
     }
 }
