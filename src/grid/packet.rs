@@ -203,8 +203,22 @@ impl<M: Mode> Caster<'_, M> {
             pending = ((1 << rays.len()) - 1) & !too_far;
         }
         for i in lanes(pending) {
-            let (setup, ray) = (&setups[i / GROUP], &mut rays[i]);
-            self.trace_one(kernel, grid, cursors[i], (setup, i % GROUP), (ray, NONE), probe);
+            let ray = rays[i].ray();
+            let mut query = RayQuery::new(self.world, ray, NONE);
+            query.test_planes(ray, probe);
+            if let Some(cursor) = cursors[i] {
+                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t_bound);
+                grid.traverse_cells::<K, M, P, false>(
+                    kernel,
+                    cursor,
+                    blocks,
+                    &mut filter_state,
+                    &mut query,
+                    probe,
+                );
+            }
+            let visible = query.visible();
+            rays[i].set_visible(visible);
         }
     }
 
@@ -229,40 +243,23 @@ impl<M: Mode> Caster<'_, M> {
                 self.cast_alone(ray, probe);
                 continue;
             }
-            let passes = setup.passing >> i & 1 != 0;
-            // A closure would not be compiled for the instructions of the caller.
-            let cursor = if passes { Some(table.cursor_of(&setup.dda4, i)) } else { None };
-            self.trace_one(kernel, grid, cursor, (&setup, i), (ray, leaves), probe);
+            let mut query = RayQuery::new(self.world, ray.ray(), leaves);
+            query.test_planes(ray.ray(), probe);
+            if setup.passing >> i & 1 != 0 {
+                let mut filter_state = setup.filter_state(i, query.best.t_bound);
+                // A cursor that is passed on would be written to memory and read again in other parts.
+                grid.traverse_cells::<K, M, P, false>(
+                    kernel,
+                    table.cursor_of(&setup.dda4, i),
+                    &grid.blocks,
+                    &mut filter_state,
+                    &mut query,
+                    probe,
+                );
+            }
+            let visible = query.visible();
+            ray.set_visible(visible);
         }
-    }
-
-    /// Casts one of four rays, which traverses the grid from this cell on.
-    #[inline(always)]
-    fn trace_one<K: TraversalKernel, P: Probe>(
-        &self,
-        kernel: K,
-        grid: &AccelerationStructure,
-        cursor: Option<CellCursor>,
-        (setup, i): (&PacketSetup, usize),
-        (ray, leaves): (&mut impl PacketRay, u32),
-        probe: &mut P,
-    ) {
-        let mut query = RayQuery::new(self.world, ray.ray(), leaves);
-        query.test_planes(ray.ray(), probe);
-        if let Some(cursor) = cursor {
-            let mut filter_state = setup.filter_state(i, query.best.t_bound);
-            let blocks = grid.blocks.as_slice();
-            grid.traverse_cells::<K, M, P, false>(
-                kernel,
-                cursor,
-                blocks,
-                &mut filter_state,
-                &mut query,
-                probe,
-            );
-        }
-        let visible = query.visible();
-        ray.set_visible(visible);
     }
 }
 
