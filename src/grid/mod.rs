@@ -28,7 +28,7 @@ mod cell_table;
 mod cell_contents;
 mod build;
 mod fullness;
-pub(crate) mod query;
+mod query;
 mod traverse;
 mod caster;
 #[doc(hidden)]

@@ -8,7 +8,7 @@ use super::cell_contents::CellContents;
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
 use super::lattice::Lattice;
-use super::query::{FilterState, RayQuery, lanes, to_frame};
+use super::query::{FilterState, RayQuery, to_frame};
 use super::ray_aabb::intersect_aabb4;
 use super::traverse::TraversalKernel;
 use super::triangle8::{Block, NONE};
@@ -16,6 +16,7 @@ use crate::math::f64x4::F64x4;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
+use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayPacket4;
@@ -239,7 +240,7 @@ impl<M: Mode> Caster<'_, M> {
         let setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), rays);
         for (i, ray) in rays.iter_mut().enumerate() {
             let (is_too_far, leaves) = (setup.too_far >> i & 1 != 0, ray.leaves().unwrap_or(NONE));
-            if is_too_far || self.is_round(leaves) {
+            if is_too_far || is_round(ray) {
                 self.cast_alone(ray, probe);
                 continue;
             }

@@ -6,6 +6,7 @@ use super::filter::{FilterRay, Kernel, MAX_DEPTH, Verdict};
 use super::ray_aabb::RayInterval;
 use super::triangle8::{Block, Frame, NONE};
 use crate::math::f64x4::F64x4;
+use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;
 use crate::mode::Mode;
@@ -288,18 +289,6 @@ impl<'a> RayQuery<'a> {
         }
         self.world.precedes((t, primitive), (self.best.t_bound, self.best.primitive))
     }
-}
-
-/// The members of a set of lanes, in order.
-#[inline(always)]
-pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = set.trailing_zeros() as usize;
-        (set != 0).then(|| {
-            set &= set - 1;
-            lane
-        })
-    })
 }
 
 #[cfg(test)]

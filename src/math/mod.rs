@@ -8,6 +8,7 @@ pub(crate) mod exp;
 pub mod extremes;
 pub(crate) mod f64x4;
 pub mod instructions;
+pub(crate) mod lanes;
 pub(crate) mod ray_lanes;
 pub mod predicate;
 pub(crate) mod prefetch;

@@ -2,7 +2,7 @@
 
 use super::layer::Layer;
 use super::request::{Request, View};
-use super::sample_packet::{Sample, SamplePacket};
+use super::sample_packet::{Place, Sample, SamplePacket};
 use super::spare::Spare;
 use crate::camera::Camera;
 use crate::grid::Caster;
@@ -274,7 +274,9 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     fn color<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let colors = self.colors_along(packet);
         let mut sum = self.sum;
-        for (Sample { column, offset, is_last, .. }, color) in packet.samples().iter().zip(&colors) {
+        for (Sample { of: Place { column, offset, is_last }, .. }, color) in
+            packet.samples().iter().zip(&colors)
+        {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);

@@ -11,38 +11,29 @@ use crate::mode::Mode;
 use crate::raster::{Seen, VisibilityBuffer};
 use crate::stats::Probe;
 use crate::trace::MOST_CAMERA_RAYS;
-use crate::world::surfaces::SurfaceRay;
-use crate::world::{SurfacePoint, World};
+use crate::world::World;
+use crate::world::surfaces::Traced;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// A sample in a row of pixels, and its hit.
+/// The place of a sample in a row of pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
+pub struct Place {
     pub column: usize,
     /// The offset from the pixel's centre, in pixels.
     pub offset: DVec2,
     /// Whether it is the last sample of its pixel.
     pub is_last: bool,
-    /// Its ray, once it has been aimed.
-    pub ray: Ray,
-    /// The primitive that the ray hits first, once the ray has been cast.
-    pub visible: Option<Visible>,
-    /// The surface there, once it has been computed.
-    pub surface: Option<SurfacePoint>,
 }
 
-impl Sample {
-    /// A sample that has not been placed.
-    const UNPLACED: Self = Self {
-        column: 0,
-        offset: DVec2::ZERO,
-        is_last: false,
-        ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
-        visible: None,
-        surface: None,
-    };
-}
+/// A sample in a row of pixels, and what its ray hits.
+pub type Sample = Traced<Place>;
+
+/// A sample that has not been placed.
+const UNPLACED: Sample = Traced::new(
+    Place { column: 0, offset: DVec2::ZERO, is_last: false },
+    Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
+);
 
 impl PacketRay for Sample {
     #[inline(always)]
@@ -53,23 +44,6 @@ impl PacketRay for Sample {
     #[inline(always)]
     fn set_visible(&mut self, visible: Option<Visible>) {
         self.visible = visible;
-    }
-}
-
-impl SurfaceRay for Sample {
-    #[inline(always)]
-    fn ray(&self) -> &Ray {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn visible(&self) -> Option<Visible> {
-        self.visible
-    }
-
-    #[inline(always)]
-    fn set_surface(&mut self, surface: SurfacePoint) {
-        self.surface = Some(surface);
     }
 }
 
@@ -84,7 +58,7 @@ pub struct SamplePacket {
 
 impl Default for SamplePacket {
     fn default() -> Self {
-        Self { places: [Sample::UNPLACED; Self::SIZE], count: 0 }
+        Self { places: [UNPLACED; Self::SIZE], count: 0 }
     }
 }
 
@@ -127,7 +101,7 @@ impl SamplePacket {
     #[inline(always)]
     pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
         if let Some(place) = self.places.get_mut(self.count) {
-            (place.column, place.offset, place.is_last) = (column, offset, is_last);
+            place.of = Place { column, offset, is_last };
             (place.visible, place.surface) = (None, None);
             self.count += 1;
         }
@@ -139,8 +113,8 @@ impl SamplePacket {
         // Places without a sample may get any ray.
         let (groups, _) = self.places.as_chunks_mut::<GROUP>();
         for [a, b, c, d] in &mut groups[..self.count.div_ceil(GROUP)] {
-            let columns = [a.column, b.column, c.column, d.column];
-            let offsets = [a.offset, b.offset, c.offset, d.offset];
+            let columns = [a.of.column, b.of.column, c.of.column, d.of.column];
+            let offsets = [a.of.offset, b.of.offset, c.of.offset, d.of.offset];
             [a.ray, b.ray, c.ray, d.ray] = camera.rays::<F>(proof, columns, j, offsets);
         }
     }
@@ -159,7 +133,7 @@ impl SamplePacket {
         };
         let mut unsure = vec![];
         for sample in self.samples_mut() {
-            match visibility.seen(caster.world, &sample.ray, sample.column, j) {
+            match visibility.seen(caster.world, &sample.ray, sample.of.column, j) {
                 Seen::Nothing => sample.visible = None,
                 Seen::Primitive(visible) => sample.visible = Some(visible),
                 Seen::Unsure => unsure.push(sample),
@@ -171,7 +145,7 @@ impl SamplePacket {
     /// Computes the surface that each ray hits first.
     #[inline(always)]
     pub fn find_surfaces<F: F64x4>(&mut self, proof: F::Proof, world: &World) {
-        world.find_surfaces::<F>(proof, self.samples_mut());
+        world.find_surfaces::<F, _>(proof, self.samples_mut());
     }
 }
 
@@ -181,6 +155,7 @@ mod tests {
     use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
     use crate::scene::parser::parse;
+    use crate::world::SurfacePoint;
 
     /// Two triangles, a sphere and a plane behind them.
     const TEXT: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 60 }
@@ -225,7 +200,7 @@ mod tests {
                     _ => Some(100.0),
                 };
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
-                sample.visible = visible.filter(|_| column_is_open(sample.column));
+                sample.visible = visible.filter(|_| column_is_open(sample.of.column));
             }
             packet.find_surfaces::<F>(proof, &world);
             for Sample { ray, visible, surface, .. } in packet.samples() {

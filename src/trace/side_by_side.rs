@@ -5,32 +5,29 @@
 //! rays, so that its colour is the same sum as by itself.
 
 use super::secondary::Branch;
-use super::{MOST_CAMERA_RAYS, Memory, Observer, Tracer};
+use super::{Memory, Observer, Tracer};
 use crate::grid::packet::PacketRay;
-use crate::grid::query::lanes;
 use crate::math::f64x4::F64x4;
+use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
 use crate::scene::Color;
-use crate::world::SurfacePoint;
-use crate::world::surfaces::SurfaceRay;
+use crate::world::surfaces::Traced;
 
 /// Fewer rays are followed one after the other.
 const LEAST_RAYS: usize = 4;
 
-/// A secondary ray that is cast.
+/// Where a secondary ray comes from.
 #[derive(Clone, Copy, Debug)]
-pub struct Cast {
+pub struct Origin {
     /// The index of the camera ray.
     camera_ray: usize,
-    ray: Ray,
     /// The primitive that the ray leaves.
     leaves: Option<u32>,
-    /// What the ray hits first, once it has been cast.
-    visible: Option<Visible>,
-    /// The surface there, once it has been computed.
-    surface: Option<SurfacePoint>,
 }
+
+/// A secondary ray that is cast.
+pub type Cast = Traced<Origin>;
 
 impl PacketRay for Cast {
     const LEAVES_A_SURFACE: bool = true;
@@ -42,29 +39,12 @@ impl PacketRay for Cast {
 
     #[inline(always)]
     fn leaves(&self) -> Option<u32> {
-        self.leaves
+        self.of.leaves
     }
 
     #[inline(always)]
     fn set_visible(&mut self, visible: Option<Visible>) {
         self.visible = visible;
-    }
-}
-
-impl SurfaceRay for Cast {
-    #[inline(always)]
-    fn ray(&self) -> &Ray {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn visible(&self) -> Option<Visible> {
-        self.visible
-    }
-
-    #[inline(always)]
-    fn set_surface(&mut self, surface: SurfacePoint) {
-        self.surface = Some(surface);
     }
 }
 
@@ -87,7 +67,7 @@ impl<M: Mode> Tracer<'_, M> {
     ) {
         let mut cast = std::mem::take(&mut memory.cast);
         // The set of the camera rays with secondary rays.
-        let mut active = u32::MAX >> (MOST_CAMERA_RAYS - colors.len());
+        let mut active = ((1u64 << colors.len()) - 1) as u32;
         loop {
             cast.clear();
             let mut next_active = 0;
@@ -95,7 +75,7 @@ impl<M: Mode> Tracer<'_, M> {
                 let (color, pending) = (&mut colors[camera_ray], &mut memory.pending[camera_ray]);
                 while let Some(&Branch { ray, leaves, path, is_known, known }) = pending.last() {
                     if !is_known {
-                        cast.push(Cast { camera_ray, ray, leaves, visible: None, surface: None });
+                        cast.push(Cast::new(Origin { camera_ray, leaves }, ray));
                         next_active |= 1 << camera_ray;
                         break;
                     }
@@ -108,8 +88,8 @@ impl<M: Mode> Tracer<'_, M> {
                 break;
             }
             self.caster.nearest_of_packet(&mut cast, probe);
-            self.world().find_surfaces::<F>(proof, &mut cast);
-            for Cast { camera_ray, ray, surface, .. } in &cast {
+            self.world().find_surfaces::<F, _>(proof, &mut cast);
+            for Cast { of: Origin { camera_ray, .. }, ray, surface, .. } in &cast {
                 let Some(Branch { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
                 probe.non_shadow_ray();
                 let seen = match surface {
@@ -130,7 +110,7 @@ mod tests {
     use crate::grid::{Caster, Instructions};
     use crate::scene::parser::parse;
     use crate::stats::{Counts, Probe, Quiet, RayCount};
-    use crate::trace::{Effects, Shadows};
+    use crate::trace::{Effects, MOST_CAMERA_RAYS, Shadows};
     use crate::world::World;
     use glam::DVec3;
 

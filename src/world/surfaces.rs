@@ -6,14 +6,24 @@ use crate::math::ray::{Ray, Visible};
 use crate::primitive::triangle4::{Hits4, Triangles4};
 use crate::scene::MaterialId;
 
-/// A ray that has been cast, and the destination of its surface.
-pub trait SurfaceRay {
-    /// The ray.
-    fn ray(&self) -> &Ray;
-    /// What it hits first.
-    fn visible(&self) -> Option<Visible>;
-    /// Receives the surface there, if it hits anything.
-    fn set_surface(&mut self, surface: SurfacePoint);
+/// A ray with what it hits. The ray is in one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Traced<T> {
+    pub ray: Ray,
+    /// The surface that the ray hits first, once it has been computed.
+    pub surface: Option<SurfacePoint>,
+    /// What the ray hits first, once it has been cast.
+    pub visible: Option<Visible>,
+    /// What the ray is for.
+    pub of: T,
+}
+
+impl<T> Traced<T> {
+    /// A ray that has not been cast.
+    pub const fn new(of: T, ray: Ray) -> Self {
+        Self { ray, surface: None, visible: None, of }
+    }
 }
 
 /// The largest number of rays whose surfaces are computed together.
@@ -56,18 +66,18 @@ impl<F: F64x4> Group<F> {
 impl World {
     /// Computes the surface that each ray hits first, as [`visible_surface`](Self::visible_surface) does.
     #[inline(always)]
-    pub fn find_surfaces<F: F64x4>(&self, proof: F::Proof, rays: &mut [impl SurfaceRay]) {
+    pub fn find_surfaces<F: F64x4, T>(&self, proof: F::Proof, rays: &mut [Traced<T>]) {
         for rays in rays.chunks_mut(MOST_RAYS) {
-            self.find_some::<F>(proof, rays);
+            self.find_some::<F, T>(proof, rays);
         }
     }
 
     /// The same for at most [`MOST_RAYS`].
     #[inline(always)]
-    fn find_some<F: F64x4>(&self, proof: F::Proof, rays: &mut [impl SurfaceRay]) {
+    fn find_some<F: F64x4, T>(&self, proof: F::Proof, rays: &mut [Traced<T>]) {
         let (mut on_triangles, mut count) = ([OnTriangle::default(); MOST_RAYS], 0);
         for (i, ray) in rays.iter_mut().enumerate() {
-            let Some(visible) = ray.visible() else { continue };
+            let Some(visible) = ray.visible else { continue };
             let id = visible.primitive;
             if self.is_triangle(id) {
                 if count == 0 || on_triangles[count - 1].id != id {
@@ -76,7 +86,7 @@ impl World {
                 on_triangles[count] = OnTriangle { ray: i, id };
                 count += 1;
             } else {
-                ray.set_surface(self.visible_surface(ray.ray(), visible));
+                ray.surface = Some(self.visible_surface(&ray.ray, visible));
             }
         }
         // Neighbours often lie on the same triangles.
@@ -100,29 +110,29 @@ impl World {
 
     /// Computes the surfaces of the first `count` of four rays that hit triangles.
     #[inline(always)]
-    fn find_points<F: F64x4>(
+    fn find_points<F: F64x4, T>(
         &self,
         proof: F::Proof,
-        rays: &mut [impl SurfaceRay],
+        rays: &mut [Traced<T>],
         group: &Group<F>,
         four: [OnTriangle; GROUP],
         count: usize,
     ) {
         let [a, b, c, d] = four;
-        let of = [rays[a.ray].ray(), rays[b.ray].ray(), rays[c.ray].ray(), rays[d.ray].ray()];
+        let of = [&rays[a.ray].ray, &rays[b.ray].ray, &rays[c.ray].ray, &rays[d.ray].ray];
         let Hits4 { points, certain } = group.triangles.hits(proof, of);
         for (lane, OnTriangle { ray, id }) in four[..count].iter().enumerate() {
             let ray = &mut rays[*ray];
             if certain & (1 << lane) != 0 {
-                ray.set_surface(SurfacePoint {
+                ray.surface = Some(SurfacePoint {
                     position: points[lane],
                     normal: group.triangles.normals[lane],
                     material: group.materials[lane],
                     primitive: Some(*id),
                     triangle: Some(*id),
                 });
-            } else if let Some(visible) = ray.visible() {
-                ray.set_surface(self.surface_alone(ray.ray(), visible));
+            } else if let Some(visible) = ray.visible {
+                ray.surface = Some(self.surface_alone(&ray.ray, visible));
             }
         }
     }
