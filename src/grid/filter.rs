@@ -93,16 +93,16 @@ impl Verdict {
 pub(crate) trait Kernel: Copy {
     /// The lanes in double precision for the same instructions.
     type F64x4: F64x4<Proof = Self>;
-    /// Tests a block against a ray.
-    fn test(self, block: &Block, ray: &FilterRay) -> Verdict;
+    /// Tests a block against a ray. The triangles with one of two ids are left out.
+    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict;
 }
 
 /// Tests a block against a ray with an instruction set chosen at run time, for tests of the filter alone.
-pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay) -> Verdict {
+pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
     match instructions {
-        Instructions::Portable => Portable.test(block, ray),
+        Instructions::Portable => Portable.test(block, ray, left_out),
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2(avx2) => avx2.test(block, ray),
+        Instructions::Avx2(avx2) => avx2.test(block, ray, left_out),
     }
 }
 
@@ -110,10 +110,10 @@ impl Kernel for Portable {
     type F64x4 = Scalar;
 
     #[inline(always)]
-    fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
+    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
         let FilterErrorBounds { edge: edge_error_bound, depth: depth_error_bound } = block.error_bounds;
         let mut verdict = Verdict::NONE;
-        for lane in 0..LANES {
+        for lane in (0..LANES).filter(|&lane| !left_out.contains(&block.index.ids[lane])) {
             let [e1, e2] = block.edges.map(|edge| edge.map(|c| c[lane]));
             let n = block.normal.map(|c| c[lane]);
             let [dx, dy, dz, _] = ray.direction;
@@ -164,9 +164,9 @@ mod avx2 {
         type F64x4 = Avx;
 
         #[inline(always)]
-        fn test(self, block: &Block, ray: &FilterRay) -> Verdict {
+        fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
             // SAFETY: `self` proves that the processor has AVX2 and FMA.
-            unsafe { test(block, ray) }
+            unsafe { test(block, ray, left_out) }
         }
     }
 
@@ -198,9 +198,18 @@ mod avx2 {
         _mm256_fmadd_ps(a[0], b[0], _mm256_fmadd_ps(a[1], b[1], _mm256_mul_ps(a[2], b[2])))
     }
 
+    /// The set of lanes with one of two ids.
     #[target_feature(enable = "avx2,fma")]
     #[inline]
-    fn test(block: &Block, ray: &FilterRay) -> Verdict {
+    fn lanes_with(ids: &[u32; LANES], either: [u32; 2]) -> u32 {
+        let ids: __m256i = bytemuck::cast(*ids);
+        let [a, b] = either.map(|id| _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(id as i32)));
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(a, b))) as u32
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn test(block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
         let [o, d] = [ray.origin, ray.direction].map(|[x, y, z, _]| [x, y, z].map(|x| _mm256_set1_ps(x)));
         let three = |axes: &[[f32; LANES]; 3]| [load(&axes[0]), load(&axes[1]), load(&axes[2])];
         let corner = three(&block.corner);
@@ -228,11 +237,16 @@ mod avx2 {
         if possible == 0 {
             return Verdict::NONE;
         }
+        let left_out = lanes_with(&block.index.ids, left_out);
+        let possible = possible & !left_out;
+        if possible == 0 {
+            return Verdict::NONE;
+        }
         let certain = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge_error_bound, sign_bit)),
             _mm256_cmp_ps::<_CMP_GT_OQ>(depth_inside, _mm256_xor_ps(depth_error_bound, sign_bit)),
         );
-        let certain = _mm256_movemask_ps(certain) as u32;
+        let certain = _mm256_movemask_ps(certain) as u32 & !left_out;
         Verdict { possible, certain, depth: store(depth), det: store(det) }
     }
 }
@@ -240,7 +254,7 @@ mod avx2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::triangle8::{BlockIndex, Frame};
+    use crate::grid::triangle8::{BlockIndex, Frame, NONE};
     use crate::math::aabb::Aabb;
     use crate::scene::mesh::Mesh;
     use crate::scene::parser::parse;
@@ -286,11 +300,30 @@ mod tests {
             (front, 0.5),
         ]);
         for instructions in Instructions::available() {
-            let verdict = test(instructions, &block, &RAY);
+            let verdict = test(instructions, &block, &RAY, [NONE; 2]);
             assert_eq!((verdict.possible, verdict.certain), (0b0011_0111, 0b0010_0001), "{instructions:?}");
             for (lane, t) in [(0, 0.75), (5, 0.875)] {
                 let [min, max] = verdict.depths(lane, &block);
                 assert!(min < t && t < max && max - min < 1e-3, "{instructions:?} {min} {max}");
+            }
+        }
+    }
+    #[test]
+    fn what_is_left_out_is_in_neither_set() {
+        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
+        // Close to the ray's origin, so that double precision would have to decide.
+        let near = (front.0, -0.75);
+        let block = block([front, near, front, near, front, near, front, near]);
+        for instructions in Instructions::available() {
+            for (left_out, possible, certain) in [
+                ([NONE; 2], 0b1111_1111, 0b0101_0101),
+                ([2, NONE], 0b1111_1011, 0b0101_0001),
+                ([7, 2], 0b0111_1011, 0b0101_0001),
+                ([0, 0], 0b1111_1110, 0b0101_0100),
+                ([8, 9], 0b1111_1111, 0b0101_0101),
+            ] {
+                let verdict = test(instructions, &block, &RAY, left_out);
+                assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
             }
         }
     }

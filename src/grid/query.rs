@@ -24,9 +24,11 @@ pub struct RayQuery<'a> {
     pub best: Visible,
     /// A lower bound on the t of `best`. It equals the upper bound where t is known.
     t_lower_bound: f64,
+    /// The primitive that is not tested, or [`NONE`].
+    leaves: u32,
     /// The primitives that were tested exactly last, and the position at which the next one is recorded.
     /// Without this a primitive that spans many cells, and that the filter does not reject, would be tested
-    /// in each of them. At first it holds the primitive to exclude.
+    /// in each of them.
     tested: [u32; MAX_TESTED],
     next: usize,
 }
@@ -95,8 +97,8 @@ impl<'a> RayQuery<'a> {
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray, leaves: u32) -> Self {
         let best = Visible { primitive: NONE, t_bound: ray.t_max };
-        let tested = [leaves, NONE, NONE, NONE];
-        Self { world, ray, shear: None, best, t_lower_bound: best.t_bound, tested, next: 1 }
+        let (t_lower_bound, tested) = (best.t_bound, [NONE; MAX_TESTED]);
+        Self { world, ray, shear: None, best, t_lower_bound, leaves, tested, next: 0 }
     }
 
     /// The nearest primitive found, if there is one.
@@ -109,7 +111,7 @@ impl<'a> RayQuery<'a> {
     #[inline(never)]
     pub fn leave_round<M: Mode, P: Probe>(&mut self, leaves: u32, probe: &mut P) {
         if M::AS_COURSE {
-            self.tested[0] = NONE;
+            self.leaves = NONE;
         } else {
             probe.intersections(1);
             self.test(leaves);
@@ -139,14 +141,17 @@ impl<'a> RayQuery<'a> {
         probe: &mut P,
     ) -> bool {
         let mut changed = false;
-        let last = blocks.last().filter(|last| last.index.non_triangles != [0, 0]);
+        // Most worlds need not read the last block for this.
+        let last = if cells.non_triangles.is_empty() { None } else { blocks.last() };
+        let last = last.filter(|last| last.index.non_triangles != [0, 0]);
         // A cell without triangles has a block as well, for its other primitives.
         let has_triangles = last.is_none_or(|last| last.index.ids[0] != NONE);
         for block in if has_triangles { blocks } else { &[] } {
             if P::COUNTS {
                 probe.intersections(block.index.triangles());
             }
-            let verdict = kernel.test(block, &filter_state.ray);
+            // Most triangles that the filter does not reject are the one that the ray leaves and the best one.
+            let verdict = kernel.test(block, &filter_state.ray, [self.leaves, self.best.primitive]);
             if verdict.possible != 0 {
                 if ANY {
                     if verdict.certain != 0 {
@@ -180,7 +185,7 @@ impl<'a> RayQuery<'a> {
         let ids = &cells.non_triangles[start..end];
         probe.intersections(ids.len());
         // Most rays that pass several cells of a sphere end here.
-        let is_tested = matches!(ids, [id] if self.tested.contains(id));
+        let is_tested = matches!(ids, [id] if self.is_known(*id));
         !is_tested && self.test_new(ids)
     }
 
@@ -190,11 +195,17 @@ impl<'a> RayQuery<'a> {
         ids.iter().fold(false, |changed, &id| (self.is_new(id) && self.test(id)) | changed)
     }
 
-    /// Returns whether the primitive is not among those that were tested last, and records it. A primitive
+    /// Whether the primitive is not tested at all, or among those that were tested last.
+    #[inline(always)]
+    fn is_known(&self, id: u32) -> bool {
+        id == self.leaves || self.tested.contains(&id)
+    }
+
+    /// Returns whether the primitive is not known, and records it. A primitive
     /// that has been tested once is the best one already, or never becomes the best.
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
-        let is_new = !self.tested.contains(&id);
+        let is_new = !self.is_known(id);
         if is_new {
             self.tested[self.next % MAX_TESTED] = id;
             self.next += 1;
@@ -230,9 +241,6 @@ impl<'a> RayQuery<'a> {
         let mut changed = false;
         for lane in lanes(verdict.possible) {
             let id = block.index.ids[lane];
-            if id == self.best.primitive {
-                continue;
-            }
             if certain >> lane & 1 != 0 {
                 let [lower, upper] = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
                 if upper < self.t_lower_bound {

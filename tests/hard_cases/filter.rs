@@ -111,7 +111,11 @@ fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) ->
 
 /// The verdicts of all kernels, the portable one first.
 pub fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
-    Instructions::available().into_iter().rev().map(|with| filter::test(with, block, ray)).collect()
+    Instructions::available()
+        .into_iter()
+        .rev()
+        .map(|with| filter::test(with, block, ray, [NONE; 2]))
+        .collect()
 }
 
 #[test]
@@ -145,7 +149,7 @@ fn the_filter_is_never_wrong() {
                 counts[1] += u64::from(verdict.possible.count_ones());
                 failures.note(wrong != 0, || format!("seed {SEED}, block {index}, ray {k}: {wrong} lanes"));
             }
-            let textbook = filter::test(Instructions::Portable, &without_bounds, &single);
+            let textbook = filter::test(Instructions::Portable, &without_bounds, &single, [NONE; 2]);
             counts[2] += wrong_lanes(&textbook, &without_bounds, &hits) as u64;
             counts[3] += hits.iter().flatten().count() as u64;
         }
