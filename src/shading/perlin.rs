@@ -133,17 +133,18 @@ pub fn turbulence(p: DVec3, octaves: u32, instructions: Instructions) -> f64 {
     match instructions {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { turbulence_avx2(avx2, p, octaves) },
+        Instructions::Avx2(avx2) => unsafe { turbulence_avx2(avx2, p.x, p.y, p.z, octaves) },
         Instructions::Portable => turbulence_with::<Scalar>(Portable, p, octaves),
     }
 }
 
-/// The same, compiled for AVX2.
+/// The same, compiled for AVX2. The coordinates of the point come in registers: a vector would be written to memory in
+/// parts and read as a whole, so that store forwarding fails.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn turbulence_avx2(avx2: Avx2, p: DVec3, octaves: u32) -> f64 {
-    turbulence_with::<Avx>(avx2, p, octaves)
+fn turbulence_avx2(avx2: Avx2, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
+    turbulence_with::<Avx>(avx2, DVec3::new(x, y, z), octaves)
 }
 
 #[inline(always)]
