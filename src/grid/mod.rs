@@ -31,6 +31,7 @@ mod fullness;
 mod query;
 mod traverse;
 mod caster;
+mod packet_setup;
 #[doc(hidden)]
 pub mod packet;
 

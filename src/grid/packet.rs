@@ -7,9 +7,8 @@ use super::caster::Caster;
 use super::cell_contents::CellContents;
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
-use super::lattice::Lattice;
-use super::query::{FilterState, RayQuery, to_frame};
-use super::ray_aabb::intersect_aabb4;
+use super::packet_setup::{GROUP, PacketSetup};
+use super::query::RayQuery;
 use super::traverse::TraversalKernel;
 use super::triangle8::{Block, NONE};
 use crate::math::f64x4::F64x4;
@@ -19,7 +18,6 @@ use crate::math::instructions::{Instructions, Portable};
 use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
-use crate::math::ray_lanes::RayPacket4;
 use crate::mode::Mode;
 use crate::stats::Probe;
 
@@ -60,82 +58,6 @@ impl<R: PacketRay> PacketRay for &mut R {
     #[inline(always)]
     fn set_visible(&mut self, visible: Option<Visible>) {
         (**self).set_visible(visible);
-    }
-}
-
-/// The number of rays that are set up together, one in each SIMD lane.
-const GROUP: usize = 4;
-
-/// The set-up of up to four rays before they traverse a grid.
-#[derive(Clone, Copy, Debug, Default)]
-struct PacketSetup {
-    /// The sets of the rays that hit the grid's bounds, and of those that start too far away for the error
-    /// bounds; bit 0 is the first ray.
-    passing: u32,
-    too_far: u32,
-    dda4: Dda4,
-    /// The rays in the filter's coordinates, axis by axis. The other fields are as in [`FilterState`].
-    origins: [[f32; 4]; 3],
-    directions: [[f32; 4]; 3],
-    entry: [f64; 4],
-    per_t: [f64; 4],
-    unit: [f64; 4],
-}
-
-impl PacketSetup {
-    /// The set-up of up to four rays.
-    #[inline(always)]
-    fn new<F: F64x4>(
-        proof: F::Proof,
-        structure: &AccelerationStructure,
-        lattice: &Lattice,
-        rays: &[impl PacketRay],
-    ) -> Self {
-        let splat = |x| F::splat(proof, x);
-        let four = match rays {
-            // Constant indices are faster than computed ones.
-            [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
-            _ => [0, 1, 2, 3].map(|i: usize| rays[i.min(rays.len() - 1)].ray()),
-        };
-        let packet = &RayPacket4::<F>::new(proof, four);
-        let intervals = intersect_aabb4(&structure.simd_bounds, packet);
-        let frame = &structure.cells.frame;
-        let [x, y, z] = &packet.axes;
-        let (cx, cy, cz) = (splat(frame.center[0]), splat(frame.center[1]), splat(frame.center[2]));
-        let max_origin_distance = splat(structure.max_origin_distance);
-        let is_in_proven_range = (x.origin - cx).abs().le_mask(max_origin_distance)
-            & (y.origin - cy).abs().le_mask(max_origin_distance)
-            & (z.origin - cz).abs().le_mask(max_origin_distance);
-        let scale = splat(frame.scale);
-        let (entry, used) = (intervals.entry, (1 << rays.len()) - 1);
-        let largest = x.direction.abs().max(y.direction.abs()).max(z.direction.abs());
-        let inv_largest = x.inv_direction.abs().min(y.inv_direction.abs()).min(z.inv_direction.abs());
-        Self {
-            passing: intervals.set & is_in_proven_range & used,
-            too_far: !is_in_proven_range & used,
-            dda4: Dda4::new(lattice, packet, &intervals),
-            origins: [
-                to_frame(x, cx, entry, scale).to_f32(),
-                to_frame(y, cy, entry, scale).to_f32(),
-                to_frame(z, cz, entry, scale).to_f32(),
-            ],
-            directions: [
-                (x.direction * inv_largest).to_f32(),
-                (y.direction * inv_largest).to_f32(),
-                (z.direction * inv_largest).to_f32(),
-            ],
-            entry: entry.to_array(),
-            per_t: (largest * scale).to_array(),
-            unit: (inv_largest * splat(frame.unit)).to_array(),
-        }
-    }
-
-    #[inline(always)]
-    fn filter_state(&self, i: usize, last: f64) -> FilterState {
-        let [ox, oy, oz] = &self.origins;
-        let [dx, dy, dz] = &self.directions;
-        let ray = [[ox[i], oy[i], oz[i], 0.0], [dx[i], dy[i], dz[i], 0.0]];
-        FilterState::new(ray, self.entry[i], self.per_t[i], self.unit[i], last)
     }
 }
 
@@ -184,7 +106,7 @@ impl<M: Mode> Caster<'_, M> {
         let mut setups = [PacketSetup::default(); PACKET_SIZE / GROUP];
         let (mut passing, mut too_far) = (0, 0);
         for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(GROUP)).enumerate() {
-            *setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), four);
+            *setup = set_up::<K::F64x4>(kernel, grid, table, four);
             passing |= setup.passing << (GROUP * i);
             too_far |= setup.too_far << (GROUP * i);
         }
@@ -237,7 +159,7 @@ impl<M: Mode> Caster<'_, M> {
         if rays.iter().all(is_round) {
             return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
         }
-        let setup = PacketSetup::new::<K::F64x4>(kernel, grid, table.lattice(), rays);
+        let setup = set_up::<K::F64x4>(kernel, grid, table, rays);
         for (i, ray) in rays.iter_mut().enumerate() {
             let (is_too_far, leaves) = (setup.too_far >> i & 1 != 0, ray.leaves().unwrap_or(NONE));
             if is_too_far || is_round(ray) {
@@ -262,6 +184,22 @@ impl<M: Mode> Caster<'_, M> {
             ray.set_visible(visible);
         }
     }
+}
+
+/// The set-up of up to four rays.
+#[inline(always)]
+fn set_up<F: F64x4>(
+    proof: F::Proof,
+    grid: &AccelerationStructure,
+    table: &CellTable,
+    rays: &[impl PacketRay],
+) -> PacketSetup {
+    let four = match rays {
+        // Constant indices are faster than computed ones.
+        [a, b, c, d] => [a.ray(), b.ray(), c.ray(), d.ray()],
+        _ => [0, 1, 2, 3].map(|i: usize| rays[i.min(rays.len() - 1)].ray()),
+    };
+    PacketSetup::new::<F>(proof, grid, table.lattice(), four, rays.len())
 }
 
 /// The first cell along one of four rays that is not empty; none if the ray leaves the grid before it. The cell's first

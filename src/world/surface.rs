@@ -1,0 +1,69 @@
+//! The surface at a hit.
+
+use super::{Primitive, World};
+use crate::math::ray::{Hit, Ray, Visible};
+use crate::primitive::triangle;
+use crate::scene::MaterialId;
+use glam::DVec3;
+use serde::Serialize;
+
+/// The surface at a hit.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SurfacePoint {
+    /// The point, which is on the surface to within a few rounding errors of its coordinates and the
+    /// primitive's.
+    pub position: DVec3,
+    /// The outward unit normal, which is not turned towards the ray.
+    pub normal: DVec3,
+    /// The material of the surface.
+    pub material: MaterialId,
+    /// The id of the primitive; none if the point is on a surface that is not in a world.
+    #[serde(skip)]
+    pub primitive: Option<u32>,
+    /// The same if it is a triangle. A ray that leaves a triangle does not hit it again, so that this triangle is
+    /// excluded from the tests of secondary rays.
+    #[serde(skip)]
+    pub triangle: Option<u32>,
+}
+
+impl World {
+    /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric
+    /// weights suffice for its surface.
+    #[inline(always)]
+    pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
+        // A closure would not be compiled for the instructions of the caller.
+        let weights = match self.primitive(primitive) {
+            Primitive::Triangle(i) => triangle::Shear::new(ray).weights(self.corners_in_place(i)),
+            _ => None,
+        };
+        self.surface_with(ray, t_bound, primitive, weights)
+    }
+
+    /// The surface at a hit of `ray`.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_with(ray, hit.t, hit.primitive, hit.weights)
+    }
+
+    /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
+    #[inline(always)]
+    fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
+        let along = ray.at(t);
+        let (normal, position) = match self.primitive(primitive) {
+            Primitive::Triangle(i) => self.triangle_surface(i, weights, along),
+            Primitive::Sphere(i) => self.spheres[i].surface(ray, along),
+            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, t),
+            Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
+        };
+        let triangle = self.is_triangle(primitive).then_some(primitive);
+        let material = self.material_of(primitive);
+        SurfacePoint { position, normal, material, primitive: Some(primitive), triangle }
+    }
+
+    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the one
+    /// `along` the ray has a rounding error that grows with the distance from its origin.
+    #[inline(always)]
+    fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {
+        let corners = self.corners(i);
+        (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
+    }
+}
