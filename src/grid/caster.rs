@@ -249,7 +249,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         let mut query = RayQuery::new(self.world, &stored, leaves.primitive);
         query.test_planes(&ray, probe);
         if leaves.may_return {
-            query.leave_round::<M, P>(leaves.primitive, probe);
+            query.leave_round::<M, P>(probe);
         }
         if ANY && query.visible().is_some() {
             return query.best;

@@ -308,6 +308,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn what_is_left_out_is_in_neither_set() {
         let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);

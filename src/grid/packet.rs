@@ -7,11 +7,11 @@ use super::caster::Caster;
 use super::cell_contents::CellContents;
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
-use super::packet_setup::{GROUP, PacketSetup};
+use super::packet_setup::PacketSetup;
 use super::query::RayQuery;
 use super::traverse::TraversalKernel;
 use super::triangle8::{Block, NONE};
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::{F64x4, LANES};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
@@ -97,25 +97,25 @@ impl<M: Mode> Caster<'_, M> {
         probe: &mut P,
     ) {
         if Q::LEAVES_A_SURFACE {
-            for four in rays.chunks_mut(GROUP) {
+            for four in rays.chunks_mut(LANES) {
                 self.trace_four(kernel, grid, table, four, probe);
             }
             return;
         }
         let blocks = grid.blocks.as_slice();
-        let mut setups = [PacketSetup::default(); PACKET_SIZE / GROUP];
+        let mut setups = [PacketSetup::default(); PACKET_SIZE / LANES];
         let (mut passing, mut too_far) = (0, 0);
-        for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(GROUP)).enumerate() {
+        for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(LANES)).enumerate() {
             *setup = set_up::<K::F64x4>(kernel, grid, table, four);
-            passing |= setup.passing << (GROUP * i);
-            too_far |= setup.too_far << (GROUP * i);
+            passing |= setup.passing << (LANES * i);
+            too_far |= setup.too_far << (LANES * i);
         }
         // All of them are reset, because the branches of a loop over some of them would be mispredicted.
         rays.iter_mut().for_each(|ray| ray.set_visible(None));
         let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
         let mut pending = 0;
         for i in lanes(passing) {
-            cursors[i] = first_occupied_cell(table, blocks, &setups[i / GROUP].dda4, i % GROUP);
+            cursors[i] = first_occupied_cell(table, blocks, &setups[i / LANES].dda4, i % LANES);
             pending |= u32::from(cursors[i].is_some()) << i;
         }
         for i in lanes(too_far) {
@@ -130,7 +130,7 @@ impl<M: Mode> Caster<'_, M> {
             let mut query = RayQuery::new(self.world, ray, NONE);
             query.test_planes(ray, probe);
             if let Some(cursor) = cursors[i] {
-                let mut filter_state = setups[i / GROUP].filter_state(i % GROUP, query.best.t_bound);
+                let mut filter_state = setups[i / LANES].filter_state(i % LANES, query.best.t_bound);
                 grid.traverse_cells::<K, M, P, false>(
                     kernel,
                     cursor,
@@ -161,12 +161,11 @@ impl<M: Mode> Caster<'_, M> {
         }
         let setup = set_up::<K::F64x4>(kernel, grid, table, rays);
         for (i, ray) in rays.iter_mut().enumerate() {
-            let (is_too_far, leaves) = (setup.too_far >> i & 1 != 0, ray.leaves().unwrap_or(NONE));
-            if is_too_far || is_round(ray) {
+            if setup.too_far >> i & 1 != 0 || is_round(ray) {
                 self.cast_alone(ray, probe);
                 continue;
             }
-            let mut query = RayQuery::new(self.world, ray.ray(), leaves);
+            let mut query = RayQuery::new(self.world, ray.ray(), ray.leaves().unwrap_or(NONE));
             query.test_planes(ray.ray(), probe);
             if setup.passing >> i & 1 != 0 {
                 let mut filter_state = setup.filter_state(i, query.best.t_bound);

@@ -5,12 +5,9 @@ use super::dda4::Dda4;
 use super::lattice::Lattice;
 use super::query::{FilterState, to_frame};
 use super::ray_aabb::intersect_aabb4;
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::{F64x4, LANES};
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayPacket4;
-
-/// The number of rays that are set up together, one in each SIMD lane.
-pub const GROUP: usize = 4;
 
 /// The set-up of up to four rays before they traverse a grid.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +33,7 @@ impl PacketSetup {
         proof: F::Proof,
         structure: &AccelerationStructure,
         lattice: &Lattice,
-        four: [&Ray; GROUP],
+        four: [&Ray; LANES],
         count: usize,
     ) -> Self {
         let splat = |x| F::splat(proof, x);

@@ -109,12 +109,12 @@ impl<'a> RayQuery<'a> {
 
     /// Tests the sphere or ellipsoid that the ray leaves. The course's program does so where it comes to it.
     #[inline(never)]
-    pub fn leave_round<M: Mode, P: Probe>(&mut self, leaves: u32, probe: &mut P) {
+    pub fn leave_round<M: Mode, P: Probe>(&mut self, probe: &mut P) {
         if M::AS_COURSE {
             self.leaves = NONE;
         } else {
             probe.intersections(1);
-            self.test(leaves);
+            self.test(self.leaves);
         }
     }
 
@@ -201,8 +201,8 @@ impl<'a> RayQuery<'a> {
         id == self.leaves || self.tested.contains(&id)
     }
 
-    /// Returns whether the primitive is not known, and records it. A primitive
-    /// that has been tested once is the best one already, or never becomes the best.
+    /// Returns whether the primitive is not known, and records it. A primitive that has been tested once is the best
+    /// one already, or never becomes the best.
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
         let is_new = !self.is_known(id);

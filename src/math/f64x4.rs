@@ -7,6 +7,9 @@ use super::extremes;
 use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Sub};
 
+/// The number of lanes.
+pub const LANES: usize = 4;
+
 /// Lane-wise arithmetic. Every implementation gives the same bits.
 pub trait F64x4:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>

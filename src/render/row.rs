@@ -274,7 +274,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     fn color<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let colors = self.colors_along(packet);
         let mut sum = self.sum;
-        for (Sample { of: Place { column, offset, is_last }, .. }, color) in
+        for (Sample { source: Place { column, offset, is_last }, .. }, color) in
             packet.samples().iter().zip(&colors)
         {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);

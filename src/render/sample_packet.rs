@@ -5,7 +5,7 @@
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::grid::packet::PacketRay;
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::{F64x4, LANES};
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
 use crate::raster::{Seen, VisibilityBuffer};
@@ -62,9 +62,6 @@ impl Default for SamplePacket {
     }
 }
 
-/// The number of samples that are computed together, one in each SIMD lane.
-const GROUP: usize = 4;
-
 impl SamplePacket {
     /// The maximum number of samples.
     pub const SIZE: usize = MOST_CAMERA_RAYS;
@@ -101,7 +98,7 @@ impl SamplePacket {
     #[inline(always)]
     pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
         if let Some(place) = self.places.get_mut(self.count) {
-            place.of = Place { column, offset, is_last };
+            place.source = Place { column, offset, is_last };
             (place.visible, place.surface) = (None, None);
             self.count += 1;
         }
@@ -111,10 +108,10 @@ impl SamplePacket {
     #[inline(always)]
     pub fn aim<F: F64x4>(&mut self, proof: F::Proof, camera: &Camera, j: usize) {
         // Places without a sample may get any ray.
-        let (groups, _) = self.places.as_chunks_mut::<GROUP>();
-        for [a, b, c, d] in &mut groups[..self.count.div_ceil(GROUP)] {
-            let columns = [a.of.column, b.of.column, c.of.column, d.of.column];
-            let offsets = [a.of.offset, b.of.offset, c.of.offset, d.of.offset];
+        let (groups, _) = self.places.as_chunks_mut::<LANES>();
+        for [a, b, c, d] in &mut groups[..self.count.div_ceil(LANES)] {
+            let columns = [a.source.column, b.source.column, c.source.column, d.source.column];
+            let offsets = [a.source.offset, b.source.offset, c.source.offset, d.source.offset];
             [a.ray, b.ray, c.ray, d.ray] = camera.rays::<F>(proof, columns, j, offsets);
         }
     }
@@ -133,7 +130,7 @@ impl SamplePacket {
         };
         let mut unsure = vec![];
         for sample in self.samples_mut() {
-            match visibility.seen(caster.world, &sample.ray, sample.of.column, j) {
+            match visibility.seen(caster.world, &sample.ray, sample.source.column, j) {
                 Seen::Nothing => sample.visible = None,
                 Seen::Primitive(visible) => sample.visible = Some(visible),
                 Seen::Unsure => unsure.push(sample),
@@ -200,7 +197,7 @@ mod tests {
                     _ => Some(100.0),
                 };
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
-                sample.visible = visible.filter(|_| column_is_open(sample.of.column));
+                sample.visible = visible.filter(|_| column_is_open(sample.source.column));
             }
             packet.find_surfaces::<F>(proof, &world);
             for Sample { ray, visible, surface, .. } in packet.samples() {

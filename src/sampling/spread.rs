@@ -5,7 +5,7 @@
 
 use super::filter::Filter;
 use super::sum::Sum;
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::{F64x4, LANES};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
@@ -23,7 +23,6 @@ pub fn weight_for(target: [usize; 2], filter: Filter, own: [usize; 2], offset: D
 /// The number of samples that are weighted together, in groups of as many as there are SIMD lanes.
 const BATCH: usize = GROUPS * LANES;
 const GROUPS: usize = 4;
-const LANES: usize = 4;
 
 /// One number for each sample of a batch.
 type PerSample = [[f64; LANES]; GROUPS];

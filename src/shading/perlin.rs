@@ -139,7 +139,7 @@ pub fn turbulence(p: DVec3, octaves: u32, instructions: Instructions) -> f64 {
 }
 
 /// The same, compiled for AVX2. The coordinates of the point come in registers: a vector would be written to memory in
-/// parts and read as a whole, so that store forwarding fails.
+/// three parts and read in two, so that store forwarding fails.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]

@@ -39,7 +39,7 @@ impl PacketRay for Cast {
 
     #[inline(always)]
     fn leaves(&self) -> Option<u32> {
-        self.of.leaves
+        self.source.leaves
     }
 
     #[inline(always)]
@@ -89,7 +89,7 @@ impl<M: Mode> Tracer<'_, M> {
             }
             self.caster.nearest_of_packet(&mut cast, probe);
             self.world().find_surfaces::<F, _>(proof, &mut cast);
-            for Cast { of: Origin { camera_ray, .. }, ray, surface, .. } in &cast {
+            for Cast { source: Origin { camera_ray, .. }, ray, surface, .. } in &cast {
                 let Some(Branch { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
                 probe.non_shadow_ray();
                 let seen = match surface {

@@ -1,7 +1,7 @@
 //! The surfaces that several rays hit first: those of triangles four at a time.
 
 use super::{SurfacePoint, World};
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::{F64x4, LANES};
 use crate::math::ray::{Ray, Visible};
 use crate::primitive::triangle4::{Hits4, Triangles4};
 use crate::scene::MaterialId;
@@ -15,22 +15,19 @@ pub struct Traced<T> {
     pub surface: Option<SurfacePoint>,
     /// What the ray hits first, once it has been cast.
     pub visible: Option<Visible>,
-    /// What the ray is for.
-    pub of: T,
+    /// Where the ray comes from.
+    pub source: T,
 }
 
 impl<T> Traced<T> {
     /// A ray that has not been cast.
-    pub const fn new(of: T, ray: Ray) -> Self {
-        Self { ray, surface: None, visible: None, of }
+    pub const fn new(source: T, ray: Ray) -> Self {
+        Self { ray, surface: None, visible: None, source }
     }
 }
 
 /// The largest number of rays whose surfaces are computed together.
 const MOST_RAYS: usize = 32;
-
-/// The number of rays in a group, one in each SIMD lane.
-const GROUP: usize = 4;
 
 /// The index of a ray that hits a triangle, and the triangle's id.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,14 +39,14 @@ struct OnTriangle {
 /// The triangles that four rays hit.
 #[derive(Clone, Copy, Debug)]
 struct Group<F> {
-    ids: [u32; GROUP],
-    materials: [MaterialId; GROUP],
+    ids: [u32; LANES],
+    materials: [MaterialId; LANES],
     triangles: Triangles4<F>,
 }
 
 impl<F: F64x4> Group<F> {
     #[inline(always)]
-    fn new(proof: F::Proof, world: &World, ids: [u32; GROUP]) -> Self {
+    fn new(proof: F::Proof, world: &World, ids: [u32; LANES]) -> Self {
         let [a, b, c, d] = ids;
         let corners = [
             world.corners_in_place(a as usize),
@@ -91,7 +88,7 @@ impl World {
         }
         // Neighbours often lie on the same triangles.
         let mut last: Option<Group<F>> = None;
-        for some in on_triangles[..count].chunks(GROUP) {
+        for some in on_triangles[..count].chunks(LANES) {
             let four = match some {
                 // Constant indices are faster than computed ones.
                 [a, b, c, d] => [*a, *b, *c, *d],
@@ -115,7 +112,7 @@ impl World {
         proof: F::Proof,
         rays: &mut [Traced<T>],
         group: &Group<F>,
-        four: [OnTriangle; GROUP],
+        four: [OnTriangle; LANES],
         count: usize,
     ) {
         let [a, b, c, d] = four;

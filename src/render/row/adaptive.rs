@@ -85,7 +85,7 @@ impl<M: Mode> Setting<'_, M> {
             for column in some..columns.end.min(some + pixels_at_once) {
                 painter.push_first(column, &mut packet);
             }
-            painter.trace_colors(&mut packet, |sample, color| colored.push((sample.of.offset, color)));
+            painter.trace_colors(&mut packet, |sample, color| colored.push((sample.source.offset, color)));
             let (pixels, _) = colored.as_chunks::<4>();
             let quarters = |pixel: &[_; 4]| {
                 Quarters::new(pixel.map(|(offset, _)| offset), pixel.map(|(_, color)| color))

@@ -11,7 +11,7 @@ use glam::DVec3;
 impl<M: Mode, P: Observer> Painter<'_, M, P> {
     /// Adds the depth and the normal at a pixel's centre to their layers.
     pub(super) fn measure(&mut self, center: &Sample) {
-        if !self.shown.contains(&center.of.column) {
+        if !self.shown.contains(&center.source.column) {
             return;
         }
         let Setting { caster, request, .. } = self.setting;
