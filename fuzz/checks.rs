@@ -39,7 +39,7 @@ pub fn check_scene(text: &str) {
 fn check_pictures(scene: &Scene, world: &World) {
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let some = GridOptions::uniform([3, 2, 4]);
-    let rule = CellRule::Nested { max_per_cell: 2 };
+    let rule = CellRule::Trees { max_per_cell: 2 };
     let plain = tiny_picture::<Fast>(scene, world, GridOptions::NONE, fastest);
     for (options, instructions) in [
         (some, fastest),

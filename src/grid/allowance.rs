@@ -1,71 +1,48 @@
 //! Limits on the size of an automatic grid, so that building time and memory stay bounded even for scenes
 //! that no grid suits.
 //!
-//! *Bound.* An automatic grid of n primitives, with all grids nested in it, holds at most max(16 n, 65,536)
-//! references. (A reference is a primitive listed in a cell.) The proof is by induction. Let e be the number
-//! of references allowed for each of the m primitives of a grid. When its cells hold E references, E <= e m,
-//! each cell may use e m / E references for each of its own, including all grids nested in it. The sum over
-//! all cells is at most E (e m / E) = e m. A list needs one reference for each primitive and is always
-//! allowed, since e >= 1.
+//! *Bound.* An automatic grid of n primitives holds at most max(16 n, 65,536) references. (A reference is a primitive
+//! listed in a cell.) The tree of a crowded cell holds each of the cell's references once, and has at most as many
+//! leaves and fewer nodes. Finding the cells of the grid costs at most 16 times as much as the references, in units of
+//! one cell test, where a reference costs 16 units. An attempt that exceeds this is abandoned while the cells are being
+//! found, before any contents are laid out, and repeated with fewer cells. An axis has at most 100 n^(1/3) cells, so
+//! that at most log2(n) + 17 attempts are made: the work grows at most as n log n. The references that all threads hold
+//! at any time stay within the bound, apart from the growth of lists by doubling.
 //!
-//! Finding the cells of such a grid costs at most 16 e m, in units of one cell test, where a reference costs
-//! 16 units. An attempt that exceeds this is abandoned while the cells are being found, before any contents
-//! are laid out, and repeated with fewer cells. An axis has at most 100 n^(1/3) cells, so that at most
-//! log2(n) + 17 attempts are made on each of four levels: the work grows at most as n log n. The references
-//! that all threads hold at any time stay within the bound, apart from the growth of lists by doubling.
-//!
-//! *Measured* on scenes that no grid suits (identical, stacked, nested, in a star or a fan, slivers) with
-//! 10,000 to 1,000,000 primitives: up to 13.8 references and 1.8 blocks per primitive. When few rays are
-//! cast, finding the cells costs up to 2,800 per primitive for 10,000 primitives, 3,510 for 100,000 and 4,280
-//! for 1,000,000, which is growth with the powers 1.10 and 1.09. When many rays are cast it costs up to 6,670
-//! per primitive for 1,000,000, since the grid then has two levels from the start. Meshes need 2 to 6
-//! references and a cost of 30 to 100.
+//! *Measured* on scenes that no grid suits (identical, stacked, nested, in a star or a fan, slivers) with 10,000 and
+//! 100,000 primitives: up to 13.8 references and 1.8 blocks per primitive. When few rays are cast, finding the cells
+//! costs up to 2,970 per primitive for 10,000 primitives and 3,510 for 100,000, which is growth with the power 1.07.
 
 use super::budget::REFERENCE_COST;
 
-/// References allowed for each primitive of an automatic grid that is not nested in another one.
+/// References allowed for each primitive of an automatic grid.
 const REFERENCES_PER_PRIMITIVE: f64 = 16.0;
 
 /// Total number of references that is always allowed, so that a small scene gets the resolution that suits
 /// it.
 const MIN_TOTAL_REFERENCES: f64 = 65536.0;
 
-/// A nested grid is not attempted when fewer references than this are allowed for each primitive, since
-/// hardly any grid needs fewer.
-const MIN_REFERENCES_PER_PRIMITIVE: f64 = 2.0;
-
 /// A grid does not separate its primitives if an occupied cell holds more than this fraction of them on
 /// average: a ray passes through several cells and would test nearly everything.
 const MAX_FRACTION_PER_CELL: f64 = 0.25;
 
 /// A grid with at most this many references for each primitive counts as separating them in any case: most of
-/// them are then close together, and the grid nested in their cell, which fits around them, still has almost
-/// the whole allowance.
+/// them are then close together, and the tree in their cell separates them.
 const CLUSTERED_REFERENCES: f64 = 2.0;
-
-/// Maximum number of grids nested in one another, including the outermost. The limit is needed because no
-/// grid separates primitives that share a point.
-const MAX_NESTING: usize = 4;
 
 /// The limits for one automatic grid.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    /// A cell with more primitives than this may get a nested grid.
+    /// A cell with more primitives than this gets a tree.
     pub max_per_cell: usize,
-    /// Levels of grids left, including this one.
-    levels: usize,
     /// References allowed for each primitive of the grid, the number e above.
     references: f64,
 }
 
 impl Allowance {
-    /// For a grid of `count` primitives that is not nested in another one.
+    /// For a grid of `count` primitives.
     pub fn new(max_per_cell: usize, count: usize) -> Self {
-        Self {
-            max_per_cell,
-            levels: MAX_NESTING,
-            references: REFERENCES_PER_PRIMITIVE.max(MIN_TOTAL_REFERENCES / count as f64),
-        }
+        Self { max_per_cell, references: REFERENCES_PER_PRIMITIVE.max(MIN_TOTAL_REFERENCES / count as f64) }
     }
 
     /// The maximum cost of finding the cells of `count` primitives, in the units of a
@@ -73,14 +50,6 @@ impl Allowance {
     /// each costs less than a reference, but there may be many.
     pub fn cost(&self, count: usize) -> usize {
         (self.references * (REFERENCE_COST * count) as f64) as usize
-    }
-
-    /// The allowance of the grids nested in a grid that holds `count` primitives by this number of
-    /// references; none if nested grids are not worthwhile.
-    pub fn nested(&self, count: usize, references: usize) -> Option<Self> {
-        let used = (references as f64 / count as f64).max(1.0);
-        let nested = Self { levels: self.levels - 1, references: self.references / used, ..*self };
-        (nested.levels > 0 && nested.references >= MIN_REFERENCES_PER_PRIMITIVE).then_some(nested)
     }
 }
 
@@ -111,25 +80,6 @@ mod tests {
     fn sixteen_references_per_primitive_are_allowed_and_more_in_small_scenes() {
         assert_eq!(Allowance::new(96, 1_000_000).cost(1_000_000), cost(1_000_000, 16));
         assert_eq!(Allowance::new(96, 1 << 10).cost(1 << 10), cost(1 << 10, 64));
-    }
-
-    #[test]
-    fn nested_grids_share_the_remaining_allowance() {
-        let outer = Allowance::new(96, 1_000_000);
-        let nested_cost = |count, references| outer.nested(count, references).map(|inner| inner.cost(50));
-        assert_eq!(nested_cost(100, 400), Some(cost(50, 4)));
-        // Primitives that are in no cell do not increase the allowance of the others.
-        assert_eq!(nested_cost(100, 25), Some(cost(50, 16)));
-        assert_eq!(nested_cost(100, 800), Some(cost(50, 2)));
-        assert_eq!(nested_cost(100, 801), None);
-        assert_eq!(outer.nested(100, 400).map(|inner| inner.max_per_cell), Some(96));
-    }
-
-    #[test]
-    fn grids_are_nested_at_most_four_deep() {
-        let inner = |outer: &Allowance| outer.nested(100, 100);
-        let depth = std::iter::successors(Some(Allowance::new(96, 1_000_000)), inner).count();
-        assert_eq!(depth, MAX_NESTING);
     }
 
     #[test]

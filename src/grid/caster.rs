@@ -2,11 +2,12 @@
 //! primitive.
 
 use super::build::{AccelerationStructure, StructureSize};
+use super::descent::DescentKernel;
 use super::error::GridTooLarge;
 use super::fullness::Fullness;
 use super::options::GridOptions;
 use super::query::RayQuery;
-use super::traverse::{Entry, TraversalKernel};
+use super::ray_entry::Entry;
 use super::triangle8;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
@@ -95,14 +96,12 @@ impl<'w, M: Mode> Caster<'w, M> {
 
     /// How full the cells of the grid are, with so many of the fullest; none without a grid.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.structure.as_ref()?.fullness(self.world, fullest)
+        self.structure.as_ref()?.fullness(fullest)
     }
 
     /// The size of the acceleration structure, for tests.
     pub fn size(&self) -> StructureSize {
-        self.structure
-            .as_ref()
-            .map_or(StructureSize::default(), |structure| structure.size(&structure.blocks))
+        self.structure.as_ref().map_or(StructureSize::default(), |structure| structure.size())
     }
 
     /// The nearest hit on the ray.
@@ -230,7 +229,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
     /// not.
     #[inline(always)]
-    fn run_with<K: TraversalKernel, P: Probe, const ANY: bool>(
+    fn run_with<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         ray: Ray,
@@ -255,7 +254,7 @@ impl<'w, M: Mode> Caster<'w, M> {
             return query.best;
         }
         if let Some(structure) = structure {
-            structure.run::<K, M, P, ANY, false>(kernel, &ray_entry, &structure.blocks, &mut query, probe);
+            structure.run::<K, M, P, ANY>(kernel, &ray_entry, &mut query, probe);
         }
         query.best
     }

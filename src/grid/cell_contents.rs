@@ -1,15 +1,16 @@
 //! The contents of the cells, laid out for the inner loop: one 32-bit entry per cell, contiguous blocks of
 //! eight triangles, and a list of the few primitives that are not triangles. They are built from the
-//! [`CellLists`] by a counting sort in two passes, count and fill. The blocks of all grids are in one list, because a
-//! long list is in large pages where the program's allocator offers them, and then address translation misses less
-//! often. Hence only the indices of the blocks are made at first, and the blocks are filled when all grids are known.
+//! [`CellLists`] by a counting sort in two passes, count and fill. The leaves of the trees in crowded cells follow in
+//! the same list of blocks, because a long list is in large pages where the program's allocator offers them, and then
+//! address translation misses less often. Hence only the indices of the blocks are made at first, and the blocks are
+//! filled when all of them are known.
 
 use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
-use super::prim_set::PrimSet;
-use super::triangle8::{Block, BlockIndex, Frame, LANES};
+use super::triangle8::{Block, BlockIndex, Frame, LANES, NONE};
+use crate::memory;
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
@@ -23,51 +24,43 @@ const COUNT_BITS: u32 = 4;
 /// The largest number of blocks that fits into an entry. It means this number or more, and the first block
 /// then holds the exact number.
 const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
-/// The entry of the cell with the first nested grid. Larger entries, up to
-/// [`BORDER`](super::cell_table::BORDER), refer to the following nested grids.
-pub const NESTED: u32 = 1 << 31;
+/// The entry of the cell with the first tree. Larger entries, up to [`BORDER`](super::cell_table::BORDER), refer to the
+/// following trees.
+pub const TREE: u32 = 1 << 31;
 
 /// The mean number of cells of a primitive from which on it pays to find out which of them have the same primitives.
 const CELLS_TO_SHARE: usize = 8;
 
 /// The contents of all cells. The entry of a cell with primitives holds the index of its first block and the
-/// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a nested grid.
+/// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a tree.
 #[derive(Debug)]
 pub struct CellContents {
     /// By index of the lattice, until [`take_entries`](Self::take_entries) moves them out.
     entries: Vec<u32>,
     /// The indices of the blocks, cell by cell, until [`fill`](Self::fill) has copied them to the blocks.
     indices: Vec<BlockIndex>,
-    /// The number of blocks.
-    block_count: usize,
-    /// The position of the first block in the list that the blocks of all grids share, relative to that of the grid
-    /// that this one is nested in.
-    pub first_block: usize,
     /// The ids of the other primitives, cell by cell. The last block of a cell holds the range of its own.
     pub non_triangles: Vec<u32>,
-    /// The coordinates of the blocks.
+    /// The coordinates of the blocks of cells.
     pub frame: Frame,
+    /// From which blocks on which coordinates hold; those of cells come first.
+    frames: Vec<(usize, Frame)>,
 }
 
 impl CellContents {
     /// Lays out the primitives of the cells of a lattice. Those of each cell are in ascending order.
-    pub fn new(
-        world: &World,
-        lattice: &Lattice,
-        cell_lists: &CellLists,
-        prims: &PrimSet,
-    ) -> Result<Self, GridTooLarge> {
-        let triangles = prims.triangles(world);
-        let non_triangles = triangles..prims.count(world);
+    pub fn new(world: &World, lattice: &Lattice, cell_lists: &CellLists) -> Result<Self, GridTooLarge> {
+        let triangles = world.triangles.len();
+        let non_triangles = triangles..world.finite_count();
         // What `entries` holds changes with each step: lane counts, ends of lanes, starts of lanes, entries.
         let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone())?;
         let lanes = to_ends(lattice, &mut entries)?;
         let mut indices = filled_with(BlockIndex::EMPTY, lanes / LANES)?;
-        scatter(cell_lists, prims, triangles, &mut entries, &mut indices);
+        scatter(cell_lists, triangles, &mut entries, &mut indices);
         let mut cells = Self::of_indices(indices, Frame::new(&lattice.bounds));
         cells.encode_entries(entries, lattice);
-        cells.add_non_triangles(cell_lists, prims, non_triangles)?;
-        if cell_lists.references() >= CELLS_TO_SHARE * prims.count(world) {
+        cells.add_non_triangles(cell_lists, non_triangles)?;
+        if cell_lists.references() >= CELLS_TO_SHARE * world.finite_count() {
             cells.share_blocks(lattice);
         }
         Ok(cells)
@@ -78,15 +71,15 @@ impl CellContents {
         std::mem::take(&mut self.entries)
     }
 
-    /// The number of blocks.
+    /// The number of blocks, until [`fill`](Self::fill) has copied their indices.
     pub fn block_count(&self) -> usize {
-        self.block_count
+        self.indices.len()
     }
 
     /// The first block of the cell with this entry, or none if the entry is not that of a cell with blocks.
     #[inline(always)]
     pub fn first_block_of(blocks: &[Block], entry: u32) -> Option<&Block> {
-        if entry < NESTED && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
+        if entry < TREE && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
     }
 
     /// The blocks of the cell with this entry, which must be that of a cell with blocks.
@@ -98,17 +91,24 @@ impl CellContents {
         &blocks[first..first + count as usize]
     }
 
+    /// The ids of the primitives of a block: the triangles, and then the others.
+    pub fn primitives_of(&self, block: &Block) -> impl Iterator<Item = u32> {
+        let [start, end] = block.index.non_triangles.map(|i| i as usize);
+        let triangles = block.index.ids.into_iter().take_while(|&id| id != NONE);
+        triangles.chain(self.non_triangles[start..end].iter().copied())
+    }
+
     /// All primitives in a single cell.
-    pub fn all(world: &World, prims: &PrimSet, frame: Frame) -> Result<Self, GridTooLarge> {
-        let triangles = prims.triangles(world);
+    pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
+        let triangles = world.triangles.len();
         let mut indices = filled_with(BlockIndex::EMPTY, triangles.div_ceil(LANES).max(1))?;
         let lanes = indices.iter_mut().flat_map(|index| &mut index.ids);
-        lanes.zip(0..triangles).for_each(|(lane, i)| *lane = prims.id(i));
+        lanes.zip(0..triangles as u32).for_each(|(lane, id)| *lane = id);
         let mut cells = Self::of_indices(indices, frame);
-        let last = cells.block_count - 1;
-        let non_triangles = triangles..prims.count(world);
+        let last = cells.block_count() - 1;
+        let non_triangles = triangles..world.finite_count();
         let mut by_block = with_room_for(non_triangles.len())?;
-        by_block.extend(non_triangles.map(|i| (last as u32, prims.id(i))));
+        by_block.extend(non_triangles.map(|id| (last as u32, id as u32)));
         cells.set_non_triangles(by_block)?;
         Ok(cells)
     }
@@ -119,25 +119,60 @@ impl CellContents {
         blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 
-    /// Sets the entries of these cells, which must be empty, to those of the nested grids in order.
-    pub fn link_nested(&mut self, cells: impl Iterator<Item = u32>) {
-        for (entry, cell) in (NESTED..).zip(cells) {
+    /// Sets the entries of these cells, which must be empty, to those of the trees in order.
+    pub fn link_trees(&mut self, cells: impl Iterator<Item = u32>) {
+        for (entry, cell) in (TREE..).zip(cells) {
             self.entries[cell as usize] = entry;
         }
     }
 
+    /// Appends a block for each leaf of a tree, given by the ids of its primitives in ascending order, and returns the
+    /// index of the first. The `frames` say from which leaf on which one holds.
+    pub fn append_leaves(
+        &mut self,
+        world: &World,
+        leaves: &[[u32; LANES]],
+        frames: &[(usize, Frame)],
+    ) -> Result<usize, GridTooLarge> {
+        let start = self.indices.len();
+        for &(leaf, frame) in frames {
+            if self.frames.last().is_none_or(|(_, last)| *last != frame) {
+                memory::push(&mut self.frames, (start + leaf, frame)).map_err(|_| GridTooLarge)?;
+            }
+        }
+        for leaf in leaves {
+            let [triangles, end] =
+                [world.triangles.len() as u32, NONE].map(|id| leaf.partition_point(|&i| i < id));
+            let mut index = BlockIndex { count: 1, ..BlockIndex::EMPTY };
+            index.ids[..triangles].copy_from_slice(&leaf[..triangles]);
+            if triangles < end {
+                let others = self.non_triangles.len() as u32;
+                index.non_triangles = [others, others + (end - triangles) as u32];
+                for &id in &leaf[triangles..end] {
+                    memory::push(&mut self.non_triangles, id).map_err(|_| GridTooLarge)?;
+                }
+            }
+            memory::push(&mut self.indices, index).map_err(|_| GridTooLarge)?;
+        }
+        Ok(start)
+    }
+
     /// Contents with blocks of these indices, whose entries and counts are still to be set.
     fn of_indices(indices: Vec<BlockIndex>, frame: Frame) -> Self {
-        let block_count = indices.len();
-        Self { entries: vec![], indices, block_count, first_block: 0, non_triangles: vec![], frame }
+        Self { entries: vec![], indices, non_triangles: vec![], frame, frames: vec![(0, frame)] }
     }
 
     /// Fills the blocks, which are zeroed and as many as [`block_count`](Self::block_count).
     pub fn fill(&mut self, world: &World, blocks: &mut [Block]) {
-        let (frame, indices) = (&self.frame, std::mem::take(&mut self.indices));
-        let all_in_frame = frame.holds(&world.bounds);
-        let zeroed = blocks.par_iter_mut();
-        zeroed.zip(&indices).for_each(|(block, index)| block.fill(world, frame, all_in_frame, index));
+        let indices = std::mem::take(&mut self.indices);
+        let ends = self.frames.iter().skip(1).map(|(start, _)| *start).chain([indices.len()]);
+        for ((start, frame), end) in self.frames.iter().zip(ends) {
+            let all_in_frame = frame.holds(&world.bounds);
+            let zeroed = blocks[*start..end].par_iter_mut();
+            zeroed
+                .zip(&indices[*start..end])
+                .for_each(|(block, index)| block.fill(world, frame, all_in_frame, index));
+        }
     }
 
     /// Sets the counts of the blocks, and turns the position of each cell's first lane into its entry.
@@ -156,16 +191,15 @@ impl CellContents {
         self.entries = entries;
     }
 
-    /// Adds the primitives that are not triangles, which are `non_triangles` of `prims`.
+    /// Adds the primitives that are not triangles, which have these ids.
     fn add_non_triangles(
         &mut self,
         cell_lists: &CellLists,
-        prims: &PrimSet,
         non_triangles: Range<usize>,
     ) -> Result<(), GridTooLarge> {
         let mut by_block = with_room_for(non_triangles.clone().map(|i| cell_lists.cells_of(i).len()).sum())?;
-        for i in non_triangles {
-            by_block.extend(cell_lists.cells_of(i).iter().map(|&cell| (self.last_block(cell), prims.id(i))));
+        for id in non_triangles {
+            by_block.extend(cell_lists.cells_of(id).iter().map(|&cell| (self.last_block(cell), id as u32)));
         }
         by_block.sort_unstable();
         self.set_non_triangles(by_block)
@@ -218,8 +252,8 @@ fn counts(
 }
 
 /// Upper bound on the end of a cell's lanes, so that the index of every block fits into an entry below
-/// [`NESTED`].
-const MAX_LANE_END: u32 = (NESTED >> COUNT_BITS) * LANES as u32;
+/// [`TREE`].
+const MAX_LANE_END: u32 = (TREE >> COUNT_BITS) * LANES as u32;
 
 /// Turns the count of each cell into the position where its lanes end, and returns the number of all lanes.
 /// The lanes of each cell start a new block. Positions are offset by one block, so that none of them equals
@@ -238,99 +272,16 @@ fn to_ends(lattice: &Lattice, counts: &mut [u32]) -> Result<usize, GridTooLarge>
 
 /// Writes the ids of the triangles backwards from the `ends` of their cells, which thereby become the starts.
 /// The end of a cell without triangles stays as it is, in the cell's only block.
-fn scatter(
-    cell_lists: &CellLists,
-    prims: &PrimSet,
-    triangles: usize,
-    ends: &mut [u32],
-    indices: &mut [BlockIndex],
-) {
-    for i in (0..triangles).rev() {
-        let id = prims.id(i);
-        for &cell in cell_lists.cells_of(i) {
+fn scatter(cell_lists: &CellLists, triangles: usize, ends: &mut [u32], indices: &mut [BlockIndex]) {
+    for id in (0..triangles).rev() {
+        for &cell in cell_lists.cells_of(id) {
             let position = &mut ends[cell as usize];
             *position -= 1;
             let lane = *position as usize - LANES;
-            indices[lane / LANES].ids[lane % LANES] = id;
+            indices[lane / LANES].ids[lane % LANES] = id as u32;
         }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::cell_lists::widened;
-    use crate::grid::triangle8::NONE;
-    use crate::grid::voxelize;
-    use crate::math::aabb::Aabb;
-    use crate::scene::parser::parse;
-    use bytemuck::Zeroable;
-
-    #[test]
-    fn blocks_hold_the_primitives_of_the_cell_lists() {
-        let objects: String = (0..50)
-            .map(|i| {
-                format!("Triangle {{ vertex0 {i} 0 0 vertex1 {} 1 0 vertex2 {} 0 {} }}", i + 3, i + 1, i % 7)
-            })
-            .chain((0..5).map(|i| format!("Sphere {{ center {} 0 0 radius 2 }}", i * 9)))
-            .collect();
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects 55 Material {{ }} {objects} }}"
-        );
-        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
-        let lattice = Lattice::new(widened(world.bounds), [5, 2, 4]);
-        let triangles = (0..50).map(|i| Aabb::around(world.corners(i)));
-        let boxes: Vec<_> = triangles.chain(world.boxes()).collect();
-        let cell_lists =
-            CellLists::new(&lattice, 55, |i, out| voxelize::of_box(&lattice, &boxes[i], 1e-6, out)).unwrap();
-        let mut cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
-        let mut blocks = vec![Block::zeroed(); cells.block_count()];
-        cells.fill(&world, &mut blocks);
-        assert_eq!(CellContents::references(&blocks), cell_lists.references());
-        let mut expected_blocks = 0;
-        for index in 0..lattice.index_count() {
-            let mut found: Vec<u32> = vec![];
-            match cells.entries[index] {
-                EMPTY => {}
-                entry => {
-                    let own = CellContents::blocks_of(&blocks, entry);
-                    found.extend(own.iter().flat_map(|b| b.index.ids).filter(|&n| n != NONE));
-                    let [start, end] = own[own.len() - 1].index.non_triangles.map(|i| i as usize);
-                    found.extend(&cells.non_triangles[start..end]);
-                }
-            }
-            let expected: Vec<u32> =
-                (0..55).filter(|&n| cell_lists.cells_of(n as usize).contains(&(index as u32))).collect();
-            assert_eq!(found, expected);
-            assert_eq!(cells.entries[index] == EMPTY, expected.is_empty(), "{index}");
-            let triangles = expected.iter().filter(|&&n| n < 50).count();
-            expected_blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
-        }
-        assert_eq!(blocks.len(), expected_blocks);
-    }
-
-    #[test]
-    fn a_cell_has_as_many_blocks_as_it_needs_however_many() {
-        for count in [8, 111, 112, 113, 120, 121, 400] {
-            let objects = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }".repeat(count);
-            let text = format!(
-                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-                 Group {{ numObjects {count} Material {{ }} {objects} }}"
-            );
-            let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
-            let lattice = Lattice::new(widened(world.bounds), [1; 3]);
-            let cell = lattice.index([0; 3]) as u32;
-            let cell_lists = CellLists::new(&lattice, count, |_, out| {
-                out.push(cell);
-                Ok(())
-            })
-            .unwrap();
-            let mut cells = CellContents::new(&world, &lattice, &cell_lists, &PrimSet::All).unwrap();
-            let mut blocks = vec![Block::zeroed(); cells.block_count()];
-            cells.fill(&world, &mut blocks);
-            let own = CellContents::blocks_of(&blocks, cells.entries[cell as usize]);
-            assert_eq!(own.len(), count.div_ceil(LANES), "{count}");
-        }
-    }
-}
+mod tests;

@@ -8,7 +8,6 @@ use super::dda::face_error_bound;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
 use super::options::CellRule;
-use super::prim_set::PrimSet;
 use super::voxelize;
 use crate::math::aabb::Aabb;
 use crate::world::{Primitive, World};
@@ -26,18 +25,17 @@ impl FittedLattice {
     /// allowance.
     pub fn new(
         world: &World,
-        prims: &PrimSet,
         bounds: Aabb,
         cells: [usize; 3],
         rule: CellRule,
         allowance: Allowance,
     ) -> Result<Self, GridTooLarge> {
-        let count = prims.count(world);
+        let count = world.finite_count();
         let cost = allowance.cost(count);
         let (mut lattice, mut abandoned_cost) = (Lattice::new(bounds, cells), 0);
         loop {
             let budget = Budget::new(cost, CellLists::chunk_count(count));
-            match (cell_lists(world, prims, &lattice, rule, &budget), coarser(lattice.cells())) {
+            match (cell_lists(world, &lattice, rule, &budget), coarser(lattice.cells())) {
                 (Ok(cell_lists), _) => return Ok(Self { lattice, cell_lists, abandoned_cost }),
                 (Err(_), Some(cells)) => lattice = Lattice::new(bounds, cells),
                 (Err(error), None) => return Err(error),
@@ -52,17 +50,16 @@ pub fn bounds_of(world: &World) -> Aabb {
     widened(world.boxes().fold(world.bounds, |all, b| all.union(b)))
 }
 
-/// The cells of each of `prims` in a lattice, or an error when they exceed the budget.
+/// The cells of each finite primitive in a lattice, or an error when they exceed the budget.
 pub fn cell_lists(
     world: &World,
-    prims: &PrimSet,
     lattice: &Lattice,
     rule: CellRule,
     budget: &Budget,
 ) -> Result<CellLists, GridTooLarge> {
     let padding = padding(lattice);
-    CellLists::within(budget, lattice, prims.count(world), |i, out| {
-        insert(world, prims.id(i), lattice, rule, padding, out)
+    CellLists::within(budget, lattice, world.finite_count(), |i, out| {
+        insert(world, i as u32, lattice, rule, padding, out)
     })
 }
 
@@ -106,8 +103,8 @@ fn insert(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::build::MAX_ORIGIN_CELLS;
     use crate::grid::dda::{Dda, T_ONE};
+    use crate::grid::reach::MAX_ORIGIN_CELLS;
     use crate::math::double_double::{Dd, difference, dot};
     use crate::math::ray::Ray;
     use crate::math::robust::UNIT_ROUNDOFF;

@@ -1,9 +1,8 @@
 //! How the primitives are spread over the cells of a grid.
 
 use super::build::AccelerationStructure;
-use super::cell_contents::{CellContents, NESTED};
+use super::cell_contents::{CellContents, TREE};
 use super::cell_table::EMPTY;
-use crate::world::World;
 
 /// How full the cells of a grid are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,15 +17,14 @@ pub struct Fullness {
 }
 
 impl AccelerationStructure {
-    /// The fullness of the outermost grid's cells; none of a list. A cell with a nested grid holds what the nested grid
-    /// holds.
-    pub fn fullness(&self, world: &World, fullest: usize) -> Option<Fullness> {
+    /// The fullness of the grid's cells; none of a list. A cell with a tree holds what the tree holds.
+    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
         let table = self.table.as_ref()?;
         let lattice = table.lattice();
         let [nx, ny, nz] = lattice.cells();
         let mut fullness = Fullness { fullest: vec![], empty: 0, cells: nx * ny * nz };
         for cell in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
-            let count = self.primitives_in(world, table.entry(lattice.index(cell)));
+            let count = self.primitives_in(table.entry(lattice.index(cell)));
             if count == 0 {
                 fullness.empty += 1;
             } else {
@@ -38,19 +36,17 @@ impl AccelerationStructure {
         Some(fullness)
     }
 
-    fn primitives_in(&self, world: &World, entry: u32) -> usize {
+    fn primitives_in(&self, entry: u32) -> usize {
         if entry == EMPTY {
             return 0;
         }
-        if let Some(nested) = entry.checked_sub(NESTED).and_then(|index| self.nested.get(index as usize)) {
-            let structures = nested.spanning.iter().chain([&nested.grid]);
-            return structures.map(|structure| structure.prims.count(world)).sum();
+        match entry.checked_sub(TREE).and_then(|index| self.trees.root(index)) {
+            Some(root) => {
+                let leaves = self.trees.leaves_of(root).into_iter().map(|leaf| self.blocks[leaf as usize]);
+                CellContents::references(&leaves.collect::<Vec<_>>())
+            }
+            None => CellContents::references(CellContents::blocks_of(&self.blocks, entry)),
         }
-        let blocks = CellContents::blocks_of(&self.blocks, entry);
-        let triangles: usize = blocks.iter().map(|block| block.index.triangles()).sum();
-        let others =
-            blocks.last().map_or(0, |last| last.index.non_triangles[1] - last.index.non_triangles[0]);
-        triangles + others as usize
     }
 }
 
@@ -60,6 +56,7 @@ mod tests {
     use crate::grid::options::{CellRule, GridOptions};
     use crate::grid::{Caster, Instructions};
     use crate::scene::parser::parse;
+    use crate::world::World;
 
     /// Three crossed triangles near the origin and one triangle far away, with a small sphere beside it.
     fn world() -> World {
@@ -89,7 +86,7 @@ mod tests {
         let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
         assert_eq!(of(&uniform, 5), expected);
         assert_eq!(of(&uniform, 1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
-        let rule = CellRule::Nested { max_per_cell: 1 };
+        let rule = CellRule::Trees { max_per_cell: 1 };
         let options = GridOptions { cells: Some([4, 4, 4]), rule };
         let nested = Caster::with(&world, options, Instructions::Portable).unwrap();
         assert_eq!(of(&nested, 5), expected);

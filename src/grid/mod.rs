@@ -1,4 +1,4 @@
-//! Ray casting with a uniform grid, in whose crowded cells there are nested grids.
+//! Ray casting with a uniform grid, in whose crowded cells there are trees of boxes.
 //!
 //! Each module is one step of building or traversing the grid, and imports only from the modules before it in
 //! this list.
@@ -7,6 +7,7 @@ mod error;
 #[doc(hidden)]
 pub mod budget;
 pub(crate) mod ray_aabb;
+mod reach;
 mod lattice;
 mod fixed_t;
 #[doc(hidden)]
@@ -16,7 +17,6 @@ pub(crate) mod dda4;
 pub mod voxelize;
 #[doc(hidden)]
 pub mod cell_lists;
-mod prim_set;
 pub mod options;
 mod allowance;
 mod fitting;
@@ -24,11 +24,16 @@ mod fitting;
 pub mod triangle8;
 #[doc(hidden)]
 pub mod filter;
+mod box8;
+mod bvh;
 mod cell_table;
 mod cell_contents;
+mod trees;
 mod build;
 mod fullness;
 mod query;
+mod ray_entry;
+mod descent;
 mod traverse;
 mod caster;
 mod packet_setup;

@@ -10,10 +10,10 @@ use serde::Serialize;
 pub enum CellRule {
     /// The cells it touches.
     Exact,
-    /// The cells it touches, in a grid of bounded size. A cell with more than `max_per_cell` primitives gets
-    /// a nested grid, if that separates the primitives.
-    Nested {
-        /// The largest number of primitives in a cell without a nested grid.
+    /// The cells it touches, in a grid of bounded size. A cell with more than `max_per_cell` primitives gets a tree of
+    /// boxes.
+    Trees {
+        /// The largest number of primitives in a cell without a tree.
         max_per_cell: usize,
     },
     /// The cells into which the course's program inserts it, so that counters compare with the course's.
@@ -45,7 +45,7 @@ impl GridOptions {
     pub fn automatic(world: &World, rays: usize) -> Self {
         let count = world.finite_count();
         let cells = Resolution::Auto.cells(&world.bounds, count, rays);
-        Self { cells: Some(cells), rule: CellRule::Nested { max_per_cell: max_per_cell(count, rays) } }
+        Self { cells: Some(cells), rule: CellRule::Trees { max_per_cell: max_per_cell(count, rays) } }
     }
 
     /// The options for the requested resolution, or for a list if none is requested, in a world for about
@@ -114,10 +114,8 @@ impl Resolution {
     /// The automatic choice is cubic cells, one per primitive. Measured, half or twice as many cells cost a
     /// few percent of time, and eight times as many a quarter. If there are so few rays that building
     /// dominates, there are 0.4 cells per primitive. For many rays through many primitives there are only a
-    /// few crowded cells, each with a nested grid that fits its contents: with 2.5 million primitives rays
-    /// are 24 to 46% faster than in one level, and building takes 1.5 to 2.3 times as long.
+    /// few crowded cells, each with a tree: with 2.56 million primitives rays are 1.4 to 2 times as fast as in one level.
     pub fn cells(self, bounds: &Aabb, count: usize, rays: usize) -> [usize; 3] {
-        const MANY_PRIMITIVES: usize = 200_000;
         let per_primitive = match self {
             Self::Cells(cells) => return cells,
             Self::Auto if rays < MANY_RAYS * count => 0.4,
@@ -128,15 +126,23 @@ impl Resolution {
     }
 }
 
+/// From this number of primitives on, trees are faster than a cell for each primitive. At 40,000 they are slower.
+const MANY_PRIMITIVES: usize = 100_000;
+
 /// From this number of rays per primitive on, the time per ray matters more than the time to build.
 const MANY_RAYS: usize = 8;
 
-/// The largest number of primitives in a cell for which a nested grid does not pay.
+/// The largest number of primitives in a cell for which a tree does not pay.
 ///
-/// 96 is five times the mean of the occupied cells of an evenly tessellated mesh of 40,000 triangles. For few
-/// rays a nested grid pays only in cells that would take each of them microseconds.
+/// 96 is five times the mean of the occupied cells of an evenly tessellated mesh of 40,000 triangles. Of many primitives
+/// almost all are in trees anyway, and 32 is a few percent faster. For few rays a tree pays only in cells that would
+/// take each of them microseconds.
 fn max_per_cell(count: usize, rays: usize) -> usize {
-    if rays < MANY_RAYS * count { 2048 } else { 96 }
+    match count {
+        _ if rays < MANY_RAYS * count => 2048,
+        MANY_PRIMITIVES.. => 32,
+        _ => 96,
+    }
 }
 
 /// The number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
@@ -201,13 +207,17 @@ mod tests {
     #[test]
     fn many_rays_through_many_primitives_get_crowded_cells() {
         assert_eq!(auto(DVec3::ONE, 216 * 1024, 1 << 30), [6; 3]);
-        assert_eq!(auto(DVec3::ONE, 125_000, 1 << 30), [50; 3]);
+        assert_eq!(auto(DVec3::ONE, 91_125, 1 << 30), [45; 3]);
         // This is the least number of primitives that counts as many.
-        assert_eq!(auto(DVec3::ONE, 200_000, 1 << 30), [6; 3]);
+        assert_eq!(auto(DVec3::ONE, MANY_PRIMITIVES, 1 << 30), [5; 3]);
+        assert_eq!(
+            [MANY_PRIMITIVES - 1, MANY_PRIMITIVES].map(|count| max_per_cell(count, 1 << 30)),
+            [96, 32]
+        );
     }
 
     #[test]
-    fn few_rays_get_few_nested_grids() {
+    fn few_rays_get_few_trees() {
         assert!(max_per_cell(1_000_000, 1_000_000) > max_per_cell(1_000_000, 100_000_000));
     }
 

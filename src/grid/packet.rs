@@ -4,13 +4,13 @@
 
 use super::build::AccelerationStructure;
 use super::caster::Caster;
-use super::cell_contents::CellContents;
+use super::cell_contents::{CellContents, TREE};
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
+use super::descent::DescentKernel;
 use super::packet_setup::PacketSetup;
 use super::query::RayQuery;
-use super::traverse::TraversalKernel;
-use super::triangle8::{Block, NONE};
+use super::triangle8::NONE;
 use crate::math::f64x4::{F64x4, LANES};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
@@ -88,7 +88,7 @@ impl<M: Mode> Caster<'_, M> {
 
     /// Casts up to [`PACKET_SIZE`] rays.
     #[inline(always)]
-    fn trace_packet<K: TraversalKernel, Q: PacketRay, P: Probe>(
+    fn trace_packet<K: DescentKernel, Q: PacketRay, P: Probe>(
         &self,
         kernel: K,
         grid: &AccelerationStructure,
@@ -102,7 +102,6 @@ impl<M: Mode> Caster<'_, M> {
             }
             return;
         }
-        let blocks = grid.blocks.as_slice();
         let mut setups = [PacketSetup::default(); PACKET_SIZE / LANES];
         let (mut passing, mut too_far) = (0, 0);
         for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(LANES)).enumerate() {
@@ -115,7 +114,7 @@ impl<M: Mode> Caster<'_, M> {
         let mut cursors: [Option<CellCursor>; PACKET_SIZE] = [None; PACKET_SIZE];
         let mut pending = 0;
         for i in lanes(passing) {
-            cursors[i] = first_occupied_cell(table, blocks, &setups[i / LANES].dda4, i % LANES);
+            cursors[i] = first_occupied_cell(grid, table, &setups[i / LANES].dda4, i % LANES);
             pending |= u32::from(cursors[i].is_some()) << i;
         }
         for i in lanes(too_far) {
@@ -130,15 +129,8 @@ impl<M: Mode> Caster<'_, M> {
             let mut query = RayQuery::new(self.world, ray, NONE);
             query.test_planes(ray, probe);
             if let Some(cursor) = cursors[i] {
-                let mut filter_state = setups[i / LANES].filter_state(i % LANES, query.best.t_bound);
-                grid.traverse_cells::<K, M, P, false>(
-                    kernel,
-                    cursor,
-                    blocks,
-                    &mut filter_state,
-                    &mut query,
-                    probe,
-                );
+                let filter_state = setups[i / LANES].filter_state(i % LANES, query.best.t_bound);
+                grid.traverse_cells::<K, M, P, false>(kernel, cursor, filter_state, &mut query, probe);
             }
             let visible = query.visible();
             rays[i].set_visible(visible);
@@ -147,7 +139,7 @@ impl<M: Mode> Caster<'_, M> {
 
     /// Casts up to four rays that leave surfaces.
     #[inline(always)]
-    fn trace_four<K: TraversalKernel, Q: PacketRay, P: Probe>(
+    fn trace_four<K: DescentKernel, Q: PacketRay, P: Probe>(
         &self,
         kernel: K,
         grid: &AccelerationStructure,
@@ -168,13 +160,12 @@ impl<M: Mode> Caster<'_, M> {
             let mut query = RayQuery::new(self.world, ray.ray(), ray.leaves().unwrap_or(NONE));
             query.test_planes(ray.ray(), probe);
             if setup.passing >> i & 1 != 0 {
-                let mut filter_state = setup.filter_state(i, query.best.t_bound);
+                let filter_state = setup.filter_state(i, query.best.t_bound);
                 // A cursor that is passed on would be written to memory and read again in other parts.
                 grid.traverse_cells::<K, M, P, false>(
                     kernel,
                     table.cursor_of(&setup.dda4, i),
-                    &grid.blocks,
-                    &mut filter_state,
+                    filter_state,
                     &mut query,
                     probe,
                 );
@@ -202,11 +193,11 @@ fn set_up<F: F64x4>(
 }
 
 /// The first cell along one of four rays that is not empty; none if the ray leaves the grid before it. The cell's first
-/// block is prefetched.
+/// block, or the root of its tree, is prefetched.
 #[inline(always)]
 fn first_occupied_cell<'t>(
+    grid: &AccelerationStructure,
     table: &'t CellTable,
-    blocks: &[Block],
     dda4: &Dda4,
     ray: usize,
 ) -> Option<CellCursor<'t>> {
@@ -215,8 +206,10 @@ fn first_occupied_cell<'t>(
     if cursor.entry() == BORDER {
         return None;
     }
-    if let Some(block) = CellContents::first_block_of(blocks, cursor.entry()) {
+    if let Some(block) = CellContents::first_block_of(&grid.blocks, cursor.entry()) {
         prefetch(block);
+    } else if let Some(root) = cursor.entry().checked_sub(TREE).and_then(|index| grid.trees.root(index)) {
+        grid.trees.prefetch_node(root);
     }
     Some(cursor)
 }

@@ -38,7 +38,7 @@ const MAX_TESTED: usize = 4;
 
 /// A ray in the filter's coordinates, up to the nearest hit so far.
 pub struct FilterState {
-    ray: FilterRay,
+    pub ray: FilterRay,
     /// The t at which the filter's ray starts, the filter's units of t per unit of t, and the inverse.
     entry: f64,
     per_t: f64,

@@ -104,7 +104,7 @@ impl Block {
     }
 }
 
-/// The largest absolute coordinate of a corner in a block. In the frame of a nested grid a triangle may
+/// The largest absolute coordinate of a corner in a block. In the frame of a crowded cell a triangle may
 /// extend far beyond the box. One that extends beyond this limit is left for double precision to decide,
 /// since it would enlarge the error bounds of the other triangles in its block.
 const MAX_CORNER_COORD: f64 = 4.0;
@@ -155,7 +155,7 @@ impl FilterErrorBounds {
 
 /// A coordinate system in which the coordinates of a box are from -1 to 1. In it single precision represents
 /// the contents of the box equally well wherever the box is and however large it is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The centre of the box, with an unused fourth lane.
     pub center: [f64; 4],

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 /// Splitmix64 (Steele, Lea, Flood, OOPSLA 2014).
-pub struct Rng(u64);
+pub struct Rng(pub u64);
 
 impl Rng {
     fn next(&mut self) -> u64 {

@@ -1,5 +1,5 @@
 //! Every hit is the same for all instruction sets that the inner loop is compiled for, and for all rules by
-//! which primitives are inserted into cells, also where crowded cells have nested grids.
+//! which primitives are inserted into cells, also where crowded cells have trees.
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
@@ -50,7 +50,7 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
         for rule in
-            [CellRule::Exact, CellRule::Nested { max_per_cell: 96 }, CellRule::Course { is_bounded: false }]
+            [CellRule::Exact, CellRule::Trees { max_per_cell: 96 }, CellRule::Course { is_bounded: false }]
         {
             for cells in [None, Some([1, 1, 1]), Some(FINE)] {
                 let caster = Caster::with(&world, GridOptions { cells, rule }, instructions).unwrap();

@@ -52,7 +52,7 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let plain = Caster::new(&world, None).expect("no grid");
     // Then almost every cell is crowded.
-    let nested = |options: GridOptions| GridOptions { rule: CellRule::Nested { max_per_cell: 2 }, ..options };
+    let nested = |options: GridOptions| GridOptions { rule: CellRule::Trees { max_per_cell: 2 }, ..options };
     let ways = [
         (GridOptions::uniform(cells), fastest),
         (GridOptions::uniform(cells), portable),

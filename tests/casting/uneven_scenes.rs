@@ -1,5 +1,5 @@
 //! Scenes whose primitives are dense in one place and sparse in another, which one uniform grid cannot handle
-//! well: `-grid auto` gives crowded cells nested grids.
+//! well: `-grid auto` gives crowded cells trees.
 
 use super::support::{automatic, rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
@@ -96,7 +96,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
     let upright = "Triangle { vertex0 9.9 0 9.9 vertex1 9.95 0 9.9 vertex2 9.92 0.1 9.91 }".to_string();
     let objects: Vec<String> = tiles.chain([upright]).collect();
     let world = world(&objects, &[]);
-    let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Nested { max_per_cell: 96 } };
+    let nested = GridOptions { cells: Some([1; 3]), rule: CellRule::Trees { max_per_cell: 96 } };
     for instructions in Instructions::available() {
         let caster = Caster::with(&world, nested, instructions).unwrap();
         let mut random = random(5);

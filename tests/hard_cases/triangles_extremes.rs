@@ -265,7 +265,7 @@ fn case_20_a_mesh_without_extent_is_not_seen() {
         );
         let scene = parse(&text).expect("a scene of one mesh");
         let world = World::new(&scene, &[bunny("200")]).expect("a world of one mesh");
-        let nested = GridOptions { cells: Some([4; 3]), rule: CellRule::Nested { max_per_cell: 2 } };
+        let nested = GridOptions { cells: Some([4; 3]), rule: CellRule::Trees { max_per_cell: 2 } };
         for options in [GridOptions::NONE, nested] {
             let caster = Caster::with(&world, options, Instructions::available()[0]);
             let [color, depth, normals] = pictures(&scene, &caster.expect("a small grid"));

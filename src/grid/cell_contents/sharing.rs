@@ -27,7 +27,6 @@ impl CellContents {
             }
         }
         self.indices.truncate(kept);
-        self.block_count = kept;
     }
 
     /// Whether the cell with an entry has the same primitives as these blocks.
@@ -49,7 +48,6 @@ impl CellContents {
 mod tests {
     use super::*;
     use crate::grid::cell_lists::CellLists;
-    use crate::grid::prim_set::PrimSet;
     use crate::math::aabb::Aabb;
     use crate::scene::parser::parse;
     use crate::world::World;
@@ -77,7 +75,7 @@ mod tests {
             }
             Ok(())
         });
-        let cells = CellContents::new(&world, &lattice, &cell_lists.unwrap(), &PrimSet::All).unwrap();
+        let cells = CellContents::new(&world, &lattice, &cell_lists.unwrap()).unwrap();
         ((0..4).map(|k| cells.entries[index(k)]).collect(), cells.block_count() - 1)
     }
 

@@ -1,0 +1,198 @@
+//! How the primitives of a branch are divided among the children of a node: by halving them by the surface area
+//! heuristic, evaluated at the borders of a few bins (Wald, "On fast Construction of SAH-based Bounding Volume
+//! Hierarchies", IEEE Symposium on Interactive Ray Tracing 2007).
+
+use crate::grid::box8::PADDING;
+use crate::grid::triangle8::{Frame, LANES};
+use crate::math::aabb::Aabb;
+use glam::Vec3A;
+
+/// A branch may be small if it is at most this large along each axis, in units of the frame.
+const MAX_SMALL: f32 = 1.0 / 64.0;
+
+/// A primitive of this size is small, in units of the frame: errors of single precision, which are up to 2^-20 of the
+/// frame, begin to matter.
+const SMALL_PRIMITIVE: f32 = 1.0 / 8192.0;
+
+/// The number of bins for the heuristic.
+const BINS: usize = 16;
+
+/// A box in single precision.
+#[derive(Clone, Copy)]
+pub struct Bounds {
+    pub min: Vec3A,
+    pub max: Vec3A,
+}
+
+impl Bounds {
+    const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Half of the surface area.
+    fn half_area(&self) -> f32 {
+        let extent = (self.max - self.min).max(Vec3A::ZERO);
+        extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
+    }
+}
+
+/// A primitive and its padded box.
+#[derive(Clone, Copy)]
+pub struct Item {
+    pub bounds: Bounds,
+    pub id: u32,
+}
+
+impl Item {
+    /// A primitive with this box, in the coordinates of a frame.
+    pub fn new(frame: &Frame, bounds: &Aabb, id: u32) -> Self {
+        let [min, max] = [bounds.min, bounds.max].map(|corner| frame.point(corner));
+        Self { bounds: Bounds { min: (min - PADDING).as_vec3a(), max: (max + PADDING).as_vec3a() }, id }
+    }
+
+    /// Twice the centre of the box.
+    fn center(&self) -> Vec3A {
+        self.bounds.min + self.bounds.max
+    }
+}
+
+/// Consecutive items that become one child of a node.
+pub struct Group<'i> {
+    pub items: &'i mut [Item],
+    pub bounds: Bounds,
+}
+
+impl<'i> Group<'i> {
+    pub fn new(items: &'i mut [Item]) -> Self {
+        let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
+        Self { items, bounds }
+    }
+
+    /// Whether the group is small, and so are more than an eighth of its primitives.
+    pub fn is_small(&self) -> bool {
+        let is_small = |item: &&Item| (item.bounds.max - item.bounds.min).max_element() < SMALL_PRIMITIVE;
+        (self.bounds.max - self.bounds.min).max_element() <= MAX_SMALL
+            && 8 * self.items.iter().filter(is_small).count() > self.items.len()
+    }
+
+    /// Whether it has to be divided, and how urgently.
+    fn urgency(&self, by_number: bool) -> Option<f32> {
+        let urgency = if by_number { self.items.len() as f32 } else { self.bounds.half_area() };
+        (self.items.len() > LANES).then_some(urgency)
+    }
+
+    /// Two groups of its items.
+    fn halves(self, by_number: bool) -> [Self; 2] {
+        let plane = if by_number { None } else { best_plane(self.items) };
+        let middle = match plane {
+            Some(plane) => partition(self.items, |item| plane.is_before(item)),
+            None => median(self.items),
+        };
+        let (left, right) = self.items.split_at_mut(middle);
+        [left, right].map(Group::new)
+    }
+}
+
+/// A plane between two bins of centres.
+#[derive(Clone, Copy)]
+struct Plane {
+    axis: usize,
+    start: f32,
+    bins_per_unit: f32,
+    /// The first bin behind the plane.
+    bin: usize,
+}
+
+impl Plane {
+    fn bin_of(&self, item: &Item) -> usize {
+        ((item.center()[self.axis] - self.start) * self.bins_per_unit) as usize
+    }
+
+    fn is_before(&self, item: &Item) -> bool {
+        self.bin_of(item) < self.bin
+    }
+}
+
+/// The plane with the least cost: the sum of both sides' areas, each times the number of blocks for its items. There is
+/// none if all centres are the same.
+fn best_plane(items: &[Item]) -> Option<Plane> {
+    let (min, max) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(min, max), item| {
+        (min.min(item.center()), max.max(item.center()))
+    });
+    let mut best = (f32::INFINITY, None);
+    for axis in 0..3 {
+        // Slightly fewer bins per unit, so that the last centre is in the last bin.
+        let bins_per_unit = 0.999 * BINS as f32 / (max[axis] - min[axis]);
+        if !bins_per_unit.is_finite() {
+            continue;
+        }
+        let mut plane = Plane { axis, start: min[axis], bins_per_unit, bin: 0 };
+        let mut bins = [(0, Bounds::EMPTY); BINS];
+        for item in items {
+            let (count, bounds) = &mut bins[plane.bin_of(item).min(BINS - 1)];
+            *count += 1;
+            *bounds = bounds.union(item.bounds);
+        }
+        let mut costs_behind = [0.0; BINS];
+        sweep(bins.into_iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
+        sweep(bins.into_iter().enumerate(), |bin, cost| {
+            let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
+            if cost < best.0 {
+                plane.bin = bin + 1;
+                best = (cost, Some(plane));
+            }
+        });
+    }
+    best.1
+}
+
+/// Reports the cost of all bins up to each one.
+fn sweep(bins: impl Iterator<Item = (usize, (usize, Bounds))>, mut report: impl FnMut(usize, f32)) {
+    let (mut count, mut bounds) = (0, Bounds::EMPTY);
+    for (bin, (more, box_of_more)) in bins {
+        count += more;
+        bounds = bounds.union(box_of_more);
+        // Nothing is divided off by a plane with nothing on one side.
+        let cost = if count == 0 { f32::INFINITY } else { bounds.half_area() * count.div_ceil(LANES) as f32 };
+        report(bin, cost);
+    }
+}
+
+/// Moves the items that come first to the start, and returns their number.
+fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
+    let mut count = 0;
+    for i in 0..items.len() {
+        if comes_first(&items[i]) {
+            items.swap(i, count);
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Sorts the items into two halves along the axis in which they are spread most, and returns where the second one starts.
+/// The first one fills its leaves.
+fn median(items: &mut [Item]) -> usize {
+    let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
+    let extent = (bounds.max - bounds.min).to_array();
+    let axis = if extent[0] >= extent[1].max(extent[2]) { 0 } else { 1 + usize::from(extent[2] > extent[1]) };
+    let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
+    items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
+    middle
+}
+
+/// Divides items into the children of a node: the group that makes most work is divided until there are eight.
+pub fn children(items: &mut [Item], by_number: bool) -> Vec<Group<'_>> {
+    let mut groups = Vec::with_capacity(LANES);
+    groups.push(Group::new(items));
+    while groups.len() < LANES {
+        let urgencies =
+            groups.iter().enumerate().filter_map(|(i, group)| Some((i, group.urgency(by_number)?)));
+        let Some((most_urgent, _)) = urgencies.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let halves = groups.swap_remove(most_urgent).halves(by_number);
+        groups.extend(halves);
+    }
+    groups
+}

@@ -1,0 +1,219 @@
+//! The descent through the tree of a crowded cell: the boxes that a ray meets, the nearest first.
+
+use super::box8::{BoxKernel, BoxRay, Meeting};
+use super::build::AccelerationStructure;
+use super::bvh::{Branch, LEAF, MAX_LEVELS, SMALL, Small};
+use super::filter::Kernel;
+use super::query::{FilterState, RayQuery};
+use super::ray_entry::{Entry, ray_entry};
+use super::triangle8::LANES;
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::Portable;
+use crate::math::lanes::lanes;
+use crate::math::prefetch::prefetch;
+use crate::mode::Mode;
+use crate::stats::Probe;
+use arrayvec::ArrayVec;
+
+/// The largest number of children that wait: seven of the eight on each level.
+const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
+
+/// A kernel that descends trees by calling a function that is not inlined, so that the loop over the cells stays small.
+pub(crate) trait DescentKernel: Kernel + BoxKernel {
+    /// Looks for a nearer hit in a branch, whose frame is that of the filter's ray, and returns whether there is one.
+    fn descend<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        branch: Branch,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool;
+}
+
+impl DescentKernel for Portable {
+    #[inline(never)]
+    fn descend<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        branch: Branch,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        structure.descend::<_, M, P, ANY>(self, branch, filter_state, query, probe)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl DescentKernel for Avx2 {
+    #[inline(always)]
+    fn descend<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        branch: Branch,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        // SAFETY: `self` proves that the processor has all that the function is compiled for.
+        unsafe { descend_avx2::<M, P, ANY>(self, structure, branch, filter_state, query, probe) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn descend_avx2<M: Mode, P: Probe, const ANY: bool>(
+    avx2: Avx2,
+    structure: &AccelerationStructure,
+    branch: Branch,
+    filter_state: &mut FilterState,
+    query: &mut RayQuery,
+    probe: &mut P,
+) -> bool {
+    structure.descend::<_, M, P, ANY>(avx2, branch, filter_state, query, probe)
+}
+
+/// A child of a node that the ray meets, with the depth at which it enters its box.
+#[derive(Clone, Copy)]
+struct Waiting {
+    entry: f32,
+    child: Branch,
+}
+
+/// The children that wait, and of those of one node the nearest last.
+type Stack = ArrayVec<Waiting, MAX_WAITING>;
+
+impl AccelerationStructure {
+    #[inline(always)]
+    fn descend<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        branch: Branch,
+        filter_state: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        let mut has_changed = false;
+        let box_ray = BoxRay::new(&filter_state.ray);
+        let mut stack = Stack::new();
+        let mut child = branch;
+        loop {
+            let next = if child >= SMALL {
+                let changed = if child >= LEAF {
+                    let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
+                    query.test_cell::<K, M, P, ANY>(kernel, &self.cells, block, filter_state, probe)
+                } else {
+                    self.test_small::<K, M, P, ANY>(kernel, child - SMALL, filter_state, query, probe)
+                };
+                if ANY && changed {
+                    return true;
+                }
+                has_changed |= changed;
+                None
+            } else {
+                probe.cell();
+                let node = &self.trees.nodes[child as usize];
+                let meeting = kernel.meet(node, &box_ray, filter_state.ray.max_depth);
+                self.first_child::<ANY>(&node.children, &meeting, &mut stack)
+            };
+            child = match next {
+                Some(next) => next,
+                None => loop {
+                    let Some(Waiting { entry, child }) = stack.pop() else { return has_changed };
+                    if ANY || entry <= filter_state.ray.max_depth {
+                        break child;
+                    }
+                },
+            };
+        }
+    }
+
+    /// Looks for a nearer hit in a branch with a frame of its own, and returns whether there is one.
+    #[inline(never)]
+    fn test_small<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+        &self,
+        kernel: K,
+        index: u32,
+        outer: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        let small = &self.trees.small[index as usize];
+        let before = query.best;
+        let Small { branch, simd_bounds, frame, max_origin_distance, .. } = small;
+        let (ray, last) = (query.ray, before.t_bound);
+        match ray_entry::<K::F64x4>(kernel, simd_bounds, frame, *max_origin_distance, ray, last) {
+            Entry::Misses => return false,
+            Entry::Passes(interval) => {
+                let mut filter_state = FilterState::on_interval(&interval, frame, last);
+                kernel.descend::<M, P, ANY>(self, *branch, &mut filter_state, query, probe);
+            }
+            Entry::TooFar => self.test_leaves::<P, ANY>(small, query, probe),
+        }
+        outer.shorten(query.best.t_bound);
+        query.best != before
+    }
+
+    /// Tests the primitives of a branch exactly, without the filter, unless the ray certainly misses their bounds.
+    #[cold]
+    fn test_leaves<P: Probe, const ANY: bool>(&self, small: &Small, query: &mut RayQuery, probe: &mut P) {
+        if small.simd_bounds.is_surely_missed(query.ray) {
+            return;
+        }
+        for id in small.leaves.clone().flat_map(|leaf| self.cells.primitives_of(&self.blocks[leaf as usize]))
+        {
+            probe.intersections(1);
+            if query.test(id) && ANY {
+                return;
+            }
+        }
+    }
+
+    /// The child to visit next of those that a ray meets, which is the nearest one unless any hit will do. The others
+    /// wait.
+    #[inline(always)]
+    fn first_child<const ANY: bool>(
+        &self,
+        children: &[Branch; LANES],
+        meeting: &Meeting,
+        stack: &mut Stack,
+    ) -> Option<Branch> {
+        let at = |lane: usize| Waiting { entry: meeting.entries[lane], child: children[lane] };
+        let mut met = lanes(meeting.set).map(at);
+        let mut first = met.next()?;
+        let waiting = stack.len();
+        for mut other in met {
+            self.prefetch_child(other.child);
+            if !ANY && other.entry < first.entry {
+                std::mem::swap(&mut first, &mut other);
+            }
+            stack.push(other);
+            if !ANY {
+                sink_last(&mut stack[waiting..]);
+            }
+        }
+        Some(first.child)
+    }
+
+    #[inline(always)]
+    fn prefetch_child(&self, child: Branch) {
+        if child < SMALL {
+            self.trees.prefetch_node(child);
+        } else if let Some(block) = self.blocks.get((child & !LEAF) as usize) {
+            prefetch(block);
+        }
+    }
+}
+
+/// Moves the last child to its place, where the others are sorted with the nearest last.
+#[inline(always)]
+fn sink_last(waiting: &mut [Waiting]) {
+    let mut place = waiting.len() - 1;
+    while place > 0 && waiting[place - 1].entry < waiting[place].entry {
+        waiting.swap(place - 1, place);
+        place -= 1;
+    }
+}

@@ -1,0 +1,83 @@
+//! The trees of a grid's crowded cells. Their nodes are in one list and their leaves are blocks of the grid, because long
+//! lists are in large pages.
+
+use super::box8::Box8;
+use super::bvh::{Branch, Bvh, LEAF, SMALL, Small};
+use super::cell_contents::CellContents;
+use super::cell_lists::with_room_for;
+use super::error::GridTooLarge;
+use crate::math::prefetch::prefetch;
+use crate::world::World;
+use rayon::prelude::*;
+
+/// The trees of all crowded cells of a grid.
+#[derive(Debug, Default)]
+pub struct Trees {
+    /// By the order of the entries that refer to them.
+    roots: Vec<Branch>,
+    /// The nodes of all trees.
+    pub nodes: Vec<Box8>,
+    /// The branches of all trees that have frames of their own.
+    pub small: Vec<Small>,
+}
+
+impl Trees {
+    /// Builds the trees of crowded cells, given by the ids of their primitives, and appends their leaves to the contents
+    /// of the grid's cells.
+    pub fn new(
+        world: &World,
+        crowded: &[(u32, Vec<u32>)],
+        cells: &mut CellContents,
+    ) -> Result<Self, GridTooLarge> {
+        let grown = crowded.par_iter().map(|(_, ids)| Bvh::new(world, ids, &cells.frame));
+        let grown = grown.collect::<Result<Vec<_>, _>>()?;
+        let mut trees = Self {
+            roots: with_room_for(grown.len())?,
+            nodes: with_room_for(grown.iter().map(|bvh| bvh.nodes.len()).sum())?,
+            small: with_room_for(grown.iter().map(|bvh| bvh.small.len()).sum())?,
+        };
+        for mut bvh in grown {
+            let first_leaf = cells.append_leaves(world, &bvh.leaves, &bvh.frames)?;
+            bvh.shift(trees.nodes.len(), first_leaf, trees.small.len())?;
+            trees.roots.push(bvh.root);
+            trees.nodes.append(&mut bvh.nodes);
+            trees.small.append(&mut bvh.small);
+        }
+        Ok(trees)
+    }
+
+    /// Whether there are none.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.roots.is_empty()
+    }
+
+    /// The root of the tree with this index; none if there is no such tree.
+    #[inline(always)]
+    pub fn root(&self, index: u32) -> Option<Branch> {
+        self.roots.get(index as usize).copied()
+    }
+
+    /// Prefetches a branch that is a node.
+    #[inline(always)]
+    pub fn prefetch_node(&self, branch: Branch) {
+        if let Some(node) = self.nodes.get(branch as usize) {
+            prefetch(node);
+        }
+    }
+
+    /// The indices of all leaves of a tree.
+    pub fn leaves_of(&self, root: Branch) -> Vec<u32> {
+        let (mut leaves, mut waiting) = (vec![], vec![root]);
+        while let Some(branch) = waiting.pop() {
+            if branch >= LEAF {
+                leaves.push(branch - LEAF);
+            } else if branch >= SMALL {
+                waiting.push(self.small[(branch - SMALL) as usize].branch);
+            } else {
+                waiting.extend(self.nodes[branch as usize].branches());
+            }
+        }
+        leaves
+    }
+}
