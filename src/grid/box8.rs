@@ -5,21 +5,24 @@
 //! in Wald, Benthin and Boulos ("Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
 //!
 //! *Error bound.* Boxes are padded by [`PADDING`], so that a ray that hits something in a box is certainly found to meet
-//! the box, up to the depth of the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o and
-//! d be the stored origin and direction of the ray, whose exact values are at most 1, and let the exact hit be at the
-//! depth t <= 2.04 in the box from l on. The stored ray is at most r / 2 + 2.04 r / 2 < 1.6 r away from the exact hit
-//! there, and the stored face, which is rounded twice, is at most l - PADDING + r. The depth of the face is computed
-//! from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is rounded once, which moves the
-//! face by at most (2 |l - o| + |o| + |l|) r <= 6 r. Hence the face is found to be before t if PADDING >= 8.6 r. That
-//! PADDING is 16 r leaves 7 r for the maximum depth, which is rounded as well, and for hits at the ray's entry into the
-//! frame's box. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than 2^-58.
+//! the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o and d be
+//! the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray at the depth
+//! t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off by r. The depth
+//! of a face at l is computed from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is
+//! rounded once, which moves the face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 10.1 r. That
+//! the padding is 16 r leaves enough for the maximum depth, which is rounded as well, and for hits at the ray's entry
+//! into the frame's box. `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves
+//! the ray by less than 2^-58.
 
 use super::filter::FilterRay;
 use super::triangle8::LANES;
 use crate::math::instructions::Portable;
 
-/// The distance by which boxes are padded on each side, in units of the frame.
-pub const PADDING: f64 = 1.0 / (1u32 << 20) as f64;
+/// The distance by which boxes are padded on each side, in roundings of single precision.
+const PADDING_ROUNDINGS: f64 = 16.0;
+
+/// The same in units of the frame.
+pub const PADDING: f64 = PADDING_ROUNDINGS / (1u32 << 24) as f64;
 
 /// The smallest absolute value of a direction, so that its inverse is finite.
 const MIN_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;

@@ -30,6 +30,17 @@ pub(crate) trait DescentKernel: Kernel + BoxKernel {
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool;
+
+    /// The same for the branch with this index that has a frame of its own. The ray in the frame around it ends at the
+    /// hit.
+    fn test_small<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        index: u32,
+        outer: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool;
 }
 
 impl DescentKernel for Portable {
@@ -43,6 +54,18 @@ impl DescentKernel for Portable {
         probe: &mut P,
     ) -> bool {
         structure.descend::<_, M, P, ANY>(self, branch, filter_state, query, probe)
+    }
+
+    #[inline(never)]
+    fn test_small<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        index: u32,
+        outer: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        structure.test_small::<_, M, P, ANY>(self, index, outer, query, probe)
     }
 }
 
@@ -60,6 +83,19 @@ impl DescentKernel for Avx2 {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
         unsafe { descend_avx2::<M, P, ANY>(self, structure, branch, filter_state, query, probe) }
     }
+
+    #[inline(always)]
+    fn test_small<M: Mode, P: Probe, const ANY: bool>(
+        self,
+        structure: &AccelerationStructure,
+        index: u32,
+        outer: &mut FilterState,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) -> bool {
+        // SAFETY: `self` proves that the processor has all that the function is compiled for.
+        unsafe { test_small_avx2::<M, P, ANY>(self, structure, index, outer, query, probe) }
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -74,6 +110,20 @@ fn descend_avx2<M: Mode, P: Probe, const ANY: bool>(
     probe: &mut P,
 ) -> bool {
     structure.descend::<_, M, P, ANY>(avx2, branch, filter_state, query, probe)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn test_small_avx2<M: Mode, P: Probe, const ANY: bool>(
+    avx2: Avx2,
+    structure: &AccelerationStructure,
+    index: u32,
+    outer: &mut FilterState,
+    query: &mut RayQuery,
+    probe: &mut P,
+) -> bool {
+    structure.test_small::<_, M, P, ANY>(avx2, index, outer, query, probe)
 }
 
 /// A child of a node that the ray meets, with the depth at which it enters its box.
@@ -106,7 +156,7 @@ impl AccelerationStructure {
                     let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, block, filter_state, probe)
                 } else {
-                    self.test_small::<K, M, P, ANY>(kernel, child - SMALL, filter_state, query, probe)
+                    kernel.test_small::<M, P, ANY>(self, child - SMALL, filter_state, query, probe)
                 };
                 if ANY && changed {
                     return true;
@@ -131,8 +181,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// Looks for a nearer hit in a branch with a frame of its own, and returns whether there is one.
-    #[inline(never)]
+    #[inline(always)]
     fn test_small<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
         kernel: K,

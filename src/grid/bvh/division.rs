@@ -77,10 +77,13 @@ impl<'i> Group<'i> {
             && 8 * self.items.iter().filter(is_small).count() > self.items.len()
     }
 
-    /// Whether it has to be divided, and how urgently.
+    /// Whether it has to be divided among the children of a node, and how urgently. A small group is divided in a frame
+    /// of its own, which should be entered as a whole.
     fn urgency(&self, by_number: bool) -> Option<f32> {
-        let urgency = if by_number { self.items.len() as f32 } else { self.bounds.half_area() };
-        (self.items.len() > LANES).then_some(urgency)
+        match by_number {
+            true => (self.items.len() > LANES).then_some(self.items.len() as f32),
+            false => (self.items.len() > LANES && !self.is_small()).then(|| self.bounds.half_area()),
+        }
     }
 
     /// Two groups of its items.
