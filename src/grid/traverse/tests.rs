@@ -37,7 +37,7 @@ fn world_with_crowds() -> World {
     let mut vertices = vec![];
     for k in 0..900 {
         let (corner, size) = match k % 3 {
-            0 => (0.4 + 1e-6 * point(f64::from(k)), 3e-7),
+            0 => (0.6 + 1e-6 * point(f64::from(k)), 3e-7),
             _ => (point(f64::from(k)), 0.04),
         };
         vertices.extend([DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + size * side));
@@ -73,7 +73,7 @@ fn a_crowded_cell_is_searched_in_its_tree() {
         let (mut hits, mut tiny) = (0, 0);
         for k in 0..6000 {
             let target = match k % 3 {
-                0 => 0.4 + 1e-6 * point(7.3 * f64::from(k) + 0.5),
+                0 => 0.6 + 1e-6 * point(7.3 * f64::from(k) + 0.5),
                 _ => point(7.3 * f64::from(k) + 0.5),
             };
             let far = if k % 30 == 0 { 1e6 } else { 1.0 };
