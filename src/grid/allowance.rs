@@ -35,7 +35,7 @@ const CLUSTERED_REFERENCES: f64 = 2.0;
 pub struct Allowance {
     /// A cell with more primitives than this gets a tree.
     pub max_per_cell: usize,
-    /// References allowed for each primitive of the grid, the number e above.
+    /// References allowed for each primitive of the grid.
     references: f64,
 }
 

@@ -13,7 +13,6 @@ use crate::math::aabb::Aabb;
 use crate::memory;
 use crate::world::World;
 use division::{Bounds, Group, Item, children};
-use std::ops::Range;
 
 mod division;
 
@@ -54,8 +53,6 @@ pub struct Bvh {
 pub struct Small {
     /// The branch in these coordinates.
     pub branch: Branch,
-    /// The indices of its leaves.
-    pub leaves: Range<u32>,
     /// The bounds of its primitives.
     pub simd_bounds: SimdAabb,
     /// The frame of these bounds.
@@ -85,7 +82,7 @@ impl Bvh {
     ) -> Result<Branch, GridTooLarge> {
         if group.items.len() <= LANES {
             self.add_leaf(group.items)
-        } else if level < HEURISTIC_LEVELS && group.is_small() {
+        } else if level < HEURISTIC_LEVELS && group.is_small {
             self.add_small(world, group.items, frame, level)
         } else {
             self.add_node(world, group.items, frame, level)
@@ -110,13 +107,11 @@ impl Bvh {
         let boxes = items.iter().map(|item| world.box_of(item.id));
         let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
         let frame = Frame::new(&bounds);
-        let start = self.leaves.len();
         self.set_frame(frame)?;
         let mut items = items_of(world, items.iter().map(|item| item.id), &frame)?;
         let branch = self.add_node(world, &mut items, &frame, level + 1)?;
         let small = Small {
             branch,
-            leaves: start as u32..self.leaves.len() as u32,
             simd_bounds: SimdAabb::new(&bounds),
             frame,
             max_origin_distance: max_origin_distance(&bounds, f64::INFINITY),
@@ -170,10 +165,7 @@ impl Bvh {
         shift(&mut self.root);
         // Also those of empty lanes, which nothing reads.
         self.nodes.iter_mut().flat_map(|node| &mut node.children).for_each(shift);
-        for small in &mut self.small {
-            shift(&mut small.branch);
-            small.leaves = small.leaves.start + leaves..small.leaves.end + leaves;
-        }
+        self.small.iter_mut().for_each(|small| shift(&mut small.branch));
         Ok(())
     }
 }

@@ -21,23 +21,12 @@ const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 
 /// A kernel that descends trees by calling a function that is not inlined, so that the loop over the cells stays small.
 pub(crate) trait DescentKernel: Kernel + BoxKernel {
-    /// Looks for a nearer hit in a branch, whose frame is that of the filter's ray, and returns whether there is one.
+    /// Looks for a nearer hit in a branch of a tree in the frame of the filter's ray, and returns whether there is one.
     fn descend<M: Mode, P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         branch: Branch,
         filter_state: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool;
-
-    /// The same for the branch with this index that has a frame of its own. The ray in the frame around it ends at the
-    /// hit.
-    fn test_small<M: Mode, P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        index: u32,
-        outer: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool;
@@ -55,18 +44,6 @@ impl DescentKernel for Portable {
     ) -> bool {
         structure.descend::<_, M, P, ANY>(self, branch, filter_state, query, probe)
     }
-
-    #[inline(never)]
-    fn test_small<M: Mode, P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        index: u32,
-        outer: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool {
-        structure.test_small::<_, M, P, ANY>(self, index, outer, query, probe)
-    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -83,19 +60,6 @@ impl DescentKernel for Avx2 {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
         unsafe { descend_avx2::<M, P, ANY>(self, structure, branch, filter_state, query, probe) }
     }
-
-    #[inline(always)]
-    fn test_small<M: Mode, P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        index: u32,
-        outer: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool {
-        // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { test_small_avx2::<M, P, ANY>(self, structure, index, outer, query, probe) }
-    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -110,20 +74,6 @@ fn descend_avx2<M: Mode, P: Probe, const ANY: bool>(
     probe: &mut P,
 ) -> bool {
     structure.descend::<_, M, P, ANY>(avx2, branch, filter_state, query, probe)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn test_small_avx2<M: Mode, P: Probe, const ANY: bool>(
-    avx2: Avx2,
-    structure: &AccelerationStructure,
-    index: u32,
-    outer: &mut FilterState,
-    query: &mut RayQuery,
-    probe: &mut P,
-) -> bool {
-    structure.test_small::<_, M, P, ANY>(avx2, index, outer, query, probe)
 }
 
 /// A child of a node that the ray meets, with the depth at which it enters its box.
@@ -146,6 +96,9 @@ impl AccelerationStructure {
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
+        if (SMALL..LEAF).contains(&branch) {
+            return self.test_small::<K, M, P, ANY>(kernel, branch - SMALL, filter_state, query, probe);
+        }
         let mut has_changed = false;
         let box_ray = BoxRay::new(&filter_state.ray);
         let mut stack = Stack::new();
@@ -156,7 +109,7 @@ impl AccelerationStructure {
                     let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, block, filter_state, probe)
                 } else {
-                    kernel.test_small::<M, P, ANY>(self, child - SMALL, filter_state, query, probe)
+                    kernel.descend::<M, P, ANY>(self, child, filter_state, query, probe)
                 };
                 if ANY && changed {
                     return true;
@@ -181,6 +134,7 @@ impl AccelerationStructure {
         }
     }
 
+    /// Looks for a nearer hit in a branch with a frame of its own. The ray in the frame around it ends there.
     #[inline(always)]
     fn test_small<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
         &self,
@@ -212,13 +166,13 @@ impl AccelerationStructure {
         if small.simd_bounds.is_surely_missed(query.ray) {
             return;
         }
-        for id in small.leaves.clone().flat_map(|leaf| self.cells.primitives_of(&self.blocks[leaf as usize]))
-        {
-            probe.intersections(1);
-            if query.test(id) && ANY {
-                return;
-            }
-        }
+        self.trees.any_leaf(small.branch, &mut |leaf| {
+            let mut ids = self.cells.primitives_of(&self.blocks[leaf as usize]);
+            ids.any(|id| {
+                probe.intersections(1);
+                query.test(id) && ANY
+            })
+        });
     }
 
     /// The child to visit next of those that a ray meets, which is the nearest one unless any hit will do. The others

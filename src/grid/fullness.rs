@@ -42,8 +42,12 @@ impl AccelerationStructure {
         }
         match entry.checked_sub(TREE).and_then(|index| self.trees.root(index)) {
             Some(root) => {
-                let leaves = self.trees.leaves_of(root).into_iter().map(|leaf| self.blocks[leaf as usize]);
-                CellContents::references(&leaves.collect::<Vec<_>>())
+                let mut count = 0;
+                self.trees.any_leaf(root, &mut |leaf| {
+                    count += CellContents::references(std::slice::from_ref(&self.blocks[leaf as usize]));
+                    false
+                });
+                count
             }
             None => CellContents::references(CellContents::blocks_of(&self.blocks, entry)),
         }

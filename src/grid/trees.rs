@@ -66,18 +66,14 @@ impl Trees {
         }
     }
 
-    /// The indices of all leaves of a tree.
-    pub fn leaves_of(&self, root: Branch) -> Vec<u32> {
-        let (mut leaves, mut waiting) = (vec![], vec![root]);
-        while let Some(branch) = waiting.pop() {
-            if branch >= LEAF {
-                leaves.push(branch - LEAF);
-            } else if branch >= SMALL {
-                waiting.push(self.small[(branch - SMALL) as usize].branch);
-            } else {
-                waiting.extend(self.nodes[branch as usize].branches());
-            }
+    /// Whether a condition holds for the block of any leaf of a branch. The leaves after it are not visited.
+    pub fn any_leaf(&self, branch: Branch, holds: &mut impl FnMut(u32) -> bool) -> bool {
+        if branch >= LEAF {
+            holds(branch - LEAF)
+        } else if branch >= SMALL {
+            self.any_leaf(self.small[(branch - SMALL) as usize].branch, holds)
+        } else {
+            self.nodes[branch as usize].branches().any(|child| self.any_leaf(child, holds))
         }
-        leaves
     }
 }

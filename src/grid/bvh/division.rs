@@ -31,9 +31,13 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    fn extent(&self) -> Vec3A {
+        self.max - self.min
+    }
+
     /// Half of the surface area.
     fn half_area(&self) -> f32 {
-        let extent = (self.max - self.min).max(Vec3A::ZERO);
+        let extent = self.extent().max(Vec3A::ZERO);
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
     }
 }
@@ -62,19 +66,17 @@ impl Item {
 pub struct Group<'i> {
     pub items: &'i mut [Item],
     pub bounds: Bounds,
+    /// Whether the group is small, and so are more than an eighth of its items.
+    pub is_small: bool,
 }
 
 impl<'i> Group<'i> {
     pub fn new(items: &'i mut [Item]) -> Self {
         let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
-        Self { items, bounds }
-    }
-
-    /// Whether the group is small, and so are more than an eighth of its primitives.
-    pub fn is_small(&self) -> bool {
-        let is_small = |item: &&Item| (item.bounds.max - item.bounds.min).max_element() < SMALL_PRIMITIVE;
-        (self.bounds.max - self.bounds.min).max_element() <= MAX_SMALL
-            && 8 * self.items.iter().filter(is_small).count() > self.items.len()
+        let are_small = |item: &&Item| item.bounds.extent().max_element() < SMALL_PRIMITIVE;
+        let is_small = bounds.extent().max_element() <= MAX_SMALL
+            && 8 * items.iter().filter(are_small).count() > items.len();
+        Self { items, bounds, is_small }
     }
 
     /// Whether it has to be divided among the children of a node, and how urgently. A small group is divided in a frame
@@ -82,7 +84,7 @@ impl<'i> Group<'i> {
     fn urgency(&self, by_number: bool) -> Option<f32> {
         match by_number {
             true => (self.items.len() > LANES).then_some(self.items.len() as f32),
-            false => (self.items.len() > LANES && !self.is_small()).then(|| self.bounds.half_area()),
+            false => (self.items.len() > LANES && !self.is_small).then(|| self.bounds.half_area()),
         }
     }
 
@@ -179,7 +181,7 @@ fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
 /// The first one fills its leaves.
 fn median(items: &mut [Item]) -> usize {
     let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
-    let extent = (bounds.max - bounds.min).to_array();
+    let extent = bounds.extent().to_array();
     let axis = if extent[0] >= extent[1].max(extent[2]) { 0 } else { 1 + usize::from(extent[2] > extent[1]) };
     let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
     items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));

@@ -88,21 +88,18 @@ fn a_branch_of_small_primitives_has_a_frame_of_its_own() {
     });
     let all: Vec<u32> = (0..2000).collect();
     let bvh = Bvh::new(&two_sizes, &all, &frame()).unwrap();
-    let in_small = |id: u32| {
-        let holds = |small: &Small| {
-            let leaves = &bvh.leaves[small.leaves.start as usize..small.leaves.end as usize];
-            leaves.as_flattened().contains(&id)
-        };
-        bvh.small.iter().any(holds)
-    };
-    let all_small = (0..2000).step_by(2).filter(|&id| in_small(id)).count();
-    assert!(all_small > 950, "{all_small}");
-    assert!((1..2000).step_by(2).filter(|&id| in_small(id)).count() < 10);
+    let mut ids = vec![];
     for small in &bvh.small {
         assert!(small.frame.scale > 1000.0);
-        let of = |leaf: u32| bvh.frames.iter().rfind(|(start, _)| *start <= leaf as usize).unwrap().1;
-        assert_eq!((of(small.leaves.start), of(small.leaves.end - 1)), (small.frame, small.frame));
-        assert_ne!(of(small.leaves.end), small.frame);
+        ids_under(&bvh, small.branch, &mut ids);
+    }
+    assert!(ids.iter().filter(|&id| id % 2 == 0).count() > 950, "{}", ids.len());
+    assert!(ids.iter().filter(|&id| id % 2 == 1).count() < 10);
+    for (i, leaf) in bvh.leaves.iter().enumerate() {
+        let (_, frame_of_leaf) = bvh.frames.iter().rfind(|(start, _)| *start <= i).unwrap();
+        let around = bvh.small.iter().find(|small| small.frame == *frame_of_leaf);
+        assert_eq!(around.is_some(), ids.contains(&leaf[0]), "{i}");
+        assert!(around.is_some() || *frame_of_leaf == frame());
     }
     let even = Bvh::new(&world(2000, scattered), &all, &frame()).unwrap();
     assert!(even.small.is_empty() && even.frames.len() == 1);
