@@ -187,6 +187,7 @@ impl AccelerationStructure {
         let at = |lane: usize| Waiting { entry: meeting.entries[lane], child: children[lane] };
         let mut met = lanes(meeting.set).map(at);
         let mut first = met.next()?;
+        self.prefetch_child(first.child);
         let waiting = stack.len();
         for mut other in met {
             self.prefetch_child(other.child);

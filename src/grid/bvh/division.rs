@@ -100,53 +100,65 @@ impl<'i> Group<'i> {
     }
 }
 
-/// A plane between two bins of centres.
+/// The bins of centres along each axis.
+#[derive(Clone, Copy)]
+struct Bins {
+    start: Vec3A,
+    /// Not finite along an axis on which all centres are the same.
+    per_unit: Vec3A,
+}
+
+impl Bins {
+    fn new(items: &[Item]) -> Self {
+        let (min, max) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(min, max), item| {
+            (min.min(item.center()), max.max(item.center()))
+        });
+        // Slightly fewer bins per unit, so that the last centre is in the last bin.
+        Self { start: min, per_unit: 0.999 * BINS as f32 / (max - min) }
+    }
+
+    /// The bins of an item, by axis.
+    fn of(&self, item: &Item) -> [usize; 3] {
+        let bins = (item.center() - self.start) * self.per_unit;
+        // No number is negative, and a NaN becomes 0. The conversion to `usize` at once takes more instructions.
+        bins.to_array().map(|bin| (bin as i32 as usize).min(BINS - 1))
+    }
+}
+
+/// A plane in front of a bin along an axis.
 #[derive(Clone, Copy)]
 struct Plane {
+    bins: Bins,
     axis: usize,
-    start: f32,
-    bins_per_unit: f32,
-    /// The first bin behind the plane.
     bin: usize,
 }
 
 impl Plane {
-    fn bin_of(&self, item: &Item) -> usize {
-        ((item.center()[self.axis] - self.start) * self.bins_per_unit) as usize
-    }
-
     fn is_before(&self, item: &Item) -> bool {
-        self.bin_of(item) < self.bin
+        self.bins.of(item)[self.axis] < self.bin
     }
 }
 
 /// The plane with the least cost: the sum of both sides' areas, each times the number of blocks for its items. There is
 /// none if all centres are the same.
 fn best_plane(items: &[Item]) -> Option<Plane> {
-    let (min, max) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(min, max), item| {
-        (min.min(item.center()), max.max(item.center()))
-    });
-    let mut best = (f32::INFINITY, None);
-    for axis in 0..3 {
-        // Slightly fewer bins per unit, so that the last centre is in the last bin.
-        let bins_per_unit = 0.999 * BINS as f32 / (max[axis] - min[axis]);
-        if !bins_per_unit.is_finite() {
-            continue;
-        }
-        let mut plane = Plane { axis, start: min[axis], bins_per_unit, bin: 0 };
-        let mut bins = [(0, Bounds::EMPTY); BINS];
-        for item in items {
-            let (count, bounds) = &mut bins[plane.bin_of(item).min(BINS - 1)];
+    let bins = Bins::new(items);
+    let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
+    for item in items {
+        for (contents, bin) in contents.iter_mut().zip(bins.of(item)) {
+            let (count, bounds) = &mut contents[bin];
             *count += 1;
             *bounds = bounds.union(item.bounds);
         }
+    }
+    let mut best = (f32::INFINITY, None);
+    for (axis, contents) in contents.into_iter().enumerate() {
         let mut costs_behind = [0.0; BINS];
-        sweep(bins.into_iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
-        sweep(bins.into_iter().enumerate(), |bin, cost| {
+        sweep(contents.into_iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
+        sweep(contents.into_iter().enumerate(), |bin, cost| {
             let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
             if cost < best.0 {
-                plane.bin = bin + 1;
-                best = (cost, Some(plane));
+                best = (cost, Some(Plane { bins, axis, bin: bin + 1 }));
             }
         });
     }
