@@ -12,8 +12,12 @@ use super::triangle8::{Frame, LANES, NONE};
 use crate::math::aabb::Aabb;
 use crate::memory;
 use crate::world::World;
-use division::{Bounds, Group, Item, children};
+use binary::{BinaryTree, Content, HEURISTIC_LEVELS, Half};
+use division::{Bounds, Group, Item};
 
+pub use binary::MAX_LEVELS;
+
+mod binary;
 mod division;
 
 /// A branch of a tree is a node with this index, or has one of the following bits.
@@ -25,13 +29,8 @@ pub const LEAF: Branch = 1 << 31;
 /// The branch has a frame of its own, and the other bits are its index among such branches.
 pub const SMALL: Branch = 1 << 30;
 
-/// Upper bound on the number of nodes on the way from a root to a leaf: [`HEURISTIC_LEVELS`], and the 13 levels that
-/// 2^32 primitives need if each node has at most 14 more than an eighth of the primitives above it.
-pub const MAX_LEVELS: usize = HEURISTIC_LEVELS + 13;
-
-/// The number of levels that are divided by the heuristic. Below them the primitives are divided by their number, which
-/// bounds the depth of trees of primitives that the heuristic does not divide evenly.
-const HEURISTIC_LEVELS: usize = 12;
+/// The number of levels that a branch with a frame of its own counts as, so that at most eight are nested.
+const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
 
 /// The tree of one cell.
 #[derive(Debug)]
@@ -68,25 +67,13 @@ impl Bvh {
         let (nodes, leaves, small, frames) = (vec![], vec![], vec![], vec![(0, *frame)]);
         let mut bvh = Self { root: 0, nodes, leaves, small, frames };
         let mut items = items_of(world, ids.iter().copied(), frame)?;
-        bvh.root = bvh.add(world, Group::new(&mut items), frame, 0)?;
+        let Group { items, is_small, .. } = Group::new(&mut items);
+        bvh.root = match items.len() {
+            0..=LANES => bvh.add_leaf(items)?,
+            _ if is_small => bvh.add_small(world, items, frame, 0)?,
+            _ => bvh.add_tree(world, items, frame, 0)?,
+        };
         Ok(bvh)
-    }
-
-    /// Adds a branch with these items, with so many levels above it.
-    fn add(
-        &mut self,
-        world: &World,
-        group: Group,
-        frame: &Frame,
-        level: usize,
-    ) -> Result<Branch, GridTooLarge> {
-        if group.items.len() <= LANES {
-            self.add_leaf(group.items)
-        } else if level < HEURISTIC_LEVELS && group.is_small {
-            self.add_small(world, group.items, frame, level)
-        } else {
-            self.add_node(world, group.items, frame, level)
-        }
     }
 
     fn add_leaf(&mut self, items: &[Item]) -> Result<Branch, GridTooLarge> {
@@ -109,7 +96,7 @@ impl Bvh {
         let frame = Frame::new(&bounds);
         self.set_frame(frame)?;
         let mut items = items_of(world, items.iter().map(|item| item.id), &frame)?;
-        let branch = self.add_node(world, &mut items, &frame, level + 1)?;
+        let branch = self.add_tree(world, &mut items, &frame, level + LEVELS_OF_SMALL)?;
         let small = Small {
             branch,
             simd_bounds: SimdAabb::new(&bounds),
@@ -126,18 +113,36 @@ impl Bvh {
         memory::push(&mut self.frames, (self.leaves.len(), frame)).map_err(|_| GridTooLarge)
     }
 
-    fn add_node(
+    /// Adds the nodes of more items than fit into a leaf, below so many levels.
+    fn add_tree(
         &mut self,
         world: &World,
         items: &mut [Item],
         frame: &Frame,
         level: usize,
     ) -> Result<Branch, GridTooLarge> {
+        let tree = BinaryTree::new(items, level).map_err(|_| GridTooLarge)?;
+        self.add_node(world, &tree, tree.root(), items, frame)
+    }
+
+    fn add_node(
+        &mut self,
+        world: &World,
+        tree: &BinaryTree,
+        half: &Half,
+        items: &[Item],
+        frame: &Frame,
+    ) -> Result<Branch, GridTooLarge> {
         let index = self.nodes.len();
         memory::push(&mut self.nodes, Box8::EMPTY).map_err(|_| GridTooLarge)?;
-        for (lane, group) in children(items, level >= HEURISTIC_LEVELS).into_iter().enumerate() {
-            let Bounds { min, max } = group.bounds;
-            let branch = self.add(world, group, frame, level + 1)?;
+        for (lane, child) in tree.children(half).into_iter().enumerate() {
+            let own = &items[child.items.clone()];
+            let branch = match child.content {
+                Content::Leaf => self.add_leaf(own)?,
+                Content::Small { level } => self.add_small(world, own, frame, level)?,
+                Content::Halves(_) => self.add_node(world, tree, child, items, frame)?,
+            };
+            let Bounds { min, max } = child.bounds;
             self.nodes[index].set(lane, [min.to_array(), max.to_array()], branch);
         }
         Ok(index as u32)

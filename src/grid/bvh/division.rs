@@ -1,5 +1,4 @@
-//! How the primitives of a branch are divided among the children of a node: by halving them by the surface area
-//! heuristic, evaluated at the borders of a few bins (Wald, "On fast Construction of SAH-based Bounding Volume
+//! How the primitives of a branch are halved: by the surface area heuristic, evaluated at the borders of a few bins (Wald, "On fast Construction of SAH-based Bounding Volume
 //! Hierarchies", IEEE Symposium on Interactive Ray Tracing 2007).
 
 use crate::grid::box8::PADDING;
@@ -36,7 +35,7 @@ impl Bounds {
     }
 
     /// Half of the surface area.
-    fn half_area(&self) -> f32 {
+    pub fn half_area(&self) -> f32 {
         let extent = self.extent().max(Vec3A::ZERO);
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
     }
@@ -62,7 +61,7 @@ impl Item {
     }
 }
 
-/// Consecutive items that become one child of a node.
+/// Consecutive items.
 pub struct Group<'i> {
     pub items: &'i mut [Item],
     pub bounds: Bounds,
@@ -79,17 +78,8 @@ impl<'i> Group<'i> {
         Self { items, bounds, is_small }
     }
 
-    /// Whether it has to be divided among the children of a node, and how urgently. A small group is divided in a frame
-    /// of its own, which should be entered as a whole.
-    fn urgency(&self, by_number: bool) -> Option<f32> {
-        match by_number {
-            true => (self.items.len() > LANES).then_some(self.items.len() as f32),
-            false => (self.items.len() > LANES && !self.is_small).then(|| self.bounds.half_area()),
-        }
-    }
-
     /// Two groups of its items.
-    fn halves(self, by_number: bool) -> [Self; 2] {
+    pub fn halves(self, by_number: bool) -> [Self; 2] {
         let plane = if by_number { None } else { best_plane(self.items) };
         let middle = match plane {
             Some(plane) => partition(self.items, |item| plane.is_before(item)),
@@ -198,18 +188,4 @@ fn median(items: &mut [Item]) -> usize {
     let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
     items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
     middle
-}
-
-/// Divides items into the children of a node: the group that makes most work is divided until there are eight.
-pub fn children(items: &mut [Item], by_number: bool) -> Vec<Group<'_>> {
-    let mut groups = Vec::with_capacity(LANES);
-    groups.push(Group::new(items));
-    while groups.len() < LANES {
-        let urgencies =
-            groups.iter().enumerate().filter_map(|(i, group)| Some((i, group.urgency(by_number)?)));
-        let Some((most_urgent, _)) = urgencies.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        let halves = groups.swap_remove(most_urgent).halves(by_number);
-        groups.extend(halves);
-    }
-    groups
 }
