@@ -7,6 +7,9 @@ mod contestant;
 mod measure;
 mod mesh;
 mod ours;
+/// The program's allocator, for all contestants.
+#[path = "../../src/pages.rs"]
+mod pages;
 mod peers;
 mod report;
 mod stage;
