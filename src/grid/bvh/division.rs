@@ -80,9 +80,12 @@ impl<'i> Group<'i> {
 
     /// Two groups of its items.
     pub fn halves(self, by_number: bool) -> [Self; 2] {
+        let is_large =
+            |item: &Item| item.bounds.extent().max_element() > 0.5 * self.bounds.extent().max_element();
         let plane = if by_number { None } else { best_plane(self.items) };
         let middle = match plane {
-            Some(plane) => partition(self.items, |item| plane.is_before(item)),
+            Some((cost, _)) if cost_apart(self.items, is_large) < cost => partition(self.items, is_large),
+            Some((_, plane)) => partition(self.items, |item| plane.is_before(item)),
             None => median(self.items),
         };
         let (left, right) = self.items.split_at_mut(middle);
@@ -129,9 +132,9 @@ impl Plane {
     }
 }
 
-/// The plane with the least cost: the sum of both sides' areas, each times the number of blocks for its items. There is
+/// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There is
 /// none if all centres are the same.
-fn best_plane(items: &[Item]) -> Option<Plane> {
+fn best_plane(items: &[Item]) -> Option<(f32, Plane)> {
     let bins = Bins::new(items);
     let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
     for item in items {
@@ -152,7 +155,24 @@ fn best_plane(items: &[Item]) -> Option<Plane> {
             }
         });
     }
-    best.1
+    best.1.map(|plane| (best.0, plane))
+}
+
+/// The cost of large items apart from the others. No plane divides a large item from small ones at its centre, which
+/// would share its box on every level.
+fn cost_apart(items: &[Item], is_large: impl Fn(&Item) -> bool) -> f32 {
+    let cost = |large: bool| {
+        let side = items.iter().filter(|item| is_large(item) == large);
+        let (count, bounds) =
+            side.fold((0, Bounds::EMPTY), |(count, all), item| (count + 1, all.union(item.bounds)));
+        cost_of(count, bounds)
+    };
+    cost(true) + cost(false)
+}
+
+/// The cost of items with these bounds. It is infinite for no items, because then nothing is divided.
+fn cost_of(count: usize, bounds: Bounds) -> f32 {
+    if count == 0 { f32::INFINITY } else { bounds.half_area() * count.div_ceil(LANES) as f32 }
 }
 
 /// Reports the cost of all bins up to each one.
@@ -161,9 +181,7 @@ fn sweep(bins: impl Iterator<Item = (usize, (usize, Bounds))>, mut report: impl 
     for (bin, (more, box_of_more)) in bins {
         count += more;
         bounds = bounds.union(box_of_more);
-        // Nothing is divided off by a plane with nothing on one side.
-        let cost = if count == 0 { f32::INFINITY } else { bounds.half_area() * count.div_ceil(LANES) as f32 };
-        report(bin, cost);
+        report(bin, cost_of(count, bounds));
     }
 }
 

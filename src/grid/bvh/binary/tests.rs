@@ -128,3 +128,16 @@ fn below_the_levels_of_the_heuristic_items_are_divided_by_their_number() {
         );
     }
 }
+
+/// The centre of the large items' boxes is in the middle of the small ones.
+#[test]
+fn large_items_are_apart_from_small_ones_in_their_middle() {
+    let mut items = items((0..500).map(|k| 1e-3 * scattered(k + 1)[k as usize].bounds.min.as_dvec3()), 1e-5);
+    let frame = Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
+    let large = Aabb { min: DVec3::new(-0.9, 0.0, -0.9), max: DVec3::new(0.9, 0.0, 0.9) };
+    items.extend([500, 501].map(|id| Item::new(&frame, &large, id)));
+    let tree = BinaryTree::new(&mut items, 0).unwrap();
+    let Content::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
+    let lengths = halves.map(|index| tree.halves[index].items.len());
+    assert_eq!(lengths, [2, 500]);
+}
