@@ -104,9 +104,9 @@ impl Block {
     }
 }
 
-/// The largest absolute coordinate of a corner in a block. In the frame of a crowded cell a triangle may
-/// extend far beyond the box. One that extends beyond this limit is left for double precision to decide,
-/// since it would enlarge the error bounds of the other triangles in its block.
+/// The largest absolute coordinate of a corner in a block. Triangles of cells and trees lie within their frame's box.
+/// One that extends beyond this limit is left for double precision to decide, since it would enlarge the error bounds of
+/// the other triangles in its block.
 const MAX_CORNER_COORD: f64 = 4.0;
 
 /// Negated error bounds of the filter's quantities for the triangles of a block: a quantity whose exact value

@@ -1,5 +1,6 @@
-//! How the primitives of a branch are halved: by the surface area heuristic, evaluated at the borders of a few bins (Wald, "On fast Construction of SAH-based Bounding Volume
-//! Hierarchies", IEEE Symposium on Interactive Ray Tracing 2007).
+//! How the primitives of a branch are halved: by the surface area heuristic, evaluated at the borders of a few bins
+//! (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
+//! 2007), or between large and small primitives.
 
 use crate::grid::box8::PADDING;
 use crate::grid::triangle8::{Frame, LANES};
@@ -144,18 +145,18 @@ fn best_plane(items: &[Item]) -> Option<(f32, Plane)> {
             *bounds = bounds.union(item.bounds);
         }
     }
-    let mut best = (f32::INFINITY, None);
+    let mut best: Option<(f32, Plane)> = None;
     for (axis, contents) in contents.into_iter().enumerate() {
         let mut costs_behind = [0.0; BINS];
         sweep(contents.into_iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
         sweep(contents.into_iter().enumerate(), |bin, cost| {
             let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
-            if cost < best.0 {
-                best = (cost, Some(Plane { bins, axis, bin: bin + 1 }));
+            if cost < best.map_or(f32::INFINITY, |(least, _)| least) {
+                best = Some((cost, Plane { bins, axis, bin: bin + 1 }));
             }
         });
     }
-    best.1.map(|plane| (best.0, plane))
+    best
 }
 
 /// The cost of large items apart from the others. No plane divides a large item from small ones at its centre, which
