@@ -35,6 +35,11 @@ impl Bounds {
         self.max - self.min
     }
 
+    /// The largest extent.
+    fn size(&self) -> f32 {
+        self.extent().max_element()
+    }
+
     /// Half of the surface area.
     pub fn half_area(&self) -> f32 {
         let extent = self.extent().max(Vec3A::ZERO);
@@ -66,32 +71,48 @@ impl Item {
 pub struct Group<'i> {
     pub items: &'i mut [Item],
     pub bounds: Bounds,
+    /// The bounds of twice the centres.
+    centers: Bounds,
     /// Whether the group is small, and so are more than an eighth of its items.
     pub is_small: bool,
+    /// Whether items are large compared with the group.
+    has_large: bool,
 }
 
 impl<'i> Group<'i> {
     pub fn new(items: &'i mut [Item]) -> Self {
-        let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
-        let are_small = |item: &&Item| item.bounds.extent().max_element() < SMALL_PRIMITIVE;
-        let is_small = bounds.extent().max_element() <= MAX_SMALL
-            && 8 * items.iter().filter(are_small).count() > items.len();
-        Self { items, bounds, is_small }
+        let (mut bounds, mut centers, mut largest) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+        for item in items.iter() {
+            bounds = bounds.union(item.bounds);
+            centers = centers.union(Bounds { min: item.center(), max: item.center() });
+            largest = largest.max(item.bounds.extent());
+        }
+        let size = bounds.size();
+        let are_small = |item: &&Item| item.bounds.size() < SMALL_PRIMITIVE;
+        let is_small = size <= MAX_SMALL && 8 * items.iter().filter(are_small).count() > items.len();
+        Self { items, bounds, centers, is_small, has_large: is_large(largest.max_element(), size) }
     }
 
     /// Two groups of its items.
     pub fn halves(self, by_number: bool) -> [Self; 2] {
-        let is_large =
-            |item: &Item| item.bounds.extent().max_element() > 0.5 * self.bounds.extent().max_element();
-        let plane = if by_number { None } else { best_plane(self.items) };
+        let plane = if by_number { None } else { self.best_plane() };
+        let size = self.bounds.size();
+        let is_large = |item: &Item| is_large(item.bounds.size(), size);
         let middle = match plane {
-            Some((cost, _)) if cost_apart(self.items, is_large) < cost => partition(self.items, is_large),
+            Some((cost, _)) if self.has_large && cost_apart(self.items, is_large) < cost => {
+                partition(self.items, is_large)
+            }
             Some((_, plane)) => partition(self.items, |item| plane.is_before(item)),
-            None => median(self.items),
+            None => median(self.items, self.bounds),
         };
         let (left, right) = self.items.split_at_mut(middle);
         [left, right].map(Group::new)
     }
+}
+
+/// Whether an item of this size is large in a group of this size.
+fn is_large(item: f32, group: f32) -> bool {
+    item > 0.5 * group
 }
 
 /// The bins of centres along each axis.
@@ -103,12 +124,10 @@ struct Bins {
 }
 
 impl Bins {
-    fn new(items: &[Item]) -> Self {
-        let (min, max) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(min, max), item| {
-            (min.min(item.center()), max.max(item.center()))
-        });
+    /// The bins of centres with these bounds.
+    fn new(centers: &Bounds) -> Self {
         // Slightly fewer bins per unit, so that the last centre is in the last bin.
-        Self { start: min, per_unit: 0.999 * BINS as f32 / (max - min) }
+        Self { start: centers.min, per_unit: 0.999 * BINS as f32 / centers.extent() }
     }
 
     /// The bins of an item, by axis.
@@ -133,30 +152,32 @@ impl Plane {
     }
 }
 
-/// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There is
-/// none if all centres are the same.
-fn best_plane(items: &[Item]) -> Option<(f32, Plane)> {
-    let bins = Bins::new(items);
-    let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
-    for item in items {
-        for (contents, bin) in contents.iter_mut().zip(bins.of(item)) {
-            let (count, bounds) = &mut contents[bin];
-            *count += 1;
-            *bounds = bounds.union(item.bounds);
-        }
-    }
-    let mut best: Option<(f32, Plane)> = None;
-    for (axis, contents) in contents.into_iter().enumerate() {
-        let mut costs_behind = [0.0; BINS];
-        sweep(contents.into_iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
-        sweep(contents.into_iter().enumerate(), |bin, cost| {
-            let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
-            if cost < best.map_or(f32::INFINITY, |(least, _)| least) {
-                best = Some((cost, Plane { bins, axis, bin: bin + 1 }));
+impl Group<'_> {
+    /// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There
+    /// is none if all centres are the same.
+    fn best_plane(&self) -> Option<(f32, Plane)> {
+        let bins = Bins::new(&self.centers);
+        let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
+        for item in self.items.iter() {
+            for (contents, bin) in contents.iter_mut().zip(bins.of(item)) {
+                let (count, bounds) = &mut contents[bin];
+                *count += 1;
+                *bounds = bounds.union(item.bounds);
             }
-        });
+        }
+        let mut best: Option<(f32, Plane)> = None;
+        for (axis, contents) in contents.iter().enumerate() {
+            let mut costs_behind = [0.0; BINS];
+            sweep(contents.iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
+            sweep(contents.iter().enumerate(), |bin, cost| {
+                let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
+                if cost < best.map_or(f32::INFINITY, |(least, _)| least) {
+                    best = Some((cost, Plane { bins, axis, bin: bin + 1 }));
+                }
+            });
+        }
+        best
     }
-    best
 }
 
 /// The cost of large items apart from the others. No plane divides a large item from small ones at its centre, which
@@ -177,11 +198,11 @@ fn cost_of(count: usize, bounds: Bounds) -> f32 {
 }
 
 /// Reports the cost of all bins up to each one.
-fn sweep(bins: impl Iterator<Item = (usize, (usize, Bounds))>, mut report: impl FnMut(usize, f32)) {
+fn sweep<'b>(bins: impl Iterator<Item = (usize, &'b (usize, Bounds))>, mut report: impl FnMut(usize, f32)) {
     let (mut count, mut bounds) = (0, Bounds::EMPTY);
     for (bin, (more, box_of_more)) in bins {
         count += more;
-        bounds = bounds.union(box_of_more);
+        bounds = bounds.union(*box_of_more);
         report(bin, cost_of(count, bounds));
     }
 }
@@ -200,8 +221,7 @@ fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
 
 /// Sorts the items into two halves along the axis in which they are spread most, and returns where the second one starts.
 /// The first one fills its leaves.
-fn median(items: &mut [Item]) -> usize {
-    let bounds = items.iter().fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
+fn median(items: &mut [Item], bounds: Bounds) -> usize {
     let extent = bounds.extent().to_array();
     let axis = if extent[0] >= extent[1].max(extent[2]) { 0 } else { 1 + usize::from(extent[2] > extent[1]) };
     let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
