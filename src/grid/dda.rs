@@ -58,7 +58,7 @@ pub struct Dda<'l> {
 }
 
 /// The initial state of the DDA: all axes for one ray, or one axis for four rays.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct DdaSetup {
     /// The coordinates of the first cell.
     pub cell: [i32; 4],

@@ -7,7 +7,7 @@ use crate::math::f64x4::F64x4;
 use crate::math::ray_lanes::RayPacket4;
 
 /// The initial states of the DDAs of four rays. That of a ray that misses the lattice is meaningless.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Dda4 {
     axes: [DdaSetup; 3],
     /// The set of axes along which the direction of each ray is negative (bit 0 for x).

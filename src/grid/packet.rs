@@ -20,6 +20,7 @@ use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
 use crate::stats::Probe;
+use arrayvec::ArrayVec;
 
 /// The number of rays in a packet: so many that the triangles of the first ray have been loaded when it is
 /// tested, and so few that they all stay in the cache.
@@ -102,12 +103,14 @@ impl<M: Mode> Caster<'_, M> {
             }
             return;
         }
-        let mut setups = [PacketSetup::default(); PACKET_SIZE / LANES];
+        // An array of empty set-ups would have to be written first.
+        let mut setups = ArrayVec::<PacketSetup, { PACKET_SIZE / LANES }>::new();
         let (mut passing, mut too_far) = (0, 0);
-        for (i, (setup, four)) in setups.iter_mut().zip(rays.chunks(LANES)).enumerate() {
-            *setup = set_up::<K::F64x4>(kernel, grid, table, four);
+        for (i, four) in rays.chunks(LANES).enumerate() {
+            let setup = set_up::<K::F64x4>(kernel, grid, table, four);
             passing |= setup.passing << (LANES * i);
             too_far |= setup.too_far << (LANES * i);
+            setups.push(setup);
         }
         // All of them are reset, because the branches of a loop over some of them would be mispredicted.
         rays.iter_mut().for_each(|ray| ray.set_visible(None));
@@ -208,7 +211,7 @@ fn first_occupied_cell<'t>(
     }
     if let Some(block) = CellContents::first_block_of(&grid.blocks, cursor.entry()) {
         prefetch(block);
-    } else if let Some(root) = cursor.entry().checked_sub(TREE).and_then(|index| grid.trees.root(index)) {
+    } else if let Some(root) = cursor.entry().checked_sub(TREE) {
         grid.trees.prefetch_node(root);
     }
     Some(cursor)

@@ -10,7 +10,7 @@ use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayPacket4;
 
 /// The set-up of up to four rays before they traverse a grid.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct PacketSetup {
     /// The set of the rays that hit the grid's bounds; bit 0 is the first ray.
     pub passing: u32,
