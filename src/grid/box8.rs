@@ -49,7 +49,8 @@ impl Box8 {
     }
 
     /// Stores a padded box and what is in it in a lane.
-    pub fn set(&mut self, lane: usize, [min, max]: [[f32; 3]; 2], child: u32) {
+    pub fn set(&mut self, lane: usize, corners: [impl Into<[f32; 3]>; 2], child: u32) {
+        let [min, max] = corners.map(Into::into);
         for axis in 0..3 {
             self.faces[axis][0][lane] = min[axis];
             self.faces[axis][1][lane] = max[axis];
@@ -174,7 +175,7 @@ mod tests {
     /// A node with a single box, padded by so much, in the last lane.
     fn node([min, max]: [DVec3; 2], padding: f64) -> Box8 {
         let mut node = Box8::EMPTY;
-        node.set(LANES - 1, [(min - padding).as_vec3().into(), (max + padding).as_vec3().into()], 5);
+        node.set(LANES - 1, [(min - padding).as_vec3(), (max + padding).as_vec3()], 5);
         node
     }
 

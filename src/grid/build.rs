@@ -146,8 +146,7 @@ impl AccelerationStructure {
         let cost = cell_lists.cost() + REFERENCE_COST * in_trees;
         let mut cells = CellContents::new(world, &lattice, &cell_lists)?;
         drop(cell_lists);
-        let trees = Trees::new(world, crowded, &mut cells)?;
-        cells.link_trees(crowded.iter().map(|(cell, _)| *cell));
+        let trees = Trees::new(world, &lattice, crowded, &mut cells)?;
         let max_origin_distance = max_origin_distance(&lattice.bounds, lattice.cell_size.min_element());
         let simd_bounds = SimdAabb::new(&lattice.bounds);
         let table = Some(CellTable::new(lattice, cells.take_entries())?);

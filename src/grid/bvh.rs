@@ -35,7 +35,7 @@ const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
 /// The tree of one cell.
 #[derive(Debug)]
 pub struct Bvh {
-    /// Everything in the cell.
+    /// Everything in the cell, which is not a leaf.
     pub root: Branch,
     /// The nodes of the tree.
     pub nodes: Vec<Box8>,
@@ -62,18 +62,27 @@ pub struct Small {
 }
 
 impl Bvh {
-    /// The tree of primitives in the coordinates of a frame, whose box contains them.
-    pub fn new(world: &World, ids: &[u32], frame: &Frame) -> Result<Self, GridTooLarge> {
+    /// The tree of the primitives of a cell, in the coordinates of a frame whose box contains the cell. Rays find in it
+    /// what they hit within the cell, whose box has to be padded for their rounding errors.
+    pub fn new(world: &World, ids: &[u32], frame: &Frame, cell: &Aabb) -> Result<Self, GridTooLarge> {
+        let primitives = &Primitives { world, cell };
         let (nodes, leaves, small, frames) = (vec![], vec![], vec![], vec![(0, *frame)]);
         let mut bvh = Self { root: 0, nodes, leaves, small, frames };
-        let mut items = items_of(world, ids.iter().copied(), frame)?;
-        let Group { items, is_small, .. } = Group::new(&mut items);
+        let mut items = primitives.items(ids.iter().copied(), frame)?;
+        let Group { items, bounds, is_small, .. } = Group::new(&mut items);
         bvh.root = match items.len() {
-            0..=LANES => bvh.add_leaf(items)?,
-            _ if is_small => bvh.add_small(world, items, frame, 0)?,
-            _ => bvh.add_tree(world, items, frame, 0)?,
+            0..=LANES => bvh.add_single_leaf(items, bounds)?,
+            _ if is_small => bvh.add_small(primitives, items, frame, 0)?,
+            _ => bvh.add_tree(primitives, items, frame, 0)?,
         };
         Ok(bvh)
+    }
+
+    /// Adds a node with nothing but a leaf.
+    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Result<Branch, GridTooLarge> {
+        let mut node = Box8::EMPTY;
+        node.set(0, [bounds.min, bounds.max], self.add_leaf(items)?);
+        self.push_node(node)
     }
 
     fn add_leaf(&mut self, items: &[Item]) -> Result<Branch, GridTooLarge> {
@@ -86,17 +95,17 @@ impl Bvh {
 
     fn add_small(
         &mut self,
-        world: &World,
+        primitives: &Primitives,
         items: &[Item],
         outer: &Frame,
         level: usize,
     ) -> Result<Branch, GridTooLarge> {
-        let boxes = items.iter().map(|item| world.box_of(item.id));
+        let boxes = items.iter().map(|item| primitives.box_of(item.id));
         let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
         let frame = Frame::new(&bounds);
         self.set_frame(frame)?;
-        let mut items = items_of(world, items.iter().map(|item| item.id), &frame)?;
-        let branch = self.add_tree(world, &mut items, &frame, level + LEVELS_OF_SMALL)?;
+        let mut items = primitives.items(items.iter().map(|item| item.id), &frame)?;
+        let branch = self.add_tree(primitives, &mut items, &frame, level + LEVELS_OF_SMALL)?;
         let small = Small {
             branch,
             simd_bounds: SimdAabb::new(&bounds),
@@ -116,43 +125,47 @@ impl Bvh {
     /// Adds the nodes of more items than fit into a leaf, below so many levels.
     fn add_tree(
         &mut self,
-        world: &World,
+        primitives: &Primitives,
         items: &mut [Item],
         frame: &Frame,
         level: usize,
     ) -> Result<Branch, GridTooLarge> {
         let tree = BinaryTree::new(items, level).map_err(|_| GridTooLarge)?;
-        self.add_node(world, &tree, tree.root(), items, frame)
+        self.add_node(primitives, &tree, tree.root(), items, frame)
     }
 
     fn add_node(
         &mut self,
-        world: &World,
+        primitives: &Primitives,
         tree: &BinaryTree,
         half: &Half,
         items: &[Item],
         frame: &Frame,
     ) -> Result<Branch, GridTooLarge> {
-        let index = self.nodes.len();
-        memory::push(&mut self.nodes, Box8::EMPTY).map_err(|_| GridTooLarge)?;
+        let index = self.push_node(Box8::EMPTY)?;
         for (lane, child) in tree.children(half).into_iter().enumerate() {
             let own = &items[child.items.clone()];
             let branch = match child.content {
                 Content::Leaf => self.add_leaf(own)?,
-                Content::Small { level } => self.add_small(world, own, frame, level)?,
-                Content::Halves(_) => self.add_node(world, tree, child, items, frame)?,
+                Content::Small { level } => self.add_small(primitives, own, frame, level)?,
+                Content::Halves(_) => self.add_node(primitives, tree, child, items, frame)?,
             };
             let Bounds { min, max } = child.bounds;
-            self.nodes[index].set(lane, [min.to_array(), max.to_array()], branch);
+            self.nodes[index as usize].set(lane, [min, max], branch);
         }
-        Ok(index as u32)
+        Ok(index)
+    }
+
+    fn push_node(&mut self, node: Box8) -> Result<Branch, GridTooLarge> {
+        memory::push(&mut self.nodes, node).map_err(|_| GridTooLarge)?;
+        Ok(self.nodes.len() as u32 - 1)
     }
 
     /// Adds to the indices in its branches the numbers of what comes before it in the lists of all trees. An error if
     /// an index does not fit.
     pub fn shift(&mut self, nodes: usize, leaves: usize, small: usize) -> Result<(), GridTooLarge> {
         let fits = nodes + self.nodes.len() <= SMALL as usize
-            && small + self.small.len() <= SMALL as usize
+            && small + self.small.len() < SMALL as usize
             && leaves + self.leaves.len() <= LEAF as usize;
         if !fits {
             return Err(GridTooLarge);
@@ -175,15 +188,30 @@ impl Bvh {
     }
 }
 
-/// Primitives in the coordinates of a frame.
-fn items_of(
-    world: &World,
-    ids: impl ExactSizeIterator<Item = u32>,
-    frame: &Frame,
-) -> Result<Vec<Item>, GridTooLarge> {
-    let mut items = with_room_for(ids.len())?;
-    items.extend(ids.map(|id| Item::new(frame, &world.box_of(id), id)));
-    Ok(items)
+/// The primitives of a cell.
+struct Primitives<'w> {
+    world: &'w World,
+    cell: &'w Aabb,
+}
+
+impl Primitives<'_> {
+    /// The box around the part of a primitive in the cell.
+    fn box_of(&self, id: u32) -> Aabb {
+        let Aabb { min, max } = self.world.box_of(id);
+        let Aabb { min: lowest, max: highest } = *self.cell;
+        Aabb { min: min.clamp(lowest, highest), max: max.clamp(lowest, highest) }
+    }
+
+    /// Some of them in the coordinates of a frame.
+    fn items(
+        &self,
+        ids: impl ExactSizeIterator<Item = u32>,
+        frame: &Frame,
+    ) -> Result<Vec<Item>, GridTooLarge> {
+        let mut items = with_room_for(ids.len())?;
+        items.extend(ids.map(|id| Item::new(frame, &self.box_of(id), id)));
+        Ok(items)
+    }
 }
 
 #[cfg(test)]

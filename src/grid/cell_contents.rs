@@ -5,6 +5,7 @@
 //! address translation misses less often. Hence only the indices of the blocks are made at first, and the blocks are
 //! filled when all of them are known.
 
+use super::bvh::Branch;
 use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
 use super::error::GridTooLarge;
@@ -24,8 +25,8 @@ const COUNT_BITS: u32 = 4;
 /// The largest number of blocks that fits into an entry. It means this number or more, and the first block
 /// then holds the exact number.
 const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
-/// The entry of the cell with the first tree. Larger entries, up to [`BORDER`](super::cell_table::BORDER), refer to the
-/// following trees.
+/// The entry of a cell with a tree has this bit, and the others are the tree's root. None is
+/// [`BORDER`](super::cell_table::BORDER).
 pub const TREE: u32 = 1 << 31;
 
 /// The mean number of cells of a primitive from which on it pays to find out which of them have the same primitives.
@@ -119,11 +120,9 @@ impl CellContents {
         blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 
-    /// Sets the entries of these cells, which must be empty, to those of the trees in order.
-    pub fn link_trees(&mut self, cells: impl Iterator<Item = u32>) {
-        for (entry, cell) in (TREE..).zip(cells) {
-            self.entries[cell as usize] = entry;
-        }
+    /// Sets the entry of a cell, which must be empty, to a tree with this root.
+    pub fn link_tree(&mut self, cell: u32, root: Branch) {
+        self.entries[cell as usize] = TREE | root;
     }
 
     /// Appends a block for each leaf of a tree, given by the ids of its primitives in ascending order, and returns the

@@ -277,7 +277,7 @@ mod tests {
         let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
         let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
         let mut block: Block = bytemuck::Zeroable::zeroed();
-        block.fill(&world, &frame, true, &BlockIndex::new(std::array::from_fn(|i| i as u32)));
+        block.fill(&world, &frame, false, &BlockIndex::new(std::array::from_fn(|i| i as u32)));
         block
     }
 
@@ -305,6 +305,20 @@ mod tests {
             for (lane, t) in [(0, 0.75), (5, 0.875)] {
                 let [min, max] = verdict.depths(lane, &block);
                 assert!(min < t && t < max && max - min < 1e-3, "{instructions:?} {min} {max}");
+            }
+        }
+    }
+
+    /// The filter neither rejects it nor is certain of it, and the others are decided as without it.
+    #[test]
+    fn a_triangle_far_larger_than_the_frame_is_left_undecided() {
+        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
+        for size in [1e5, 1e30, 1e60] {
+            let large = (front.0.map(|corner| corner.map(|x| size * x)), 0.25);
+            let block = block([front, large, front, large, front, large, front, large]);
+            for instructions in Instructions::available() {
+                let verdict = test(instructions, &block, &RAY, [NONE; 2]);
+                assert_eq!((verdict.possible, verdict.certain), (0b1111_1111, 0b0101_0101), "{size}");
             }
         }
     }

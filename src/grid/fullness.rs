@@ -40,7 +40,7 @@ impl AccelerationStructure {
         if entry == EMPTY {
             return 0;
         }
-        match entry.checked_sub(TREE).and_then(|index| self.trees.root(index)) {
+        match entry.checked_sub(TREE) {
             Some(root) => {
                 let mut count = 0;
                 self.trees.any_leaf(root, &mut |leaf| {

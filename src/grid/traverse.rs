@@ -96,7 +96,7 @@ impl AccelerationStructure {
                     let own = CellContents::blocks_of(blocks, entry);
                     query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
                 } else if TREES && entry != BORDER {
-                    self.test_tree::<K, M, P, ANY>(kernel, entry - TREE, filter_state, query, probe)
+                    kernel.descend::<M, P, ANY>(self, entry - TREE, filter_state, query, probe)
                 } else {
                     return;
                 };
@@ -121,20 +121,6 @@ impl AccelerationStructure {
                 }
             }
         }
-    }
-
-    /// Looks for a nearer hit in the tree of a cell, and returns whether there is one.
-    #[inline(always)]
-    fn test_tree<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
-        &self,
-        kernel: K,
-        tree: u32,
-        filter_state: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool {
-        let root = self.trees.root(tree);
-        root.is_some_and(|root| kernel.descend::<M, P, ANY>(self, root, filter_state, query, probe))
     }
 
     /// Tests every primitive exactly, without the filter and the DDA, unless the ray certainly misses their

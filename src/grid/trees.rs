@@ -6,6 +6,8 @@ use super::bvh::{Branch, Bvh, LEAF, SMALL, Small};
 use super::cell_contents::CellContents;
 use super::cell_lists::with_room_for;
 use super::error::GridTooLarge;
+use super::fitting::padding;
+use super::lattice::Lattice;
 use crate::math::prefetch::prefetch;
 use crate::world::World;
 use rayon::prelude::*;
@@ -13,8 +15,6 @@ use rayon::prelude::*;
 /// The trees of all crowded cells of a grid.
 #[derive(Debug, Default)]
 pub struct Trees {
-    /// By the order of the entries that refer to them.
-    roots: Vec<Branch>,
     /// The nodes of all trees.
     pub nodes: Vec<Box8>,
     /// The branches of all trees that have frames of their own.
@@ -22,24 +22,27 @@ pub struct Trees {
 }
 
 impl Trees {
-    /// Builds the trees of crowded cells, given by the ids of their primitives, and appends their leaves to the contents
-    /// of the grid's cells.
+    /// Builds the trees of crowded cells, given by the ids of their primitives. The contents of the grid's cells get
+    /// the leaves and the entries.
     pub fn new(
         world: &World,
+        lattice: &Lattice,
         crowded: &[(u32, Vec<u32>)],
         cells: &mut CellContents,
     ) -> Result<Self, GridTooLarge> {
-        let grown = crowded.par_iter().map(|(_, ids)| Bvh::new(world, ids, &cells.frame));
+        let padding = padding(lattice);
+        let grown = crowded
+            .par_iter()
+            .map(|(cell, ids)| Bvh::new(world, ids, &cells.frame, &lattice.box_of(*cell as usize, padding)));
         let grown = grown.collect::<Result<Vec<_>, _>>()?;
         let mut trees = Self {
-            roots: with_room_for(grown.len())?,
             nodes: with_room_for(grown.iter().map(|bvh| bvh.nodes.len()).sum())?,
             small: with_room_for(grown.iter().map(|bvh| bvh.small.len()).sum())?,
         };
-        for mut bvh in grown {
+        for ((cell, _), mut bvh) in crowded.iter().zip(grown) {
             let first_leaf = cells.append_leaves(world, &bvh.leaves, &bvh.frames)?;
             bvh.shift(trees.nodes.len(), first_leaf, trees.small.len())?;
-            trees.roots.push(bvh.root);
+            cells.link_tree(*cell, bvh.root);
             trees.nodes.append(&mut bvh.nodes);
             trees.small.append(&mut bvh.small);
         }
@@ -49,13 +52,7 @@ impl Trees {
     /// Whether there are none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
-        self.roots.is_empty()
-    }
-
-    /// The root of the tree with this index; none if there is no such tree.
-    #[inline(always)]
-    pub fn root(&self, index: u32) -> Option<Branch> {
-        self.roots.get(index as usize).copied()
+        self.nodes.is_empty()
     }
 
     /// Prefetches a branch that is a node.
