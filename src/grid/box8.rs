@@ -1,18 +1,18 @@
 //! Nodes of eight boxes in single precision, relative to a [`Frame`](super::triangle8::Frame), and the conservative
 //! test which of the boxes a ray may meet.
 //!
-//! The test is the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986) for eight boxes at once, as
-//! in Wald, Benthin and Boulos ("Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
+//! The test is the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986) for eight boxes at once,
+//! as in Wald, Benthin and Boulos ("Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
 //!
-//! *Error bound.* Boxes are padded by [`PADDING`], so that a ray that hits something in a box is certainly found to meet
-//! the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o and d be
-//! the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray at the depth
-//! t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off by r. The depth
-//! of a face at l is computed from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is
-//! rounded once, which moves the face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 10.1 r. That
-//! the padding is 16 r leaves enough for the maximum depth, which is rounded as well, and for hits at the ray's entry
-//! into the frame's box. `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves
-//! the ray by less than 2^-58.
+//! *Error bound.* Boxes are padded by [`PADDING`], so that a ray that hits something in a box is certainly found to
+//! meet the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o
+//! and d be the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray
+//! at the depth t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off
+//! by r. The depth of a face at l is computed from the inverse i of d as l i - o i, where each of i, o i, l i and the
+//! difference is rounded once, which moves the face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together
+//! these are 10.1 r. That the padding is 16 r leaves enough for the maximum depth, which is rounded as well, and for
+//! hits at the ray's entry into the frame's box. `proofs/box8.g` proves these sums. A direction of less than 2^-60
+//! counts as 2^-60, which moves the ray by less than 2^-58.
 
 use super::filter::FilterRay;
 use super::triangle8::LANES;

@@ -1,5 +1,5 @@
-//! The trees of a grid's crowded cells. Their nodes are in one list and their leaves are blocks of the grid, because long
-//! lists are in large pages.
+//! The trees of a grid's crowded cells. Their nodes are in one list and their leaves are blocks of the grid, because
+//! long lists are in large pages.
 
 use super::box8::Box8;
 use super::bvh::{Branch, Bvh, LEAF, SMALL, Small};

@@ -104,9 +104,9 @@ impl Block {
     }
 }
 
-/// The largest absolute coordinate of a corner in a block. A frame in a tree contains only the parts of triangles in the
-/// tree's cell, and a triangle may extend far beyond it. One that exceeds this limit is left for double precision to
-/// decide, since it would enlarge the error bounds of the other triangles in its block, or overflow.
+/// The largest absolute coordinate of a corner in a block. A frame in a tree contains only the parts of triangles in
+/// the tree's cell, and a triangle may extend far beyond it. One that exceeds this limit is left for double precision
+/// to decide, since it would enlarge the error bounds of the other triangles in its block, or overflow.
 const MAX_CORNER_COORD: f64 = 4.0;
 
 /// Negated error bounds of the filter's quantities for the triangles of a block: a quantity whose exact value
