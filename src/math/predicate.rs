@@ -2,9 +2,10 @@
 //! computed from the given coordinates and rounded only once, at the end. They are correct for all finite
 //! floats. The triangle test calls them when its own error bound does not decide.
 //!
-//! Differences of points are avoided, since they would be rounded and might overflow. Products are expanded
-//! instead: (p - o) x (q - o) = p x q + q x o + o x p.
+//! Differences of points may be rounded, and may overflow. Where they are, products are expanded instead:
+//! (p - o) x (q - o) = p x q + q x o + o x p.
 
+use super::double_double::Dd;
 use super::exact_sum::ExactSum;
 use super::scaled::Scaled;
 use glam::DVec3;
@@ -20,19 +21,36 @@ pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
     edges(triangle).map(|[p, q]| projected_area(d, [o, p, q]))
 }
 
+/// The difference of two points, if no coordinate of it is rounded. That of points close to each other is not, unless
+/// they are close to zero (Sterbenz, "Floating-Point Computation", Prentice-Hall 1974).
+fn exact_difference(a: DVec3, b: DVec3) -> Option<DVec3> {
+    let is_exact = (0..3).all(|axis| Dd::difference(a[axis], b[axis]).parts()[0] == 0.0);
+    is_exact.then_some(a - b)
+}
+
 /// `d . ((b - a) x (c - a))`: twice the signed area of a triangle projected along `d`, times the length of
 /// `d`.
 pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
+    let [a, b, c] = triangle;
     let mut sum = ExactSum::default();
-    edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q]));
+    match (exact_difference(b, a), exact_difference(c, a)) {
+        (Some(p), Some(q)) => sum.add_determinant([d, p, q]),
+        _ => edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q])),
+    }
     sum.value()
 }
 
 /// `(a - o) . ((b - a) x (c - a))`: six times the signed volume of the tetrahedron of a point and a triangle.
 pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
+    let [a, b, c] = triangle;
     let mut sum = ExactSum::default();
-    sum.add_determinant(triangle);
-    edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([-o, p, q]));
+    match (exact_difference(a, o), exact_difference(b, a), exact_difference(c, a)) {
+        (Some(r), Some(p), Some(q)) => sum.add_determinant([r, p, q]),
+        _ => {
+            sum.add_determinant(triangle);
+            edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([-o, p, q]));
+        }
+    }
     sum.value()
 }
 
@@ -61,6 +79,7 @@ pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scal
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::worst_case::Rng;
 
     #[test]
     fn coplanar_vectors_give_zero_and_nearly_coplanar_ones_a_sign() {
@@ -82,6 +101,37 @@ mod tests {
         let edge = |x: f64, y: f64| [DVec3::new(tiny, tiny, 0.0), DVec3::new(x, y, 0.0)];
         assert_eq!(cross_component(DVec3::splat(0.7), edge(0.1, 0.1), [0, 1]), Scaled::ZERO);
         assert_eq!(cross_component(DVec3::new(0.3, 0.1, 0.0), edge(0.3, 0.1), [0, 1]).sign(), -1);
+    }
+
+    /// Points whose differences are exact, and points where they are rounded or overflow.
+    #[test]
+    fn determinants_are_those_of_expanded_products() {
+        let rng = &mut Rng(1);
+        let mut exact = 0;
+        for scale in [1.0, 1e-3, 2f64.powi(-1040), 1.5e308] {
+            for digits in [2f64.powi(-20), 2f64.powi(-52), 0.0] {
+                for _ in 0..100 {
+                    let mut point = || {
+                        let v = rng.vector();
+                        scale * if digits == 0.0 { v } else { (v / digits).round() * digits }
+                    };
+                    let (o, [a, b, c]) = (point(), [point(), point(), point()]);
+                    exact += [(a, o), (b, a), (c, a)]
+                        .iter()
+                        .filter(|(p, q)| exact_difference(*p, *q).is_some())
+                        .count();
+                    let (mut area, mut six_volumes) = (ExactSum::default(), ExactSum::default());
+                    six_volumes.add_determinant([a, b, c]);
+                    for [p, q] in edges([a, b, c]) {
+                        area.add_determinant([o, p, q]);
+                        six_volumes.add_determinant([-o, p, q]);
+                    }
+                    assert_eq!(projected_area(o, [a, b, c]), area.value(), "{o} {a} {b} {c}");
+                    assert_eq!(volume(o, [a, b, c]), six_volumes.value(), "{o} {a} {b} {c}");
+                }
+            }
+        }
+        assert!((1000..2600).contains(&exact), "{exact} of 3600 differences are exact");
     }
 
     #[test]
