@@ -63,7 +63,8 @@ pub fn cell_lists(
     })
 }
 
-/// The padding of cells for insertion, in cells: the error bounds of the DDA and of hit points.
+/// The padding of cells for insertion and for the boxes of trees, in cells: the error bounds of the DDA and of hit
+/// points.
 pub fn padding(lattice: &Lattice) -> f64 {
     face_error_bound(lattice) + POSITION_ERROR_BOUND
 }

@@ -31,9 +31,10 @@ impl Trees {
         cells: &mut CellContents,
     ) -> Result<Self, GridTooLarge> {
         let padding = padding(lattice);
-        let grown = crowded
-            .par_iter()
-            .map(|(cell, ids)| Bvh::new(world, ids, &cells.frame, &lattice.box_of(*cell as usize, padding)));
+        let grown = crowded.par_iter().map(|(cell, ids)| {
+            let cell = lattice.box_of(*cell as usize, padding);
+            Bvh::new(world, ids, &cells.frame, &cell)
+        });
         let grown = grown.collect::<Result<Vec<_>, _>>()?;
         let mut trees = Self {
             nodes: with_room_for(grown.iter().map(|bvh| bvh.nodes.len()).sum())?,
