@@ -9,11 +9,12 @@
 #
 #   v d = (l (1 + e3) - o (1 + e1)) (1 + e0) (1 + e2),
 #
-# which is l - o and what is `moved` here. The exact hit is above the unpadded face, and the point of the stored ray at t
-# is off by at most `ray`: one rounding of the origin, and one of the direction times t. The stored face is off by at most
-# `face`. A direction of almost 0 counts as 2^-60, which is within the last digits of these bounds. Hence
-# (t - v) d >= `left`. As d is at most 1 and its rounding, t - v is not less. The maximum depth is rounded by up to
-# `last`, and no hit that counts is more than `last` before the depth 0, where the ray enters the frame's box.
+# which is l - o and what is `moved` here. The exact hit is above the unpadded face, and the point of the stored ray at
+# t is off by at most `ray`: one rounding of the origin, and one of the direction times t. The stored face is off by at
+# most `face`: one rounding, and two more where the box ends at the corner of a cell. A direction of almost 0 counts as
+# 2^-60, which is within the last digits of these bounds. Hence (t - v) d >= `left`. As d is at most 1 and its rounding,
+# t - v is not less. The maximum depth is rounded by up to `last`, and no hit that counts is more than `last` before the
+# depth 0, where the ray enters the frame's box.
 r = 1b-24;
 PADDING_ROUNDINGS = 16.0;
 MAX_DEPTH = 2.03125;
@@ -26,6 +27,6 @@ left = PADDING_ROUNDINGS * r - face - ray - moved;
 
 { l in [-1.00001, 1.00001] /\ o in [-1.00001, 1.00001]
 /\ |e0| <= 1b-24 /\ |e1| <= 1b-24 /\ |e2| <= 1b-24 /\ |e3| <= 1b-24
-/\ |face_roundings| <= 1.0001 /\ |ray_roundings| <= 3.0315 /\ |last_roundings| <= 2.0315
+/\ |face_roundings| <= 3.0001 /\ |ray_roundings| <= 3.0315 /\ |last_roundings| <= 2.0315
 -> 1 + MAX_DEPTH <= 3.0315 /\ MAX_DEPTH <= 2.0315
-/\ left - last >= 3b-24 }
+/\ left - last >= 1b-24 }

@@ -8,11 +8,12 @@
 //! meet the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o
 //! and d be the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray
 //! at the depth t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off
-//! by r. The depth of a face at l is computed from the inverse i of d as l i - o i, where each of i, o i, l i and the
-//! difference is rounded once, which moves the face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together
-//! these are 10.1 r. That the padding is 16 r leaves enough for the maximum depth, which is rounded as well, and for
-//! hits at the ray's entry into the frame's box. `proofs/box8.g` proves these sums. A direction of less than 2^-60
-//! counts as 2^-60, which moves the ray by less than 2^-58.
+//! by r, and by 2 r more where it is that of a cell, whose corners are rounded. The depth of a face at l is computed
+//! from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is rounded once, which moves the
+//! face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 12.1 r. That the padding is 16 r leaves
+//! enough for the maximum depth, which is rounded as well, and for hits at the ray's entry into the frame's box.
+//! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
+//! 2^-58.
 
 use super::filter::FilterRay;
 use super::triangle8::LANES;

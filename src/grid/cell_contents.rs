@@ -5,7 +5,6 @@
 //! address translation misses less often. Hence only the indices of the blocks are made at first, and the blocks are
 //! filled when all of them are known.
 
-use super::bvh::Branch;
 use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
 use super::error::GridTooLarge;
@@ -120,8 +119,8 @@ impl CellContents {
         blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 
-    /// Sets the entry of a cell, which must be empty, to a tree with this root.
-    pub fn link_tree(&mut self, cell: u32, root: Branch) {
+    /// Sets the entry of a cell, which must be empty, to a tree with this root, which must be less than [`TREE`].
+    pub fn link_tree(&mut self, cell: u32, root: u32) {
         self.entries[cell as usize] = TREE | root;
     }
 

@@ -106,6 +106,7 @@ mod tests {
     use super::*;
     use crate::grid::dda::{Dda, T_ONE};
     use crate::grid::reach::MAX_ORIGIN_CELLS;
+    use crate::grid::triangle8::Frame;
     use crate::math::double_double::{Dd, difference, dot};
     use crate::math::ray::Ray;
     use crate::math::robust::UNIT_ROUNDOFF;
@@ -118,6 +119,35 @@ mod tests {
         let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [4096, 2, 3]);
         let more = padding(&lattice) - face_error_bound(&lattice);
         assert!((0.9 * POSITION_ERROR_BOUND..1.1 * POSITION_ERROR_BOUND).contains(&more), "{more}");
+    }
+
+    /// `proofs/box8.g` assumes it for the boxes of trees, which end at the corners of padded cells. Cells far from the
+    /// origin are not smaller than `widened` makes them.
+    #[test]
+    fn the_corners_of_cells_are_off_by_at_most_two_roundings_of_single_precision() {
+        let (rng, mut largest) = (&mut Rng(1), 0.0f64);
+        for _ in 0..20_000 {
+            let (min, extent) = (rng.vector(), libm::exp2(-60.0 * rng.unit()) * rng.vector().abs());
+            let bounds = widened(Aabb { min, max: min + extent });
+            let counts = [0, 1, 2].map(|_| 1 + rng.below(50));
+            let lattice = Lattice::new(bounds, counts);
+            let (scale, padding) = (Frame::new(&bounds).scale, padding(&lattice));
+            let cell = counts.map(|count| rng.below(count as u64));
+            let padded = lattice.box_of(lattice.index(cell), padding);
+            for axis in 0..3 {
+                let (first, count) = (bounds.min[axis], Dd::from(counts[axis] as f64));
+                let whole = Dd::difference(bounds.max[axis], first);
+                let off = |corner: f64, cells: Dd| {
+                    (Dd::difference(corner, first) * count - cells * whole).value() / count.value() * scale
+                };
+                let cells = [cell[axis], cell[axis] + 1].map(|cells| Dd::from(cells as f64));
+                let below = off(padded.min[axis], cells[0] - padding.into());
+                let above = off(padded.max[axis], cells[1] + padding.into());
+                largest = largest.max(below.abs()).max(above.abs());
+            }
+        }
+        let roundings = largest * libm::exp2(24.0);
+        assert!((0.5..=2.0).contains(&roundings), "{roundings}");
     }
 
     /// In a flat lattice, how far the faces along y lie, in cells, from where an exact ray is at the t at which the
