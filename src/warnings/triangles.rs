@@ -51,7 +51,10 @@ fn has_no_normal(u: DVec3, v: DVec3) -> bool {
     }
     // A power of two scales without an error and keeps the products from underflow.
     let scale = |w: DVec3| match w.abs().max_element() {
-        largest if largest > 0.0 && largest.is_finite() => w * (-largest.log2().floor()).exp2(),
+        largest if largest > 0.0 && largest.is_finite() => {
+            let (_, exponent) = libm::frexp(largest);
+            w.map(|x| libm::ldexp(x, -exponent))
+        }
         _ => w,
     };
     let (u, v) = (scale(u), scale(v));
@@ -82,12 +85,17 @@ mod tests {
         assert!(flat([[0.1, 0.0, 7.0], [0.3, 0.0, 7.0], [0.7, 0.0, 7.0]]));
         assert!(flat([[2.0; 3]; 3]));
         assert!(flat([[0.0; 3], [1e-200, 0.0, 0.0], [3e-200, 0.0, 0.0]]));
+        let least = f64::from_bits(1);
+        assert!(flat([[0.0; 3], [least, least, 0.0], [3.0 * least, 3.0 * least, 0.0]]));
     }
 
     #[test]
     fn the_smallest_area_is_one() {
         assert!(!flat([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0_f64.next_up()]]));
         assert!(!flat([[0.0; 3], [1e-200, 0.0, 0.0], [0.0, 1e-200, 0.0]]));
+        // 1 over the least positive number is infinite.
+        let least = f64::from_bits(1);
+        assert!(!flat([[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]));
         assert!(!flat([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
         assert!(!flat([[0.0; 3], [1e100, 0.0, 0.0], [0.0, 0.0, 1e-100]]));
         // Their rounded products are equal.
