@@ -9,7 +9,6 @@ use super::flags::{self, FLAGS, Flag};
 use super::values::ends_in;
 use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -39,7 +38,7 @@ impl Raw {
     pub fn parse(words: Vec<OsString>) -> Result<Self, Stop> {
         let line =
             words.iter().enumerate().map(|(i, word)| rewrite(i, word)).collect::<Result<Vec<_>, _>>()?;
-        match command().try_get_matches_from(line) {
+        match command(&flags_for(&words)).try_get_matches_from(line) {
             Ok(matches) => Ok(Self { matches, words }),
             Err(error) => Err(translate(&error, &words)),
         }
@@ -47,7 +46,7 @@ impl Raw {
 
     /// Whether the flag is given.
     pub fn given(&self, flag: &Flag) -> bool {
-        self.matches.value_source(flag.name) == Some(ValueSource::CommandLine)
+        matches!(self.matches.try_contains_id(flag.name), Ok(true))
     }
 
     /// An error if a flag is given that is not among those that `flag` understands.
@@ -137,17 +136,30 @@ fn reject_equals(word: &OsStr) -> Result<(), CliError> {
     }
 }
 
-fn command() -> clap::Command {
+/// The flags that clap has to know: those among the words, or, if one of them does not exist, all, to suggest another.
+/// Setting up all of them would take longer than the rest of the parsing.
+fn flags_for(words: &[OsString]) -> Vec<&'static Flag> {
+    let find = |word: &OsString| flags::find(word.to_str()?.trim_start_matches('-'));
+    let words = words.iter().filter(|word| is_flag(word.as_encoded_bytes()));
+    let given: Option<Vec<_>> = words.map(find).collect();
+    let is_given =
+        |flag: &&Flag| given.as_ref().is_none_or(|given| given.iter().any(|g| g.name == flag.name));
+    FLAGS.iter().copied().filter(is_given).collect()
+}
+
+fn command(known: &[&'static Flag]) -> clap::Command {
     clap::Command::new("raytracer")
         .version(env!("CARGO_PKG_VERSION"))
         .no_binary_name(true)
         .disable_help_flag(true)
         .disable_version_flag(true)
-        .args(FLAGS.iter().map(|flag| arg(flag)))
+        .args(known.iter().map(|flag| arg(flag, known)))
 }
 
-fn arg(flag: &Flag) -> Arg {
-    let arg = Arg::new(flag.name).long(flag.name).aliases(flag.aliases).conflicts_with_all(flag.conflicts);
+fn arg(flag: &Flag, known: &[&Flag]) -> Arg {
+    let is_known = |name: &&&str| known.iter().any(|flag| flag.name == **name);
+    let arg = Arg::new(flag.name).long(flag.name).aliases(flag.aliases);
+    let arg = arg.conflicts_with_all(flag.conflicts.iter().filter(is_known));
     match flag.name {
         "help" => arg.action(ArgAction::Help),
         "version" => arg.action(ArgAction::Version),
