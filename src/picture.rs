@@ -85,15 +85,15 @@ pub const BLUE_FIRST: usize = 2;
 /// truncated (not rounded) to a whole number and clamped to 0..=255, as in the course's program. NaN becomes
 /// 0. Returns the number of colours with a NaN.
 pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
-    // The sum is NaN if any channel is, which is cheaper than a test of each channel.
-    let mut sum = 0.0;
+    let mut has_nan = false;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
-        sum = sum + color.x + color.y + color.z;
+        // The sum is NaN if any channel is, which is cheaper than a test of each channel, or if two are opposite infinities.
+        has_nan |= (color.x + color.y + color.z).is_nan();
         // The conversion truncates, clamps and maps NaN to 0.
         let [red, green, blue] = (255.0 * color).to_array().map(|channel| channel as u8);
         (pixel[RED], pixel[1], pixel[2 - RED]) = (red, green, blue);
     }
-    if sum.is_nan() { colors.iter().filter(|color| color.is_nan()).count() as u64 } else { 0 }
+    if has_nan { colors.iter().filter(|color| color.is_nan()).count() as u64 } else { 0 }
 }
 
 impl Picture {
