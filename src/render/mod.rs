@@ -1,12 +1,12 @@
 //! Rows of pixels in parallel: samples -> film -> the layers' rows, handed out from the top as they are
 //! finished.
 
+mod delivery;
 pub mod grid_view;
 pub mod layer;
 mod request;
 mod row;
 mod sample_packet;
-mod spare;
 mod strip;
 mod tally;
 
@@ -24,7 +24,6 @@ use crate::scene::Color;
 use crate::trace::Observer;
 use glam::DVec2;
 use row::Setting;
-use spare::Spare;
 use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -88,7 +87,7 @@ impl<E> From<NoMemory> for Stopped<E> {
 /// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither
 /// the colours nor the probe depend on the number of threads. Only some rows are in memory at a time, never
 /// the whole picture.
-pub fn render<M: Mode, P: Observer, E>(
+pub fn render<M: Mode, P: Observer, E: Send>(
     camera: &Camera,
     caster: &Caster<M>,
     view: View,
@@ -101,10 +100,9 @@ pub fn render<M: Mode, P: Observer, E>(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
-    let spare = Spare::default();
     let shadow_maps = request.shadow_maps::<M, P>(caster, view);
     let shadow_maps = shadow_maps.as_ref();
-    let setting = Setting { camera, caster, view, request, spare: &spare, shadow_maps };
+    let setting = Setting { camera, caster, view, request, shadow_maps };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
     let mut probe = P::default();
@@ -126,10 +124,7 @@ pub fn strata<M: Mode>(
     settings: Adaptive,
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
-    let spare = Spare::default();
-    Setting { camera, caster, view, request, spare: &spare, shadow_maps: None }
-        .strata(settings, pixel)
-        .unwrap_or_default()
+    Setting { camera, caster, view, request, shadow_maps: None }.strata(settings, pixel).unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and the probe. A layer without

@@ -3,7 +3,6 @@
 use super::layer::Layer;
 use super::request::{Request, View};
 use super::sample_packet::{Place, Sample, SamplePacket};
-use super::spare::Spare;
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::f64x4::F64x4;
@@ -28,28 +27,9 @@ pub mod adaptive;
 mod dispatch;
 mod measure;
 mod plot;
+mod traced;
 
-/// The result of tracing a row of pixels.
-pub struct Row<P> {
-    /// The index of the row, counted from the bottom.
-    pub j: usize,
-    pub probe: P,
-    pub colors: Colors,
-    /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of
-    /// the enlarged picture from the bottom. The list of a colour layer is empty, because `colors` has its
-    /// colours.
-    pub layers: Vec<Vec<Color>>,
-}
-
-/// What the samples of a row contribute to the layer of colours.
-pub enum Colors {
-    /// Nothing, because the request has no such layer.
-    Unwanted,
-    /// The colours of the row itself, if every sample contributes to its own pixel only.
-    Finished(Vec<Color>),
-    /// Sums for this row and those around it.
-    Spread(Spread),
-}
+pub use traced::{Colors, Row};
 
 /// Everything that is needed to trace any row of a picture.
 pub struct Setting<'a, M> {
@@ -57,8 +37,6 @@ pub struct Setting<'a, M> {
     pub caster: &'a Caster<'a, M>,
     pub view: View<'a>,
     pub request: &'a Request,
-    /// The lists of finished rows, for those that follow.
-    pub spare: &'a Spare,
     /// What is known of shadows before any ray is cast, if anything is.
     pub shadow_maps: Option<&'a ShadowMaps>,
 }
@@ -73,26 +51,25 @@ impl<M> Clone for Setting<'_, M> {
 impl<M> Copy for Setting<'_, M> {}
 
 impl<M: Mode> Setting<'_, M> {
-    /// Traces row `j`. `visibility` has the first hits of the rays through its centres, as far as they are
-    /// known. If
-    /// `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
+    /// Traces an empty row. `visibility` has the first hits of the rays through its centres, as far as they are
+    /// known. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
     pub fn row<P: Observer>(
         &self,
+        empty: Row<P>,
         visibility: Option<&VisibilityBuffer>,
-        j: usize,
         is_shown: bool,
         refinement: Option<Refinement>,
-    ) -> Result<Row<P>, NoMemory> {
-        let mut painter: Painter<M, P> = Painter { refinement, ..self.painter(visibility, j, is_shown)? };
+    ) -> Row<P> {
+        let mut painter = Painter { refinement, ..self.painter(empty, visibility, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
             columns.for_each(|column| painter.paint_and_count(column, &mut packet));
-            return Ok(painter.row);
+            return painter.row;
         }
         for first in columns.clone().step_by(SamplePacket::SIZE) {
             painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
         }
-        Ok(painter.row)
+        painter.row
     }
 
     /// The columns whose samples contribute to the row.
@@ -102,15 +79,15 @@ impl<M: Mode> Setting<'_, M> {
         shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
     }
 
-    /// A painter of row `j`.
+    /// A painter of an empty row.
     fn painter<'a, P: Observer>(
         &'a self,
+        row: Row<P>,
         visibility: Option<&'a VisibilityBuffer>,
-        j: usize,
         is_shown: bool,
-    ) -> Result<Painter<'a, M, P>, NoMemory> {
+    ) -> Painter<'a, M, P> {
         let Setting { caster, request, shadow_maps, .. } = *self;
-        Ok(Painter {
+        Painter {
             setting: *self,
             tracer: Tracer { caster, effects: request.effects, shadow_maps },
             visibility,
@@ -121,15 +98,19 @@ impl<M: Mode> Setting<'_, M> {
             sum: Sum::default(),
             plots: plots(request, is_shown),
             refinement: None,
-            row: self.empty_row(j)?,
-        })
+            row,
+        }
     }
 
-    fn empty_row<P: Observer>(&self, j: usize) -> Result<Row<P>, NoMemory> {
+    /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
+    pub fn empty_row<P: Observer>(&self, j: usize, used: Option<Row<P>>) -> Result<Row<P>, NoMemory> {
         let Setting { request, .. } = *self;
+        if let Some(row) = used.and_then(|used| used.emptied(j)) {
+            return Ok(row);
+        }
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
-            (true, 0) => Colors::Finished(self.spare.list(request.columns().len())?),
+            (true, 0) => Colors::Finished(memory::with_room(request.columns().len())?),
             (true, _) => {
                 Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size)?)
             }
@@ -219,7 +200,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
             packet.find_surfaces::<F>(proof, caster.world);
         }
         if measures {
-            packet.samples().iter().for_each(|center| self.measure(center));
+            self.measure(packet.samples());
         }
         if request.traces_colors::<P>() && request.sampler.is_center() {
             self.color::<true>(packet);

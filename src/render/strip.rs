@@ -8,9 +8,8 @@ use super::layer::Layer;
 use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
-use super::spare::Spare;
 use super::tally::{Tally, in_parallel};
-use super::{Stopped, TakeRow};
+use super::{Stopped, TakeRow, delivery};
 use crate::memory::{self, NoMemory};
 use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
@@ -38,10 +37,6 @@ const SAMPLES: usize = 1 << 24;
 /// then.
 const ROWS_PER_SUPPORT: usize = 64;
 
-/// The number of rows, per thread, that are handed out together where no sample contributes to another row: so few that
-/// their colours, whose memory is used again, stay in the cache, and so many that threads seldom wait for each other.
-const ROWS_PER_THREAD: usize = 64;
-
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a, M> {
     setting: &'a Setting<'a, M>,
@@ -54,8 +49,8 @@ type FirstOfRows<P> = (Vec<FirstSamples>, Vec<P>);
 /// Rows that are ready to be handed out.
 struct Finished<P> {
     probe: P,
-    /// The layers of each row of pixels, from the bottom.
-    rows: Vec<Vec<Vec<Color>>>,
+    /// The colours of each row of pixels, from the bottom, and its other layers.
+    rows: Vec<(Vec<Color>, Vec<Vec<Color>>)>,
 }
 
 impl<'a, M: Mode> Strip<'a, M> {
@@ -82,32 +77,26 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces the strip and hands it out, and returns the probe.
-    pub fn render<P: Observer, E>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
-        let request = self.setting.request;
+    pub fn render<P: Observer, E: Send>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
+        let Setting { request, .. } = *self.setting;
         if Self::hands_out_at_once(request) {
             let finished = self.finish::<P>(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
-            return finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output);
+            return finished.hand_out(request, take_row).map_err(Stopped::Output);
         }
         let visibility = self.visibility::<P>(self.rows.clone());
-        let (mut probe, mut end) = (P::default(), self.rows.end);
-        while end > self.rows.start {
-            let first = end.saturating_sub(ROWS_PER_THREAD * rayon::current_num_threads());
-            let rows = first.max(self.rows.start)..end;
-            let part = Strip { setting: self.setting, rows: rows.clone() };
-            let mut finished = Finished { probe, rows: memory::filled(vec![], rows.len())? };
-            let mut film = Film::starting_at(request.filter, request.size, rows.start);
-            let traced = part.trace(rows.clone(), visibility.as_ref(), tally)?;
-            let complete = traced.iter().rev().take_while(|row| row.is_some()).count();
-            for row in traced.into_iter().skip(rows.len() - complete).flatten() {
-                finished.take(row, &part, &mut film)?;
-            }
-            probe = finished.hand_out(request, self.setting.spare, take_row).map_err(Stopped::Output)?;
-            if complete < rows.len() {
-                return Err(self.cancelled_above(end - complete));
-            }
-            end = rows.start;
+        let trace = |from_top, used| {
+            let j = self.rows.end - 1 - from_top;
+            self.row(self.setting.empty_row(j, used)?, visibility.as_ref(), None, tally)
+        };
+        let mut probe = P::default();
+        let hand_out_row = |row: &mut Row<P>| {
+            probe = std::mem::take(&mut probe).merge(std::mem::take(&mut row.probe));
+            hand_out(row.colors.finished(), &row.layers, request, take_row).map_err(Stopped::Output)
+        };
+        match delivery::in_order(self.rows.len(), tally, trace, hand_out_row)? {
+            rows if rows < self.rows.len() => Err(self.cancelled_above(self.rows.end - rows)),
+            _ => Ok(probe),
         }
-        Ok(probe)
     }
 
     /// The render is cancelled when the rows from `end` on have been handed out.
@@ -128,7 +117,8 @@ impl<'a, M: Mode> Strip<'a, M> {
         let support = self.setting.request.support();
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished = Finished { probe: P::default(), rows: memory::filled(vec![], self.rows.len())? };
+        let mut finished =
+            Finished { probe: P::default(), rows: memory::filled(Default::default(), self.rows.len())? };
         // The first of adaptive samples are traced in the rows beside, too.
         let visibility = self.visibility::<P>(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
         for first in traced.clone().step_by(self.rows_in_flight()) {
@@ -172,14 +162,9 @@ impl<'a, M: Mode> Strip<'a, M> {
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
-        let trace = |j: usize| {
-            let is_shown = self.rows.contains(&j);
-            let refinement = self.refinement(&first, first_row, j);
-            let row = self.setting.row::<P>(visibility, j, is_shown, refinement)?;
-            if is_shown {
-                tally.row_is_done(row.probe.counts().rays());
-            }
-            Ok(row)
+        let trace = |j| {
+            let row = self.setting.empty_row::<P>(j, None)?;
+            self.row(row, visibility, self.refinement(&first, first_row, j), tally)
         };
         let mut traced = in_parallel(rows.clone(), tally, trace)?;
         for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
@@ -188,6 +173,22 @@ impl<'a, M: Mode> Strip<'a, M> {
             }
         }
         Ok(traced)
+    }
+
+    /// Traces a row.
+    fn row<P: Observer>(
+        &self,
+        empty: Row<P>,
+        visibility: Option<&VisibilityBuffer>,
+        refinement: Option<Refinement>,
+        tally: &Tally,
+    ) -> Result<Row<P>, NoMemory> {
+        let is_shown = self.rows.contains(&empty.j);
+        let row = self.setting.row(empty, visibility, is_shown, refinement);
+        if is_shown {
+            tally.row_is_done(row.probe.counts().rays());
+        }
+        Ok(row)
     }
 
     /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
@@ -229,49 +230,45 @@ impl<P: Observer> Finished<P> {
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
             self.probe = std::mem::take(&mut self.probe).merge(row.probe);
-            self.rows[i] = row.layers;
+            self.rows[i].1 = row.layers;
         }
         match row.colors {
             Colors::Unwanted => Ok(()),
-            Colors::Finished(colors) => match index(row.j) {
-                Some(i) => set_colors(&mut self.rows[i], request, colors),
-                None => Ok(()),
-            },
+            Colors::Finished(colors) => {
+                if let Some(i) = index(row.j) {
+                    self.rows[i].0 = colors;
+                }
+                Ok(())
+            }
             Colors::Spread(spread) => film.add(spread, |j, colors| {
                 let Some(i) = index(j) else { return Ok(()) };
                 let columns = request.columns();
-                let mut list = strip.setting.spare.list(columns.len())?;
-                list.extend(colors.skip(columns.start).take(columns.len()));
-                set_colors(&mut self.rows[i], request, list)
+                self.rows[i].0 = memory::with_room(columns.len())?;
+                self.rows[i].0.extend(colors.skip(columns.start).take(columns.len()));
+                Ok(())
             }),
         }
     }
 
     /// Hands out the rows from the top, and returns the probe.
-    fn hand_out<E>(self, request: &Request, spare: &Spare, take_row: TakeRow<E>) -> Result<P, E> {
-        // Each row has taken one list: copies for further layers of colours would pile up.
-        let first = request.layers.iter().position(|layer| matches!(layer, Layer::Color));
-        for row in self.rows.into_iter().rev() {
-            for (k, (layer, colors)) in request.layers.iter().zip(row).enumerate() {
-                let [width, _] = layer.size(request.window_size());
-                colors.chunks_exact(width.max(1)).rev().try_for_each(|colors| take_row(k, colors))?;
-                if Some(k) == first {
-                    spare.put(colors);
-                }
-            }
-        }
+    fn hand_out<E>(self, request: &Request, take_row: TakeRow<E>) -> Result<P, E> {
+        let mut rows = self.rows.iter().rev();
+        rows.try_for_each(|(colors, layers)| hand_out(colors, layers, request, take_row))?;
         Ok(self.probe)
     }
 }
 
-/// Sets the colours of a row in all its layers of colours.
-fn set_colors(layers: &mut [Vec<Color>], request: &Request, colors: Vec<Color>) -> Result<(), NoMemory> {
-    let mut wanted = request.layers.iter().zip(layers).filter(|(layer, _)| matches!(layer, Layer::Color));
-    if let Some((_, first)) = wanted.next() {
-        for (_, other) in wanted {
-            *other = memory::copied(&colors)?;
-        }
-        *first = colors;
+/// Hands out the layers of a row, of which those of colours get `colors`.
+fn hand_out<E>(
+    colors: &[Color],
+    layers: &[Vec<Color>],
+    request: &Request,
+    take_row: TakeRow<E>,
+) -> Result<(), E> {
+    for (k, (layer, measured)) in request.layers.iter().zip(layers).enumerate() {
+        let row = if matches!(layer, Layer::Color) { colors } else { measured };
+        let [width, _] = layer.size(request.window_size());
+        row.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row))?;
     }
     Ok(())
 }

@@ -22,7 +22,8 @@ impl<'a> Tally<'a> {
         Self { rows, done, rays, is_cancelled, watch }
     }
 
-    fn is_cancelled(&self) -> bool {
+    /// Whether the watch has cancelled the render.
+    pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 

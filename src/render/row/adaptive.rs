@@ -72,7 +72,7 @@ impl<M: Mode> Setting<'_, M> {
         columns: Range<usize>,
         j: usize,
     ) -> Result<(FirstSamples, P), NoMemory> {
-        let mut painter: Painter<M, P> = self.painter(visibility, j, false)?;
+        let mut painter: Painter<M, P> = self.painter(self.empty_row(j, None)?, visibility, false);
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
@@ -107,7 +107,7 @@ impl<M: Mode> Setting<'_, M> {
             Some(self.first_samples_in::<Quiet>(None, columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter: Painter<M, Quiet> = self.painter(None, j, false).ok()?;
+        let mut painter: Painter<M, Quiet> = self.painter(self.empty_row(j, None).ok()?, None, false);
         painter.row.colors = Colors::Unwanted;
         painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
         painter.refine(column, &mut SamplePacket::default());

@@ -9,23 +9,26 @@ use crate::trace::Observer;
 use glam::DVec3;
 
 impl<M: Mode, P: Observer> Painter<'_, M, P> {
-    /// Adds the depth and the normal at a pixel's centre to their layers.
-    pub(super) fn measure(&mut self, center: &Sample) {
-        if !self.shown.contains(&center.source.column) {
-            return;
-        }
+    /// Adds what is measured at the centres of pixels, which are next to each other, to the layers.
+    pub(super) fn measure(&mut self, centers: &[Sample]) {
+        let first = centers.first().map_or(0, |center| center.source.column);
+        let place = |column: usize| column.saturating_sub(first).min(centers.len());
+        let shown = &centers[place(self.shown.start)..place(self.shown.end)];
         let Setting { caster, request, .. } = self.setting;
-        let t = || center.visible.map(|visible| caster.world.hit(&center.ray, visible).t);
-        let normal = || center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
+        let t = |center: &Sample| Some(caster.world.hit(&center.ray, center.visible?).t);
+        let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
                     let grey = |t: f64| (far - t.clamp(near, far)) / (far - near);
-                    colors.push(Color::splat(t().map_or(0.0, grey)));
+                    colors.extend(shown.iter().map(|center| Color::splat(t(center).map_or(0.0, grey))));
                 }
-                Layer::Distance => colors.push(Color::splat(t().unwrap_or(f64::INFINITY))),
-                Layer::Normals => colors.push(normal().abs()),
-                Layer::SignedNormals => colors.push(normal()),
+                Layer::Distance => {
+                    colors
+                        .extend(shown.iter().map(|center| Color::splat(t(center).unwrap_or(f64::INFINITY))));
+                }
+                Layer::Normals => colors.extend(shown.iter().map(|center| normal(center).abs())),
+                Layer::SignedNormals => colors.extend(shown.iter().map(normal)),
                 Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
             }
         }

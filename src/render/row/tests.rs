@@ -19,16 +19,13 @@ fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast, Quiet>)) {
     let caster = Caster::new(&world, None).unwrap();
     let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
-    let spare = Spare::default();
-    let setting = Setting {
-        camera: &camera,
-        caster: &caster,
-        view: View::Scene,
-        request: &request,
-        spare: &spare,
-        shadow_maps: None,
-    };
-    check(&mut Painter { shown: 2..10, center_weight: 1.0, ..setting.painter(None, 5, true).unwrap() });
+    let setting =
+        Setting { camera: &camera, caster: &caster, view: View::Scene, request: &request, shadow_maps: None };
+    check(&mut Painter {
+        shown: 2..10,
+        center_weight: 1.0,
+        ..setting.painter(setting.empty_row(5, None).unwrap(), None, true)
+    });
 }
 
 /// A sample whose place is rounded to the next pixel, or which lies on the border, is plotted in its own pixel.

@@ -8,10 +8,7 @@ use crate::render::View;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::scene::parser::parse;
-use crate::stats::Quiet;
 use crate::world::World;
-use std::convert::Infallible;
-use std::ops::ControlFlow;
 
 /// Calls `check` with the setting of a request on one thread.
 fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -> T + Send) -> T {
@@ -20,15 +17,7 @@ fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    let spare = Spare::default();
-    let setting = Setting {
-        camera: &camera,
-        caster: &caster,
-        view: View::Scene,
-        request,
-        spare: &spare,
-        shadow_maps: None,
-    };
+    let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request, shadow_maps: None };
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
 }
 
@@ -50,26 +39,6 @@ fn a_strip_has_as_many_rows_as_the_memory_holds() {
     // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
     assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
     assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4064..4096);
-}
-
-#[test]
-fn memory_that_is_used_again_does_not_grow_with_the_rows() {
-    for filter in [Filter::PIXEL, Filter::Box { radius: 1.5 }] {
-        let layers = vec![Layer::Color, Layer::Normals, Layer::Color];
-        let request = Request { layers, filter, ..Request::new([3, 1000]) };
-        let lists = with_setting(&request, |setting| {
-            let goes_on = |_| ControlFlow::Continue(());
-            let tally = Tally::new(1000, &goes_on);
-            let mut end = 1000;
-            while end > 0 {
-                let strip = Strip { setting, rows: end - 100..end };
-                strip.render::<Quiet, Infallible>(&tally, &mut |_, _| Ok(())).unwrap();
-                end -= 100;
-            }
-            setting.spare.count()
-        });
-        assert!((1..=100).contains(&lists), "{filter:?} {lists}");
-    }
 }
 
 #[test]

@@ -1,0 +1,149 @@
+//! Rows on their way from the threads that trace them to the one who takes them: in order, each as soon as it and all
+//! rows before it are traced.
+
+use super::Stopped;
+use super::tally::Tally;
+use crate::memory::{self, NoMemory};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// How many rows per thread may be on their way: so few that they take little memory, and so many that threads seldom
+/// wait for a row that takes long.
+const ROWS_PER_THREAD: usize = 64;
+
+/// Traces this number of rows in parallel, and hands them out one after the other. Returns how many have been handed
+/// out: all, unless the watch cancels the render.
+///
+/// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the others
+/// go on. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new memory
+/// takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
+pub fn in_order<T: Send, E: Send>(
+    rows: usize,
+    tally: &Tally,
+    trace: impl Fn(usize, Option<T>) -> Result<T, NoMemory> + Sync,
+    hand_out: impl FnMut(&mut T) -> Result<(), Stopped<E>> + Send,
+) -> Result<usize, Stopped<E>> {
+    let threads = rayon::current_num_threads();
+    let places = memory::collected((0..rows.min(ROWS_PER_THREAD * threads)).map(|_| None))?;
+    let hand_out = Some(hand_out);
+    let progress =
+        Progress { rows, taken: 0, handed_out: 0, places, used: vec![], hand_out, waiting: 0, failure: None };
+    let delivery = Delivery { progress: Mutex::new(progress), goes_on: Condvar::new() };
+    let take_rows = || {
+        let _end = End(&delivery);
+        while let Some((row, used)) = delivery.take(tally) {
+            delivery.put(row, trace(row, used));
+        }
+    };
+    rayon::scope(|scope| {
+        (1..threads.min(rows)).for_each(|_| scope.spawn(|_| take_rows()));
+        take_rows();
+    });
+    let progress = delivery.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.failure.map_or(Ok(progress.handed_out), Err)
+}
+
+struct Delivery<T, E, H> {
+    progress: Mutex<Progress<T, E, H>>,
+    /// Rows have been handed out, or no more are taken.
+    goes_on: Condvar,
+}
+
+struct Progress<T, E, H> {
+    /// The rows that are to be traced: fewer than at first once the render has failed.
+    rows: usize,
+    /// How many of them threads have taken so far, and how many of these have been handed out.
+    taken: usize,
+    handed_out: usize,
+    /// The rows that are traced and not yet handed out. Row k stands at k modulo the number of places.
+    places: Vec<Option<T>>,
+    /// Rows that have been handed out.
+    used: Vec<T>,
+    /// Hands out a row. None while a thread does so.
+    hand_out: Option<H>,
+    /// How many threads wait for a place.
+    waiting: usize,
+    failure: Option<Stopped<E>>,
+}
+
+impl<T, E, H: FnMut(&mut T) -> Result<(), Stopped<E>>> Delivery<T, E, H> {
+    /// A row to trace, as soon as there is a place for it, and one that is no longer needed, if there is any. None if all
+    /// are taken or the watch has cancelled the render.
+    fn take(&self, tally: &Tally) -> Option<(usize, Option<T>)> {
+        let mut progress = self.progress();
+        while progress.taken < progress.rows && progress.taken - progress.handed_out == progress.places.len()
+        {
+            progress.waiting += 1;
+            progress = self.goes_on.wait(progress).unwrap_or_else(PoisonError::into_inner);
+            progress.waiting -= 1;
+        }
+        let row = progress.taken;
+        (row < progress.rows && !tally.is_cancelled()).then(|| {
+            progress.taken += 1;
+            (row, progress.used.pop())
+        })
+    }
+
+    /// Keeps a row that is traced until it is due. If it is due, hands it out with those after it, unless another thread
+    /// is about to do so.
+    fn put(&self, row: usize, traced: Result<T, NoMemory>) {
+        let mut progress = self.progress();
+        let place = row % progress.places.len();
+        match traced {
+            Ok(traced) => progress.places[place] = Some(traced),
+            Err(refused) => return self.fail(progress, refused.into()),
+        }
+        let Some(mut hand_out) = progress.hand_out.take() else { return };
+        while let Some(mut due) = progress.due() {
+            drop(progress);
+            let result = hand_out(&mut due);
+            progress = self.progress();
+            progress.used.push(due);
+            if let Err(failure) = result {
+                return self.fail(progress, failure);
+            }
+            progress.handed_out += 1;
+            if progress.waiting > 0 {
+                // It is a call of the system even where nobody waits.
+                self.goes_on.notify_all();
+            }
+        }
+        progress.hand_out = Some(hand_out);
+    }
+
+    fn fail(&self, mut progress: MutexGuard<Progress<T, E, H>>, failure: Stopped<E>) {
+        progress.failure = Some(failure);
+        self.end(progress);
+    }
+}
+
+impl<T, E, H> Delivery<T, E, H> {
+    /// No thread takes another row.
+    fn end(&self, mut progress: MutexGuard<Progress<T, E, H>>) {
+        progress.rows = progress.taken;
+        self.goes_on.notify_all();
+    }
+
+    fn progress(&self) -> MutexGuard<'_, Progress<T, E, H>> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<T, E, H> Progress<T, E, H> {
+    /// The row that is due, if it is traced.
+    fn due(&mut self) -> Option<T> {
+        let place = self.handed_out % self.places.len();
+        self.places[place].take()
+    }
+}
+
+/// Ends the delivery when it is dropped. A thread that panics in its row ends it so: others would wait for that row.
+struct End<'d, T, E, H>(&'d Delivery<T, E, H>);
+
+impl<T, E, H> Drop for End<'_, T, E, H> {
+    fn drop(&mut self) {
+        self.0.end(self.0.progress());
+    }
+}
+
+#[cfg(test)]
+mod tests;
