@@ -8,9 +8,8 @@ use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
 use crate::signals::Signals;
 use crate::standard_output;
-use crate::threads::{self, Place};
+use crate::threads::Crew;
 use crate::{End, failed};
-use rayon::ThreadPool;
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
@@ -25,7 +24,6 @@ use raytracer::stats::{Counts, Quiet, RayCount};
 use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// What a run has to say.
 pub struct Outcome {
@@ -38,7 +36,7 @@ pub struct Outcome {
 /// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
 pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let mut signals = Signals::hold().map_err(failed)?;
-    let threads = Arc::new(threads::pool(options.threads, Place::Here)?);
+    let crew = Crew::new(options.threads)?;
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
         told.borrow_mut().push(line.to_owned());
@@ -64,13 +62,13 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         false if Progress::is_wanted(options.progress) => render::<Fast, RayCount>,
         false => render::<Fast, Quiet>,
     };
-    let mut from = |input: &PathBuf| render(options, argv, input, &threads, &mut signals, &tell);
+    let mut from = |input: &PathBuf| render(options, argv, input, &crew, &mut signals, &tell);
     let rendered = options.input.as_ref().map(&mut from).transpose()?;
-    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &threads, &mut signals);
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &mut signals);
     let verdict = compared.map(finish).transpose()?.flatten();
 
     let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
-    let (warnings, count) = (told.into_inner(), threads.current_num_threads());
+    let (warnings, count) = (told.into_inner(), crew.pool.current_num_threads());
     let json = || {
         let document = Document::new(options, &warnings, count, rendered.as_ref(), verdict.as_ref());
         document.to_json().map_err(failed)
@@ -123,7 +121,7 @@ impl<'o> Compared<'o> {
         self,
         options: &Options,
         rendered: Option<&Rendered>,
-        threads: &ThreadPool,
+        crew: &Crew,
         signals: &mut Signals,
     ) -> Result<Option<Verdict>, End> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
@@ -131,7 +129,8 @@ impl<'o> Compared<'o> {
             return Ok(None);
         };
         signals.end_at_once()?;
-        let comparison = threads.install(|| Comparison::new(a, b));
+        crew.start_all();
+        let comparison = crew.pool.install(|| Comparison::new(a, b));
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));

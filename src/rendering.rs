@@ -5,9 +5,9 @@ use crate::products::Products;
 use crate::progress::{Progress, rows_text};
 use crate::signals::Signals;
 use crate::stopping::{self, upper};
+use crate::threads::Crew;
 use crate::warn;
 use crate::{End, failed};
-use rayon::ThreadPool;
 use raytracer::cli::{Comparison, Options, Output};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
 use raytracer::fingerprint;
@@ -28,8 +28,19 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// The size of a mesh's file, in bytes, from which on its parsing is work for several threads.
+const LARGE_MESH: usize = 1 << 18;
+
+/// The number of camera rays from which on a picture is work for several threads.
+const MANY_RAYS: usize = 1 << 17;
+
+/// The number of primitives from which on their grid is work for several threads.
+const MANY_PRIMITIVES: usize = 1 << 13;
+
+/// How long one thread renders what looks like little work until others help: several times what it takes to start them.
+const PATIENCE: Duration = Duration::from_millis(2);
 
 /// What a rendering leaves.
 pub struct Rendered {
@@ -48,7 +59,7 @@ pub fn render<M: Mode, P: Observer>(
     options: &Options,
     argv: &[OsString],
     input: &Path,
-    threads: &Arc<ThreadPool>,
+    crew: &Crew,
     signals: &mut Signals,
     tell: &dyn Fn(&str),
 ) -> Result<Rendered, End> {
@@ -57,13 +68,19 @@ pub fn render<M: Mode, P: Observer>(
     signals.end_at_once()?;
 
     let mut clock = Clock(Instant::now());
-    let mut loaded = scene_io::load(input).map_err(|error| error.to_string())?;
+    let announce = |bytes| {
+        if bytes >= LARGE_MESH {
+            crew.start_all()
+        }
+    };
+    let loaded = scene_io::load_announcing(input, &announce);
+    let mut loaded = loaded.map_err(|error| error.to_string())?;
     loaded.mesh_files.iter().try_for_each(|mesh| check_input(options, "mesh", mesh))?;
     let reading = clock.lap();
     let mut warnings = warn::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
     let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
-    let renderer = renderer.on_threads(threads.clone());
+    let renderer = renderer.on_threads(crew.pool.clone());
     let (scene, effects) = (&renderer.scene, &options.effects);
     if !options.visualize_grid {
         warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
@@ -74,6 +91,9 @@ pub fn render<M: Mode, P: Observer>(
     let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
     if keeps {
         request.layers.push(Layer::Color);
+    }
+    if request.camera_rays() >= MANY_RAYS || renderer.world().finite_count() >= MANY_PRIMITIVES {
+        crew.start_all();
     }
     let prepared = prepare::<M>(options, &renderer, &request)?;
     let building = clock.lap();
@@ -89,8 +109,11 @@ pub fn render<M: Mode, P: Observer>(
     products.watch_for_blank(&request, renderer.scene.background.color, is_empty);
     let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
     signals.end_at_second()?;
-    let progress = Progress::new(options.progress);
+    let (progress, start) = (Progress::new(options.progress), Instant::now());
     let watch = |rows| {
+        if start.elapsed() >= PATIENCE {
+            crew.start_all();
+        }
         progress.show(|passed| rows_text("rendering", rows, passed));
         if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -125,7 +148,7 @@ pub fn render<M: Mode, P: Observer>(
         grid: prepared.cells(),
         counts: probe.counts(),
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
-        threads: threads.current_num_threads(),
+        threads: crew.pool.current_num_threads(),
     };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {

@@ -57,6 +57,11 @@ const LONGEST_STREAM: u64 = 1 << 28;
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
+    load_announcing(path, &|_| ())
+}
+
+/// The same. `announce` is told the size of each mesh's file, in bytes, before it is parsed.
+pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedScene, LoadError> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
@@ -67,7 +72,7 @@ pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
     let text = decode(path, bytes)?;
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile| {
-        read_mesh(&file.name, directory).map_err(|problem| SceneError {
+        read_mesh(&file.name, directory, announce).map_err(|problem| SceneError {
             at: file.at,
             hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
             problem,
@@ -129,11 +134,12 @@ fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
 }
 
 /// Reads the mesh called `name` from the first place where it can be read, and returns the place too.
-fn read_mesh(name: &str, scene_directory: &Path) -> Result<FoundMesh, Problem> {
+fn read_mesh(name: &str, scene_directory: &Path, announce: &dyn Fn(usize)) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in places(name, scene_directory) {
         match read_mesh_file(&place) {
             Ok(bytes) => {
+                announce(bytes.len());
                 let mesh = parse_obj(&bytes).map_err(|error| match error {
                     MeshError::Memory(refused) => Problem::Memory(refused),
                     error => Problem::BadMesh {

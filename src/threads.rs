@@ -4,7 +4,9 @@ use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use raytracer::memory::{NoMemory, with_room};
 use std::hint::black_box;
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 /// The stack of a thread, in bytes. No step of the program recurses as deep as its input, so the depth of a scene's
@@ -13,6 +15,45 @@ const STACK: usize = 2 << 20;
 
 /// What a thread takes beside its stack: guard pages, and the stack on which an overflow is reported.
 const BESIDE_STACK: usize = 1 << 16;
+
+/// A pool in which only this thread works at first. To start the others takes as long as a small picture.
+pub struct Crew {
+    pub pool: Arc<ThreadPool>,
+    reserve: Mutex<Vec<ThreadBuilder>>,
+    has_reserve: AtomicBool,
+}
+
+impl Crew {
+    /// A pool of as many threads as in [`pool`]. If their number is given, or memory is limited, they all start at once,
+    /// so that it is an error if one does not.
+    pub fn new(wanted: Option<usize>) -> Result<Self, String> {
+        let mut reserve = vec![];
+        let pool = match wanted.is_some() || memory_is_limited() {
+            true => pool(wanted, Place::Here)?,
+            false => ThreadPoolBuilder::new()
+                .num_threads(cores())
+                .use_current_thread()
+                .spawn_handler(|thread| {
+                    reserve.push(thread);
+                    Ok(())
+                })
+                .build()
+                .map_err(|error| refused(&error))?,
+        };
+        let has_reserve = AtomicBool::new(!reserve.is_empty());
+        Ok(Self { pool: Arc::new(pool), reserve: Mutex::new(reserve), has_reserve })
+    }
+
+    /// Starts all threads of the pool. If the system starts fewer, these do all the work.
+    pub fn start_all(&self) {
+        if !self.has_reserve.swap(false, Ordering::Relaxed) {
+            return;
+        }
+        for waiting in self.reserve.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            let _ = thread::Builder::new().stack_size(STACK).spawn(|| waiting.run());
+        }
+    }
+}
 
 /// Where the threads of a pool run.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,12 +68,13 @@ pub enum Place {
 /// system starts. The pool decides nothing by itself: it would read variables of the environment.
 pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
     let here = usize::from(place == Place::Here);
-    let count = wanted.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
-    let refused = |reason: String| format!("error: `-threads`: {reason}");
+    let count = wanted.unwrap_or_else(cores);
     let waiting = match (start(count - here), wanted) {
         (Ok(waiting), _) => waiting,
-        (Err(Refused { reason, .. }), Some(_)) => return Err(refused(reason)),
-        (Err(Refused { waiting, reason }), None) if waiting.len() + here == 0 => return Err(refused(reason)),
+        (Err(Refused { reason, .. }), Some(_)) => return Err(refused(&reason)),
+        (Err(Refused { waiting, reason }), None) if waiting.len() + here == 0 => {
+            return Err(refused(&reason));
+        }
         (Err(Refused { waiting, .. }), None) => waiting,
     };
     let pool = ThreadPoolBuilder::new().num_threads(waiting.len() + here);
@@ -42,12 +84,22 @@ pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
         next.send(thread).map_err(|_| io::Error::other("a thread has ended"))
     });
     let pool = if place == Place::Here { pool.use_current_thread() } else { pool };
-    let pool = pool.build().map_err(|error| refused(error.to_string()))?;
+    let pool = pool.build().map_err(|error| refused(&error))?;
     if memory_is_limited() {
         // A thread allocates when it first looks for work, and ends the program if there is no memory left by then.
         pool.broadcast(|_| ());
     }
     Ok(pool)
+}
+
+/// The number of cores that the program may use.
+fn cores() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The message that a pool does not get its threads.
+fn refused(reason: &dyn std::fmt::Display) -> String {
+    format!("error: `-threads`: {reason}")
 }
 
 /// A thread that waits for the pool that it is to work for. It ends when this is dropped.
@@ -106,4 +158,24 @@ fn memory_is_limited() -> bool {
 #[cfg(not(target_os = "linux"))]
 fn memory_is_limited() -> bool {
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn a_crew_works_before_and_after_its_other_threads_start() {
+        let crew = Crew::new(None).unwrap();
+        let here = thread::current().id();
+        let mut both = [None; 2];
+        let [a, b] = &mut both;
+        rayon::join(|| *a = Some(thread::current().id()), || *b = Some(thread::current().id()));
+        assert_eq!(both, [Some(here); 2]);
+
+        crew.start_all();
+        let threads = crew.pool.broadcast(|_| thread::current().id());
+        assert_eq!(threads.into_iter().collect::<HashSet<_>>().len(), cores());
+    }
 }
