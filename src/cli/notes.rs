@@ -110,7 +110,9 @@ pub(super) fn of(flag: &Flag) -> Notes {
         "cost_map" => Notes::new("none", "-cost_map tests cost.png").with("-input scene.txt -grid 20 20 20"),
         "pixel" => Notes::new("none", "-pixel 100 160").with("-input scene.txt -size 200 200 -shadows"),
         "json" => Notes::new("none", "-json run.json").with("-input scene.txt -stats"),
-        "threads" => Notes::new("all cores", "-threads 4"),
+        "threads" => Notes::new("all cores", "-threads 4").details(
+            "Without it, one thread begins what looks like little work, and the others start if it lasts.",
+        ),
         "strict" => Notes::new("off", ""),
         "progress" | "quiet" => Notes::new("off", ""),
         "gui" => Notes::new("off", ""),

@@ -15,8 +15,8 @@ pub struct Row<P> {
     pub layers: Vec<Vec<Color>>,
 }
 
-impl<P: Default> Row<P> {
-    /// Row `j` in the memory of this one; none if that has sums, which are not used again.
+impl<P> Row<P> {
+    /// Row `j` in the memory of this one, whose probe has been taken; none if it has sums, which are not used again.
     pub(super) fn emptied(mut self, j: usize) -> Option<Self> {
         match &mut self.colors {
             Colors::Unwanted => {}
@@ -24,7 +24,7 @@ impl<P: Default> Row<P> {
             Colors::Spread(_) => return None,
         }
         self.layers.iter_mut().for_each(Vec::clear);
-        Some(Self { j, probe: P::default(), ..self })
+        Some(Self { j, ..self })
     }
 }
 
