@@ -239,6 +239,18 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         packet.clear();
     }
 
+    /// Casts the samples of a packet, and returns their colours.
+    #[inline(always)]
+    fn colors_of_with<F: F64x4>(
+        &mut self,
+        proof: F::Proof,
+        packet: &mut SamplePacket,
+    ) -> [Color; SamplePacket::SIZE] {
+        self.cast_samples_with::<F>(proof, packet);
+        packet.samples().iter().for_each(|_| self.row.probe.non_shadow_ray());
+        self.colors_along(packet)
+    }
+
     /// Casts the samples of a packet, and finds the surfaces that they hit.
     #[inline(always)]
     fn cast_samples_with<F: F64x4>(&mut self, proof: F::Proof, packet: &mut SamplePacket) {

@@ -78,20 +78,20 @@ impl<M: Mode> Setting<'_, M> {
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
         let (quarters, counts) = (memory::with_room(columns.len())?, memory::with_room(counted)?);
         let mut first = FirstSamples { start, quarters, counts };
-        let mut colored = Vec::with_capacity(SamplePacket::SIZE);
         let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
         for some in columns.clone().step_by(pixels_at_once) {
             let before = painter.row.probe.counts();
             for column in some..columns.end.min(some + pixels_at_once) {
                 painter.push_first(column, &mut packet);
             }
-            painter.trace_colors(&mut packet, |sample, color| colored.push((sample.source.offset, color)));
-            let (pixels, _) = colored.as_chunks::<4>();
-            let quarters = |pixel: &[_; 4]| {
-                Quarters::new(pixel.map(|(offset, _)| offset), pixel.map(|(_, color)| color))
+            let colors = painter.colors_of(&mut packet);
+            let (pixels, _) = packet.samples().as_chunks::<4>();
+            let (colors, _) = colors.as_chunks::<4>();
+            let quarters = |(pixel, colors): (&[Sample; 4], &[Color; 4])| {
+                Quarters::new(pixel.each_ref().map(|sample| sample.source.offset), *colors)
             };
-            first.quarters.extend(pixels.iter().map(quarters));
-            colored.clear();
+            first.quarters.extend(pixels.iter().zip(colors).map(quarters));
+            packet.clear();
             if self.request.has_costs() {
                 first.counts.push(painter.row.probe.counts().since(before));
             }
@@ -161,25 +161,11 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
                 for stratum in &*some {
                     packet.push(column, stratum.offset, false);
                 }
-                let mut some = some.iter_mut();
-                self.trace_colors(packet, |_, color| {
-                    if let Some(stratum) = some.next() {
-                        stratum.color = color;
-                    }
-                });
+                let colors = self.colors_of(packet);
+                some.iter_mut().zip(colors).for_each(|(stratum, color)| stratum.color = color);
+                packet.clear();
             }
         }
-    }
-
-    /// Traces the samples of a packet, hands out their colours, and empties the packet.
-    fn trace_colors(&mut self, packet: &mut SamplePacket, mut take: impl FnMut(&Sample, Color)) {
-        self.cast_samples(packet);
-        let colors = self.colors_along(packet);
-        for (sample, color) in packet.samples().iter().zip(&colors) {
-            self.row.probe.non_shadow_ray();
-            take(sample, *color);
-        }
-        packet.clear();
     }
 
     fn add_stratum(&mut self, column: usize, stratum: &Stratum) {

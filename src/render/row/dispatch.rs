@@ -10,6 +10,7 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
 use crate::mode::Mode;
 use crate::render::sample_packet::SamplePacket;
+use crate::scene::Color;
 use crate::trace::Observer;
 use std::ops::Range;
 
@@ -50,15 +51,15 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
         }
     }
 
-    /// Casts the samples of a packet, and finds the surfaces that they hit.
-    pub(super) fn cast_samples(&mut self, packet: &mut SamplePacket) {
+    /// The colours of a packet's samples.
+    pub(super) fn colors_of(&mut self, packet: &mut SamplePacket) -> [Color; SamplePacket::SIZE] {
         match self.setting.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
             Instructions::Avx2(avx2) if !M::AS_COURSE && !P::OBSERVES => unsafe {
-                cast_samples_avx2(avx2, self, packet)
+                colors_of_avx2(avx2, self, packet)
             },
-            _ => self.cast_samples_with::<Scalar>(Portable, packet),
+            _ => self.colors_of_with::<Scalar>(Portable, packet),
         }
     }
 }
@@ -101,14 +102,14 @@ fn color_samples_avx2<M: Mode, P: Observer>(
     painter.color_samples_with::<Avx>(avx2, packet);
 }
 
-/// Casts the samples of a packet, compiled for AVX2.
+/// Casts and colours the samples of a packet, compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn cast_samples_avx2<M: Mode, P: Observer>(
+fn colors_of_avx2<M: Mode, P: Observer>(
     avx2: Avx2,
     painter: &mut Painter<M, P>,
     packet: &mut SamplePacket,
-) {
-    painter.cast_samples_with::<Avx>(avx2, packet);
+) -> [Color; SamplePacket::SIZE] {
+    painter.colors_of_with::<Avx>(avx2, packet)
 }
