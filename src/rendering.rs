@@ -40,7 +40,7 @@ const MANY_RAYS: usize = 1 << 17;
 const MANY_PRIMITIVES: usize = 1 << 13;
 
 /// How long one thread renders what looks like little work until others help: several times what it takes to start them.
-const PATIENCE: Duration = Duration::from_millis(2);
+const PATIENCE: Duration = Duration::from_millis(3);
 
 /// What a rendering leaves.
 pub struct Rendered {
