@@ -87,7 +87,7 @@ pub const BLUE_FIRST: usize = 2;
 pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
     let mut has_nan = false;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
-        // The sum is NaN if any channel is, which is cheaper than a test of each channel, or if two are opposite infinities.
+        // The sum is NaN if any channel is, or if two are opposite infinities; to test each channel takes longer.
         has_nan |= (color.x + color.y + color.z).is_nan();
         // The conversion truncates, clamps and maps NaN to 0.
         let [red, green, blue] = (255.0 * color).to_array().map(|channel| channel as u8);

@@ -39,7 +39,7 @@ const MANY_RAYS: usize = 1 << 17;
 /// The number of primitives from which on their grid is work for several threads.
 const MANY_PRIMITIVES: usize = 1 << 13;
 
-/// How long one thread renders what looks like little work until others help: several times what it takes to start them.
+/// How long one thread renders what looks like little work until others help: a few times what it takes to start them.
 const PATIENCE: Duration = Duration::from_millis(3);
 
 /// What a rendering leaves.

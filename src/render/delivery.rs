@@ -13,9 +13,9 @@ const ROWS_PER_THREAD: usize = 64;
 /// Traces this number of rows in parallel, and hands them out one after the other. Returns how many have been handed
 /// out: all, unless the watch cancels the render.
 ///
-/// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the others
-/// go on. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new memory
-/// takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
+/// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the
+/// others go on. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new
+/// memory takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
 pub fn in_order<T: Send, E: Send>(
     rows: usize,
     tally: &Tally,
@@ -24,9 +24,10 @@ pub fn in_order<T: Send, E: Send>(
 ) -> Result<usize, Stopped<E>> {
     let threads = rayon::current_num_threads();
     let places = memory::collected((0..rows.min(ROWS_PER_THREAD * threads)).map(|_| None))?;
-    let hand_out = Some(hand_out);
+    // No more rows are made than there are places.
+    let (used, hand_out) = (memory::with_room(places.len())?, Some(hand_out));
     let progress =
-        Progress { rows, taken: 0, handed_out: 0, places, used: vec![], hand_out, waiting: 0, failure: None };
+        Progress { rows, taken: 0, handed_out: 0, places, used, hand_out, waiting: 0, failure: None };
     let delivery = Delivery { progress: Mutex::new(progress), goes_on: Condvar::new() };
     let take_rows = || {
         let _end = End(&delivery);
@@ -66,8 +67,8 @@ struct Progress<T, E, H> {
 }
 
 impl<T, E, H: FnMut(&mut T) -> Result<(), Stopped<E>>> Delivery<T, E, H> {
-    /// A row to trace, as soon as there is a place for it, and one that is no longer needed, if there is any. None if all
-    /// are taken or the watch has cancelled the render.
+    /// A row to trace, as soon as there is a place for it, and one that is no longer needed, if there is any. None if
+    /// all are taken or the watch has cancelled the render.
     fn take(&self, tally: &Tally) -> Option<(usize, Option<T>)> {
         let mut progress = self.progress();
         while progress.taken < progress.rows && progress.taken - progress.handed_out == progress.places.len()
@@ -83,8 +84,8 @@ impl<T, E, H: FnMut(&mut T) -> Result<(), Stopped<E>>> Delivery<T, E, H> {
         })
     }
 
-    /// Keeps a row that is traced until it is due. If it is due, hands it out with those after it, unless another thread
-    /// is about to do so.
+    /// Keeps a row that is traced until it is due. If it is due, hands it out with those after it, unless another
+    /// thread is about to do so.
     fn put(&self, row: usize, traced: Result<T, NoMemory>) {
         let mut progress = self.progress();
         let place = row % progress.places.len();
