@@ -94,29 +94,32 @@ impl Occupancy {
     /// The face of the first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
-        let mut face = self.face(dda.index(), entry, self.face_at(entry, ray), ray);
-        while face.is_none() {
-            let mut index = dda.index();
+        let mut index = dda.index();
+        if self.counts[index] > 0 {
+            return Some(self.face(index, entry, self.face_at(entry, ray), ray));
+        }
+        loop {
             let unchanged_axes = dda.step();
             // Where a ray crosses several faces at once, the cells are visited one by one: x before y before
             // z.
             for axis in (0..3).filter(|axis| unchanged_axes >> axis & 1 == 0) {
                 index = index.wrapping_add_signed(dda.stride(axis));
-                if self.counts[index] == BORDER {
-                    return None;
+                match self.counts[index] {
+                    0 => {}
+                    BORDER => return None,
+                    _ => {
+                        let entry = self.entry_across(axis, index, ray);
+                        return Some(self.face(index, entry, Some(axis), ray));
+                    }
                 }
-                let entry = self.entry_across(axis, index, ray);
-                face = face.or_else(|| self.face(index, entry, Some(axis), ray));
             }
         }
-        face
     }
 
-    /// The face through which the ray enters a cell at `t`, if the cell is occupied. `axis` is that of the
-    /// face's normal, or none where the ray starts in the cell.
-    fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Option<Face> {
-        let count = self.counts[index];
-        (count > 0).then(|| Face { t, normal: face_normal(axis, ray), color: count_color(count) })
+    /// The face through which the ray enters an occupied cell at `t`. `axis` is that of the face's normal, or none where
+    /// the ray starts in the cell.
+    fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Face {
+        Face { t, normal: face_normal(axis, ray), color: count_color(self.counts[index]) }
     }
 
     /// The axis of the face through which the ray enters the grid; none where it starts inside.
