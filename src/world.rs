@@ -223,22 +223,32 @@ impl World {
         self.material_run(primitive).1
     }
 
-    /// The runs of primitives with the same material, and their materials.
-    fn material_runs(&self) -> impl Iterator<Item = (Range<u32>, MaterialId)> + '_ {
-        let end = (self.finite_count() + self.planes.len()) as u32;
-        let ends = self.material_runs.iter().skip(1).map(|&(first, _)| first).chain([end]);
-        self.material_runs
-            .iter()
-            .zip(ends)
-            .map(|(&(first, material), end)| (first..end, material as MaterialId))
+    /// The materials of four primitives, most of which are neighbours.
+    #[inline(always)]
+    pub(crate) fn materials_of(&self, primitives: [u32; 4]) -> [MaterialId; 4] {
+        let (run, material) = self.material_run(primitives[0]);
+        primitives
+            .map(|primitive| if run.contains(&primitive) { material } else { self.material_of(primitive) })
     }
 
-    /// The first of the primitives around this one that share its material, and the material.
+    /// The runs of primitives with the same material, and their materials.
+    fn material_runs(&self) -> impl Iterator<Item = (Range<u32>, MaterialId)> + '_ {
+        (1..=self.material_runs.len()).map(|next| self.run_before(next))
+    }
+
+    /// The run of primitives around this one that share its material, and the material.
     #[inline(always)]
-    pub(crate) fn material_run(&self, primitive: u32) -> (u32, MaterialId) {
-        let run = self.material_runs.partition_point(|&(start, _)| start <= primitive);
-        let (first, material) = self.material_runs[run - 1];
-        (first, material as MaterialId)
+    pub(crate) fn material_run(&self, primitive: u32) -> (Range<u32>, MaterialId) {
+        self.run_before(self.material_runs.partition_point(|&(start, _)| start <= primitive))
+    }
+
+    /// The run of primitives before the one with this index, which may be the number of runs.
+    #[inline(always)]
+    fn run_before(&self, next: usize) -> (Range<u32>, MaterialId) {
+        let (first, material) = self.material_runs[next - 1];
+        let count = (self.finite_count() + self.planes.len()) as u32;
+        let end = self.material_runs.get(next).map_or(count, |&(first, _)| first);
+        (first..end, material as MaterialId)
     }
 }
 

@@ -69,7 +69,7 @@ impl<'r> Objects<'r> {
 
     /// The object that a primitive belongs to.
     pub fn of(&self, primitive: u32) -> Option<ObjectPart> {
-        let (first, id) = self.labelled.material_run(primitive);
+        let (run, id) = self.labelled.material_run(primitive);
         let name = match self.scene.objects.get(id)? {
             Object::Sphere { .. } => "Sphere".into(),
             Object::Plane { .. } => "Plane".into(),
@@ -79,7 +79,7 @@ impl<'r> Objects<'r> {
             Object::Group(_) | Object::Transform { .. } => return None,
         };
         let has_parts = matches!(self.scene.objects[id], Object::Box { .. } | Object::Mesh { .. });
-        let triangle = has_parts.then(|| primitive - first);
+        let triangle = has_parts.then(|| primitive - run.start);
         Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
     }
 

@@ -40,7 +40,7 @@ pub struct CellContents {
     /// The indices of the blocks, cell by cell, until [`fill`](Self::fill) has copied them to the blocks.
     indices: Vec<BlockIndex>,
     /// The ids of the other primitives, cell by cell. The last block of a cell holds the range of its own.
-    pub non_triangles: Vec<u32>,
+    non_triangles: Vec<u32>,
     /// The coordinates of the blocks of cells.
     pub frame: Frame,
     /// From which blocks on which coordinates hold; those of cells come first.
@@ -89,6 +89,29 @@ impl CellContents {
         let count = entry & MAX_COUNT;
         let count = if count < MAX_COUNT { count } else { blocks[first].index.count };
         &blocks[first..first + count as usize]
+    }
+
+    /// Those of a cell's blocks that have triangles. A cell without any has a block as well, for its other primitives.
+    #[inline(always)]
+    pub fn with_triangles<'b>(&self, blocks: &'b [Block]) -> &'b [Block] {
+        match blocks {
+            // Most worlds need not read the block for this.
+            [only] if self.has_non_triangles() && only.index.ids[0] == NONE => &[],
+            _ => blocks,
+        }
+    }
+
+    /// Whether any cell has primitives other than triangles.
+    #[inline(always)]
+    pub fn has_non_triangles(&self) -> bool {
+        !self.non_triangles.is_empty()
+    }
+
+    /// The ids of the primitives other than triangles in a cell of these blocks.
+    #[inline(always)]
+    pub fn non_triangles_in(&self, blocks: &[Block]) -> &[u32] {
+        let [start, end] = blocks.last().map_or([0, 0], |last| last.index.non_triangles);
+        &self.non_triangles[start as usize..end as usize]
     }
 
     /// The ids of the primitives of a block: the triangles, and then the others.

@@ -141,12 +141,7 @@ impl<'a> RayQuery<'a> {
         probe: &mut P,
     ) -> bool {
         let mut changed = false;
-        // Most worlds need not read the last block for this.
-        let last = if cells.non_triangles.is_empty() { None } else { blocks.last() };
-        let last = last.filter(|last| last.index.non_triangles != [0, 0]);
-        // A cell without triangles has a block as well, for its other primitives.
-        let has_triangles = last.is_none_or(|last| last.index.ids[0] != NONE);
-        for block in if has_triangles { blocks } else { &[] } {
+        for block in cells.with_triangles(blocks) {
             if P::COUNTS {
                 probe.intersections(block.index.triangles());
             }
@@ -168,25 +163,30 @@ impl<'a> RayQuery<'a> {
                 }
             }
         }
-        if let Some(last) = last
-            && self.test_non_triangles(cells, last, probe)
-        {
+        if cells.has_non_triangles() && self.test_non_triangles(cells, blocks, probe) {
             changed = true;
             filter_state.shorten(self.best.t_bound);
         }
         changed
     }
 
-    /// Tests the primitives other than triangles in a cell, and returns whether the best primitive changed. `last` is
-    /// the last block of the cell.
+    /// Tests the primitives other than triangles in a cell of these blocks, and returns whether the best primitive
+    /// changed.
     #[inline(always)]
-    fn test_non_triangles<P: Probe>(&mut self, cells: &CellContents, last: &Block, probe: &mut P) -> bool {
-        let [start, end] = last.index.non_triangles.map(|i| i as usize);
-        let ids = &cells.non_triangles[start..end];
+    fn test_non_triangles<P: Probe>(
+        &mut self,
+        cells: &CellContents,
+        blocks: &[Block],
+        probe: &mut P,
+    ) -> bool {
+        let ids = cells.non_triangles_in(blocks);
         probe.intersections(ids.len());
-        // Most rays that pass several cells of a sphere end here.
-        let is_tested = matches!(ids, [id] if self.is_known(*id));
-        !is_tested && self.test_new(ids)
+        match ids {
+            [] => false,
+            // Most rays that pass several cells of a sphere end here.
+            [id] if self.is_known(*id) => false,
+            _ => self.test_new(ids),
+        }
     }
 
     /// Tests those primitives that were not tested last.

@@ -54,9 +54,7 @@ impl<F: F64x4> Group<F> {
             world.corners_in_place(c as usize),
             world.corners_in_place(d as usize),
         ];
-        let materials =
-            [world.material_of(a), world.material_of(b), world.material_of(c), world.material_of(d)];
-        Self { ids, materials, triangles: Triangles4::new(proof, corners) }
+        Self { ids, materials: world.materials_of(ids), triangles: Triangles4::new(proof, corners) }
     }
 }
 
