@@ -6,6 +6,8 @@
 use super::Screen;
 use super::flat_triangle::Projected;
 use crate::math::aabb::Aabb;
+use crate::math::extremes::max;
+use crate::math::f64x4::ROUND_TO_INTEGER;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::Light;
 use glam::{DVec2, DVec3};
@@ -47,6 +49,8 @@ pub struct LightView {
     max_abs_position: f64,
     /// The number of pixels along each side.
     size: usize,
+    /// Both coordinates of the middle of the picture. The centres of pixels are at whole numbers.
+    middle: f64,
 }
 
 impl LightView {
@@ -66,7 +70,9 @@ impl LightView {
             return None;
         }
         let axes = across(toward, bounds.max - bounds.min);
-        let mut view = Self { origin, toward, axes, min_depth, max_distance, max_abs_position: 0.0, size };
+        let middle = 0.5 * size as f64 - 0.5;
+        let mut view =
+            Self { origin, toward, axes, min_depth, max_distance, max_abs_position: 0.0, size, middle };
         let extent = bounds.corners().map(|corner| view.project(corner).at.abs());
         let extent = extent.into_iter().fold(DVec2::ZERO, DVec2::max);
         let scale = (0.5 * size as f64 - MARGIN) / extent;
@@ -85,8 +91,7 @@ impl LightView {
 
     /// The pixels of the picture.
     pub fn screen(&self) -> Screen {
-        let middle = DVec2::splat(0.5 * self.size as f64 - 0.5);
-        Screen { middle, width: self.size, reach: REACH, nothing: 0.0 }
+        Screen { middle: DVec2::splat(self.middle), width: self.size, reach: REACH, nothing: 0.0 }
     }
 
     /// Where a point is in the picture.
@@ -107,16 +112,22 @@ impl LightView {
     pub fn pixel(&self, point: DVec3) -> Place {
         // Also false for a NaN.
         let is_usable = point.abs().max_element() <= self.max_abs_position;
-        let pixel = self.project(point).at + 0.5 * self.size as f64;
+        let place = self.project(point).at + self.middle;
         if !is_usable {
             Place::Unknown
-        } else if pixel.max_element() < self.size as f64 {
-            // A negative coordinate becomes 0, where the margin is.
-            Place::Pixel([pixel.x as usize, pixel.y as usize])
+        } else if place.max_element() < 2.0 * self.middle + 0.5 {
+            Place::Pixel([nearest_pixel(place.x), nearest_pixel(place.y)])
         } else {
             Place::Outside
         }
     }
+}
+
+/// The index of the pixel with the nearest centre. A negative coordinate or NaN becomes 0, where the margin is.
+#[inline(always)]
+fn nearest_pixel(coordinate: f64) -> usize {
+    // This is faster than to truncate with `as`, which must also handle NaN and numbers out of range.
+    (max(coordinate, 0.0) + ROUND_TO_INTEGER).to_bits() as u32 as usize
 }
 
 /// Where a ray to the light is in the picture.
