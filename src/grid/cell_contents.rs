@@ -110,15 +110,20 @@ impl CellContents {
     /// The ids of the primitives other than triangles in a cell of these blocks.
     #[inline(always)]
     pub fn non_triangles_in(&self, blocks: &[Block]) -> &[u32] {
-        let [start, end] = blocks.last().map_or([0, 0], |last| last.index.non_triangles);
+        blocks.last().map_or(&[], |last| self.non_triangles_of(&last.index))
+    }
+
+    /// The ids of the primitives other than triangles of a block.
+    #[inline(always)]
+    fn non_triangles_of(&self, index: &BlockIndex) -> &[u32] {
+        let [start, end] = index.non_triangles;
         &self.non_triangles[start as usize..end as usize]
     }
 
     /// The ids of the primitives of a block: the triangles, and then the others.
     pub fn primitives_of(&self, block: &Block) -> impl Iterator<Item = u32> {
-        let [start, end] = block.index.non_triangles.map(|i| i as usize);
         let triangles = block.index.ids.into_iter().take_while(|&id| id != NONE);
-        triangles.chain(self.non_triangles[start..end].iter().copied())
+        triangles.chain(self.non_triangles_of(&block.index).iter().copied())
     }
 
     /// All primitives in a single cell.

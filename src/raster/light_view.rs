@@ -49,7 +49,8 @@ pub struct LightView {
     max_abs_position: f64,
     /// The number of pixels along each side.
     size: usize,
-    /// Both coordinates of the middle of the picture. The centres of pixels are at whole numbers.
+    /// Both coordinates of the middle of the picture, kept because to compute it from `size` for each point takes
+    /// longer. The centres of pixels are at whole numbers.
     middle: f64,
 }
 
@@ -123,7 +124,8 @@ impl LightView {
     }
 }
 
-/// The index of the pixel with the nearest centre. A negative coordinate or NaN becomes 0, where the margin is.
+/// The index of the pixel with the nearest centre to a coordinate that is within the picture or before it. A negative
+/// one or NaN becomes 0, where the margin is.
 #[inline(always)]
 fn nearest_pixel(coordinate: f64) -> usize {
     // This is faster than to truncate with `as`, which must also handle NaN and numbers out of range.

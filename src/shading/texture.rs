@@ -240,8 +240,8 @@ mod tests {
         }
     }
 
-    /// Near the angles at which the sine is 0.5 away from 0 the least steps are tried, and beyond the largest angle for
-    /// which it may be left out.
+    /// The angles are those at which the sine is 0.5 away from 0 and their neighbours among floating-point numbers,
+    /// others between them, and some that are too large for the shortcut.
     #[test]
     fn a_ring_is_what_the_sine_makes_of_it() {
         let (mut all, mut none) = (0, 0);

@@ -32,15 +32,10 @@ impl CellContents {
     /// Whether the cell with an entry has the same primitives as these blocks.
     fn are_same(&self, entry: u32, own: &Range<usize>) -> bool {
         let (one, other) = (&self.indices[self.range(entry)], &self.indices[own.clone()]);
+        let others = |blocks: &[BlockIndex]| blocks.last().map(|last| self.non_triangles_of(last));
         one.len() == other.len()
             && one.iter().zip(other).all(|(a, b)| a.ids == b.ids)
-            && self.non_triangles_of(one) == self.non_triangles_of(other)
-    }
-
-    /// The ids of the primitives other than triangles in a cell with these blocks.
-    fn non_triangles_of(&self, blocks: &[BlockIndex]) -> &[u32] {
-        let [start, end] = blocks.last().map_or([0, 0], |last| last.non_triangles);
-        &self.non_triangles[start as usize..end as usize]
+            && others(one) == others(other)
     }
 }
 
