@@ -68,7 +68,7 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
     let verdict = compared.map(finish).transpose()?.flatten();
 
     let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
-    let (warnings, count) = (told.into_inner(), crew.pool.current_num_threads());
+    let (warnings, count) = (told.into_inner(), crew.at_work());
     let json = || {
         let document = Document::new(options, &warnings, count, rendered.as_ref(), verdict.as_ref());
         document.to_json().map_err(failed)

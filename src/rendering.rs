@@ -148,7 +148,7 @@ pub fn render<M: Mode, P: Observer>(
         grid: prepared.cells(),
         counts: probe.counts(),
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
-        threads: crew.pool.current_num_threads(),
+        threads: crew.at_work(),
     };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {

@@ -4,7 +4,7 @@ use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use raytracer::memory::{NoMemory, with_room};
 use std::hint::black_box;
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -21,6 +21,7 @@ pub struct Crew {
     pub pool: Arc<ThreadPool>,
     reserve: Mutex<Vec<ThreadBuilder>>,
     has_reserve: AtomicBool,
+    at_work: AtomicUsize,
 }
 
 impl Crew {
@@ -31,7 +32,7 @@ impl Crew {
         let pool = match wanted.is_some() || memory_is_limited() {
             true => pool(wanted, Place::Here)?,
             false => ThreadPoolBuilder::new()
-                .num_threads(cores())
+                .num_threads(most_cores())
                 .use_current_thread()
                 .spawn_handler(|thread| {
                     reserve.push(thread);
@@ -41,17 +42,27 @@ impl Crew {
                 .map_err(|error| refused(&error))?,
         };
         let has_reserve = AtomicBool::new(!reserve.is_empty());
-        Ok(Self { pool: Arc::new(pool), reserve: Mutex::new(reserve), has_reserve })
+        let at_work = AtomicUsize::new(pool.current_num_threads() - reserve.len());
+        Ok(Self { pool: Arc::new(pool), reserve: Mutex::new(reserve), has_reserve, at_work })
     }
 
-    /// Starts all threads of the pool. If the system starts fewer, these do all the work.
+    /// Starts the other threads of the pool, as many as there are cores for them. If the system starts fewer, these do
+    /// all the work.
     pub fn start_all(&self) {
         if !self.has_reserve.swap(false, Ordering::Relaxed) {
             return;
         }
-        for waiting in self.reserve.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-            let _ = thread::Builder::new().stack_size(STACK).spawn(|| waiting.run());
-        }
+        let mut reserve = self.reserve.lock().unwrap_or_else(PoisonError::into_inner);
+        let others = reserve.drain(..).take(cores() - 1);
+        let starts =
+            |waiting: ThreadBuilder| thread::Builder::new().stack_size(STACK).spawn(|| waiting.run()).is_ok();
+        let started = others.map(starts).filter(|&starts| starts).count();
+        self.at_work.fetch_add(started, Ordering::Relaxed);
+    }
+
+    /// How many threads work, this one among them.
+    pub fn at_work(&self) -> usize {
+        self.at_work.load(Ordering::Relaxed)
     }
 }
 
@@ -95,6 +106,19 @@ pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
 /// The number of cores that the program may use.
 fn cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// At least the number of [`cores`]: those that the system may give to the program, where that is quickly asked. How
+/// much time the program gets on them is written in files, and reading these takes a part of a small picture's time.
+#[cfg(target_os = "linux")]
+fn most_cores() -> usize {
+    rustix::thread::sched_getaffinity(None).map_or_else(|_| cores(), |cores| cores.count() as usize)
+}
+
+/// At least the number of [`cores`].
+#[cfg(not(target_os = "linux"))]
+fn most_cores() -> usize {
+    cores()
 }
 
 /// The message that a pool does not get its threads.
@@ -163,7 +187,7 @@ fn memory_is_limited() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
+    use std::sync::Barrier;
 
     #[test]
     fn a_crew_works_before_and_after_its_other_threads_start() {
@@ -177,9 +201,16 @@ mod tests {
         let [a, b] = &mut both;
         rayon::join(|| *a = Some(thread::current().id()), || *b = Some(thread::current().id()));
         assert_eq!(both, [Some(here); 2]);
+        assert_eq!(crew.at_work(), 1);
 
         crew.start_all();
-        let threads = crew.pool.broadcast(|_| thread::current().id());
-        assert_eq!(threads.into_iter().collect::<HashSet<_>>().len(), cores());
+        assert_eq!(crew.at_work(), cores());
+        // It ends when as many threads have come.
+        let meeting = Barrier::new(crew.at_work());
+        rayon::scope(|scope| {
+            let come = || _ = meeting.wait();
+            (1..crew.at_work()).for_each(|_| scope.spawn(move |_| come()));
+            meeting.wait();
+        });
     }
 }
