@@ -4,7 +4,6 @@ use crate::distinct_files::{check_input, check_outputs};
 use crate::document::{Document, Verdict};
 use crate::preview;
 use crate::products::unless_reader_is_gone;
-use crate::progress::Progress;
 use crate::rendering::{Rendered, render};
 use crate::signals::Signals;
 use crate::standard_output;
@@ -20,7 +19,6 @@ use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
-use raytracer::stats::{Counts, Quiet, RayCount};
 use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -58,9 +56,8 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         Some(JsonTarget::StandardOutput) | None => None,
     };
     let render = match options.counts() {
-        true => render::<Course, Counts>,
-        false if Progress::is_wanted(options.progress) => render::<Fast, RayCount>,
-        false => render::<Fast, Quiet>,
+        true => render::<Course>,
+        false => render::<Fast>,
     };
     let mut from = |input: &PathBuf| render(options, argv, input, &crew, &mut signals, &tell);
     let rendered = options.input.as_ref().map(&mut from).transpose()?;

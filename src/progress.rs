@@ -42,11 +42,6 @@ impl Progress {
         Self { sink, start: Instant::now(), next }
     }
 
-    /// Whether anything will be shown.
-    pub fn is_wanted(wish: ShowProgress) -> bool {
-        Sink::of(wish, stderr().is_terminal()) != Sink::Nothing
-    }
-
     /// Shows the text for the time that has passed, if it is time for another one. The text must be escaped.
     pub fn show(&self, text: impl FnOnce(Duration) -> String) {
         if self.sink == Sink::Nothing {

@@ -5,16 +5,14 @@ use crate::camera::Camera;
 use crate::grid::options::{GridOptions, Resolution, Structure};
 use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
-use crate::mode::{Course, Mode};
+use crate::mode::{Course, Fast, Mode};
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
-use crate::render::{self, Request, Stopped, TakeRow, View, Watch};
+use crate::render::{self, RenderMode, Request, Stopped, TakeRow, View, Watch};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
-use crate::stats::Quiet;
-use crate::trace::Observer;
 use crate::world::{Solids, World};
 use glam::DVec2;
 use rayon::ThreadPool;
@@ -186,7 +184,7 @@ pub struct Prepared<'r, M> {
     cells: Option<[usize; 3]>,
 }
 
-impl<'r, M: Mode> Prepared<'r, M> {
+impl<'r, M: RenderMode> Prepared<'r, M> {
     /// The same scene with the same grid in the course's mode; none if it was prepared for another mode, whose grid may
     /// be another.
     pub fn into_course(self) -> Option<Prepared<'r, Course>> {
@@ -207,22 +205,33 @@ impl<'r, M: Mode> Prepared<'r, M> {
     /// Renders the layers of a request into memory, in the order of the request. A picture without pixels, or
     /// with more than there is memory for, is an error.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        let render = || {
-            render::render_in_memory::<_, Quiet>(&self.camera(request), &self.caster, self.view(), request)
-        };
-        self.renderer.on_own_threads(render).map(|(pictures, Quiet)| pictures)
+        let caster = self.caster.in_mode::<Fast>();
+        let render = || render::render_in_memory(&self.camera(request), &caster, self.view(), request);
+        self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
     }
 
-    /// Renders a request row by row, as [`render::render`] does, and returns the probe.
-    pub fn render_rows<P: Observer, E: Send>(
+    /// Renders a request row by row, and returns what was counted. Rows are handed out from the top as soon as they
+    /// are finished.
+    pub fn render_rows(
         &self,
         request: &Request,
         watch: Watch,
-        take_row: TakeRow<E>,
-    ) -> Result<P, Stopped<E>> {
-        let camera = self.camera(request);
-        self.renderer
-            .on_own_threads(|| render::render(&camera, &self.caster, self.view(), request, watch, take_row))
+        take_row: TakeRow,
+    ) -> Result<M::Counter, Stopped> {
+        let (camera, view) = (self.camera(request), self.view());
+        self.renderer.on_own_threads(|| M::render(&camera, &self.caster, view, request, watch, take_row))
+    }
+
+    /// The same without counting, which may be faster.
+    pub(crate) fn render_rows_fast(
+        &self,
+        request: &Request,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<(), Stopped> {
+        let (camera, caster, view) = (self.camera(request), self.caster.in_mode::<Fast>(), self.view());
+        let render = || Fast::render(&camera, &caster, view, request, watch, take_row);
+        self.renderer.on_own_threads(render).map(drop)
     }
 
     /// The cells of the grid along each axis, if they are drawn in place of the scene.

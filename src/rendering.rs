@@ -14,14 +14,13 @@ use raytracer::fingerprint;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::{Exceptional, ImageError, OutputFile};
 use raytracer::memory::{Bytes, Text};
-use raytracer::mode::{Course, Mode};
+use raytracer::mode::Course;
 use raytracer::picture::Picture;
-use raytracer::render::{Layer, Request, Stopped};
+use raytracer::render::{Layer, RenderMode, Request, Stopped};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Report, Timings};
-use raytracer::trace::Observer;
+use raytracer::stats::{Probe, Report, Timings};
 use raytracer::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -55,7 +54,7 @@ pub struct Rendered {
 }
 
 /// Reads, prepares, renders and writes.
-pub fn render<M: Mode, P: Observer>(
+pub fn render<M: RenderMode>(
     options: &Options,
     argv: &[OsString],
     input: &Path,
@@ -107,7 +106,14 @@ pub fn render<M: Mode, P: Observer>(
     let world = renderer.world();
     let is_empty = world.finite_count() == 0 && world.planes.is_empty();
     products.watch_for_blank(&request, renderer.scene.background.color, is_empty);
-    let mut take_row = |layer: usize, row: &[Color]| products.take_row(layer, row);
+    let mut failure = None;
+    let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failure = Some(error);
+            ControlFlow::Break(())
+        }
+    };
     signals.end_at_second()?;
     let (progress, start) = (Progress::new(options.progress), Instant::now());
     let watch = |rows| {
@@ -117,10 +123,13 @@ pub fn render<M: Mode, P: Observer>(
         progress.show(|passed| rows_text("rendering", rows, passed));
         if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let rendered: Result<P, _> = prepared.render_rows(&request, &watch, &mut take_row);
+    let rendered = prepared.render_rows(&request, &watch, &mut take_row);
     progress.end();
     signals.hold_again();
-    let probe = match rendered {
+    if let Some(error) = failure {
+        return Err(failed(error).into());
+    }
+    let counter = match rendered {
         Err(Stopped::Cancelled { rows }) => {
             let kept = products.keep_parts(&request, &|layer| part_in(upper(&request, rows), layer))?;
             stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
@@ -128,7 +137,7 @@ pub fn render<M: Mode, P: Observer>(
                 .received()
                 .map_or(Err(failed("the rendering was stopped").into()), |end| Err(end.into()));
         }
-        probe => probe.map_err(failed)?,
+        counter => counter.map_err(failed)?,
     };
     let encoding = products.encoding;
     let rendering = clock.lap() - encoding;
@@ -146,7 +155,7 @@ pub fn render<M: Mode, P: Observer>(
         size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
-        counts: probe.counts(),
+        counts: counter.counts(),
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
     };
@@ -202,7 +211,7 @@ fn meshes(options: &Options) -> Meshes {
 }
 
 /// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
-fn explanation<M: Mode>(
+fn explanation<M: RenderMode>(
     options: &Options,
     renderer: &Renderer,
     prepared: Prepared<M>,
@@ -218,7 +227,7 @@ fn explanation<M: Mode>(
 /// How many of the fullest cells are named.
 const FULLEST: usize = 5;
 
-fn prepare<'r, M: Mode>(
+fn prepare<'r, M: RenderMode>(
     options: &Options,
     renderer: &'r Renderer,
     request: &Request,

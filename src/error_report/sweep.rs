@@ -14,10 +14,8 @@ use crate::render::{Layer, Request, Stopped};
 use crate::renderer::{Prepared, Renderer};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
-use crate::stats::{Counts, Quiet};
-use crate::trace::Observer;
+use crate::stats::Probe;
 use rayon::ThreadPool;
-use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -98,8 +96,6 @@ pub struct Sweep<'a> {
     /// What is done and what there is to do, in samples of each pixel.
     done: f64,
     all: f64,
-    /// How many rays a setting casts, which does not depend on filter and structure.
-    rays: Vec<(Setting, u64)>,
     /// The time of the references, of the settings and of the numerical error.
     times: [Duration; 3],
 }
@@ -116,7 +112,6 @@ impl<'a> Sweep<'a> {
             all_filters: true,
             done: 0.0,
             all: 0.0,
-            rays: vec![],
             times: Default::default(),
         }
     }
@@ -173,9 +168,8 @@ impl<'a> Sweep<'a> {
             let request = Request { sampler, ..own.clone() };
             let prepared = self.bench.many.install(|| self.renderer.prepare_for(self.structure, &request))?;
             let work = self.reference_work() / 2.0;
-            let rendered =
-                self.render::<Quiet>(self.bench.many, &prepared, &request, work, "the reference")?;
-            let Some((half, Quiet)) = rendered else { return Ok(None) };
+            let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
+            let Some((half, _)) = rendered else { return Ok(None) };
             halves.push(half);
             self.done += work;
         }
@@ -223,8 +217,8 @@ impl<'a> Sweep<'a> {
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let request = setting.request(self.request, self.request.sampler.rng());
         let prepared = self.bench.many.install(|| renderer.prepare_for(setting.structure, &request))?;
-        let Some(rays) = self.count_rays(setting, &prepared, &request)? else { return Ok(None) };
-        let Some((picture, times)) = self.repeat(setting, &prepared, &request)? else { return Ok(None) };
+        let repeated = self.repeat(setting, &prepared, &request)?;
+        let Some((picture, rays, times)) = repeated else { return Ok(None) };
         let bytes = picture.to_picture();
         let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {
@@ -236,59 +230,42 @@ impl<'a> Sweep<'a> {
         Ok(Some(Measurement { setting, times, rays, error, flip, off, changed: None, picture: bytes }))
     }
 
-    /// None if it was ended.
-    fn count_rays(
-        &mut self,
-        setting: &Setting,
-        prepared: &Prepared<Fast>,
-        request: &Request,
-    ) -> Result<Option<u64>, SweepError> {
-        let key =
-            Setting { axis: Axis::Samples, filter: Filter::PIXEL, structure: Structure::Any, ..*setting };
-        if let Some((_, rays)) = self.rays.iter().find(|(other, _)| *other == key) {
-            return Ok(Some(*rays));
-        }
-        let rendered = self.render::<Counts>(self.bench.many, prepared, request, 0.0, &setting.label())?;
-        let Some((_, counts)) = rendered else { return Ok(None) };
-        let rays = counts.non_shadow_rays + counts.shadow_rays;
-        self.rays.push((key, rays));
-        Ok(Some(rays))
-    }
-
-    /// Renders on one thread, again and again. None if it was ended.
+    /// Renders on one thread, again and again: the picture, the rays that were cast for it, and how long it took each
+    /// time. None if it was ended.
     fn repeat(
         &self,
         setting: &Setting,
         prepared: &Prepared<Fast>,
         request: &Request,
-    ) -> Result<Option<(FloatPicture, Vec<Duration>)>, SweepError> {
+    ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, SweepError> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
             let start = (self.bench.clock)();
-            let rendered = self.render::<Quiet>(self.bench.one, prepared, request, 0.0, &label)?;
+            let rendered = self.render(self.bench.one, prepared, request, 0.0, &label)?;
             times.push((self.bench.clock)().saturating_sub(start));
-            let Some((picture, Quiet)) = rendered else { return Ok(None) };
+            let Some((picture, rays)) = rendered else { return Ok(None) };
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
             if is_enough || times.len() >= MOST {
                 times.sort();
-                return Ok(Some((picture, times)));
+                return Ok(Some((picture, rays, times)));
             }
         }
     }
 
-    /// Renders with the progress from what is done to so much more. None if it was ended.
-    fn render<P: Observer>(
+    /// Renders with the progress from what is done to so much more: the picture, and the rays that were cast for it.
+    /// None if it was ended.
+    fn render(
         &self,
         threads: &ThreadPool,
         prepared: &Prepared<Fast>,
         request: &Request,
         work: f64,
         doing: &str,
-    ) -> Result<Option<(FloatPicture, P)>, SweepError> {
+    ) -> Result<Option<(FloatPicture, u64)>, SweepError> {
         let mut picture = FloatPicture::with_room(request.window_size())?;
-        let mut take_row = |_: usize, row: &[Color]| -> Result<(), Infallible> {
+        let mut take_row = |_: usize, row: &[Color]| {
             picture.colors.extend_from_slice(row);
-            Ok(())
+            ControlFlow::Continue(())
         };
         let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
         let watch = |rows: crate::render::Progress| {
@@ -296,9 +273,8 @@ impl<'a> Sweep<'a> {
             bench_watch(Progress { share: (done + part * work) / all, doing })
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
-            Ok(probe) => Ok(Some((picture, probe))),
-            Err(Stopped::Cancelled { .. }) => Ok(None),
-            Err(Stopped::Output(never)) => match never {},
+            Ok(counter) => Ok(Some((picture, counter.counts().rays()))),
+            Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
             Err(Stopped::Memory(_)) => {
                 let [width, height] = request.window_size();
                 Err(BadSize { width, height }.into())

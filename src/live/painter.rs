@@ -13,8 +13,6 @@ use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::{Cost, Layer, Progress, Request, Stopped};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene::{Camera, Color};
-use crate::stats::{Counts, Quiet};
-use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -180,19 +178,18 @@ impl<'r> Easel<'r> {
         let request = request(subject);
         let [width, height] = request.size;
         let mut colors = Colors::default();
-        let mut take_row = |_: usize, row: &[Color]| -> Result<(), Infallible> {
+        let mut take_row = |_: usize, row: &[Color]| {
             colors.take(row, subject.cost.is_some());
-            Ok(())
+            ControlFlow::Continue(())
         };
         let done = match ready {
-            Ready::Fast(ready) => ready.render_rows::<Quiet, _>(&request, &watch, &mut take_row).map(drop),
-            Ready::Course(ready) => ready.render_rows::<Counts, _>(&request, &watch, &mut take_row).map(drop),
+            Ready::Fast(ready) => ready.render_rows(&request, &watch, &mut take_row).map(drop),
+            Ready::Course(ready) => ready.render_rows(&request, &watch, &mut take_row).map(drop),
         };
         match done {
             Ok(()) => {}
             Err(Stopped::Cancelled { .. }) if turn.is_overtaken() => return Err(Unpainted::Overtaken),
-            Err(Stopped::Cancelled { .. }) => return Err(Unpainted::TooSlow),
-            Err(Stopped::Output(never)) => match never {},
+            Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::TooSlow),
             Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
         }
         let costs = subject.cost.map(|cost| CostReport {

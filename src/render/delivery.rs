@@ -16,12 +16,12 @@ const ROWS_PER_THREAD: usize = 64;
 /// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the
 /// others go on. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new
 /// memory takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
-pub fn in_order<T: Send, E: Send>(
+pub fn in_order<T: Send>(
     rows: usize,
     tally: &Tally,
     trace: impl Fn(usize, Option<T>) -> Result<T, NoMemory> + Sync,
-    hand_out: impl FnMut(&mut T) -> Result<(), Stopped<E>> + Send,
-) -> Result<usize, Stopped<E>> {
+    hand_out: impl FnMut(&mut T) -> Result<(), Stopped> + Send,
+) -> Result<usize, Stopped> {
     let threads = rayon::current_num_threads();
     let places = memory::collected((0..rows.min(ROWS_PER_THREAD * threads)).map(|_| None))?;
     // No more rows are made than there are places.
@@ -43,13 +43,13 @@ pub fn in_order<T: Send, E: Send>(
     progress.failure.map_or(Ok(progress.handed_out), Err)
 }
 
-struct Delivery<T, E, H> {
-    progress: Mutex<Progress<T, E, H>>,
+struct Delivery<T, H> {
+    progress: Mutex<Progress<T, H>>,
     /// Rows have been handed out, or no more are taken.
     goes_on: Condvar,
 }
 
-struct Progress<T, E, H> {
+struct Progress<T, H> {
     /// The rows that are to be traced: fewer than at first once the render has failed.
     rows: usize,
     /// How many of them threads have taken so far, and how many of these have been handed out.
@@ -63,10 +63,10 @@ struct Progress<T, E, H> {
     hand_out: Option<H>,
     /// How many threads wait for a place.
     waiting: usize,
-    failure: Option<Stopped<E>>,
+    failure: Option<Stopped>,
 }
 
-impl<T, E, H: FnMut(&mut T) -> Result<(), Stopped<E>>> Delivery<T, E, H> {
+impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
     /// A row to trace, as soon as there is a place for it, and one that is no longer needed, if there is any. None if
     /// all are taken or the watch has cancelled the render.
     fn take(&self, tally: &Tally) -> Option<(usize, Option<T>)> {
@@ -111,25 +111,25 @@ impl<T, E, H: FnMut(&mut T) -> Result<(), Stopped<E>>> Delivery<T, E, H> {
         progress.hand_out = Some(hand_out);
     }
 
-    fn fail(&self, mut progress: MutexGuard<Progress<T, E, H>>, failure: Stopped<E>) {
+    fn fail(&self, mut progress: MutexGuard<Progress<T, H>>, failure: Stopped) {
         progress.failure = Some(failure);
         self.end(progress);
     }
 }
 
-impl<T, E, H> Delivery<T, E, H> {
+impl<T, H> Delivery<T, H> {
     /// No thread takes another row.
-    fn end(&self, mut progress: MutexGuard<Progress<T, E, H>>) {
+    fn end(&self, mut progress: MutexGuard<Progress<T, H>>) {
         progress.rows = progress.taken;
         self.goes_on.notify_all();
     }
 
-    fn progress(&self) -> MutexGuard<'_, Progress<T, E, H>> {
+    fn progress(&self) -> MutexGuard<'_, Progress<T, H>> {
         self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl<T, E, H> Progress<T, E, H> {
+impl<T, H> Progress<T, H> {
     /// The row that is due, if it is traced.
     fn due(&mut self) -> Option<T> {
         let place = self.handed_out % self.places.len();
@@ -138,9 +138,9 @@ impl<T, E, H> Progress<T, E, H> {
 }
 
 /// Ends the delivery when it is dropped. A thread that panics in its row ends it so: others would wait for that row.
-struct End<'d, T, E, H>(&'d Delivery<T, E, H>);
+struct End<'d, T, H>(&'d Delivery<T, H>);
 
-impl<T, E, H> Drop for End<'_, T, E, H> {
+impl<T, H> Drop for End<'_, T, H> {
     fn drop(&mut self) {
         self.0.end(self.0.progress());
     }

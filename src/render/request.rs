@@ -3,7 +3,7 @@
 use super::layer::Layer;
 use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::mode::Mode;
+use crate::mode::{Fast, Mode};
 use crate::raster::{Footprint, ShadowMaps, VisibilityBuffer};
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
@@ -11,8 +11,7 @@ use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::scene;
 use crate::scene::material::Material;
-use crate::stats::{Probe, Quiet};
-use crate::trace::{Effects, Observer, Shadows};
+use crate::trace::{Effects, Shadows};
 use crate::world::World;
 use serde::Serialize;
 use std::ops::Range;
@@ -96,9 +95,9 @@ impl Request {
         height - rows.end..height - rows.start
     }
 
-    /// Whether any layer needs colours, or the probe counts the rays that make them.
-    pub(super) fn traces_colors<P: Probe>(&self) -> bool {
-        P::COUNTS || self.layers.iter().any(|layer| matches!(layer, Layer::Color | Layer::Samples { .. }))
+    /// Whether any layer needs colours, or the rays that make them are counted.
+    pub(super) fn traces_colors<M: Mode>(&self) -> bool {
+        M::AS_COURSE || self.layers.iter().any(|layer| matches!(layer, Layer::Color | Layer::Samples { .. }))
     }
 
     /// Whether the colours of pixels are wanted.
@@ -127,8 +126,8 @@ impl Request {
     }
 
     /// Whether colours are traced along the rays through the pixels' centres.
-    pub(super) fn casts_centers<P: Probe>(&self, view: View) -> bool {
-        self.traces_colors::<P>() && self.sampler.is_center() && matches!(view, View::Scene)
+    pub(super) fn casts_centers<M: Mode>(&self, view: View) -> bool {
+        self.traces_colors::<M>() && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
     /// The number of camera rays of the whole picture.
@@ -143,21 +142,21 @@ impl Request {
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let casts_centers = !VisibilityBuffer::suits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
-        let casts = self.measures() && casts_centers || self.traces_colors::<Quiet>() && casts_for_colors;
+        let casts = self.measures() && casts_centers || self.traces_colors::<Fast>() && casts_for_colors;
         let pixels: usize = self.window_size().iter().product();
         if casts { pixels * self.sampler.count() as usize } else { 0 }
     }
 
     /// The first hits of camera rays in these rows, if such rays are needed and rasterizing the triangles is cheaper
     /// than casting them. The course's program casts them all.
-    pub(super) fn visibility<M: Mode, P: Probe>(
+    pub(super) fn visibility<M: Mode>(
         &self,
         camera: &Camera,
         caster: &Caster<M>,
         view: View,
         rows: Range<usize>,
     ) -> Option<VisibilityBuffer> {
-        let samples = self.traces_colors::<P>() && matches!(view, View::Scene);
+        let samples = self.traces_colors::<M>() && matches!(view, View::Scene);
         let footprint =
             if samples && !self.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
         let is_needed = self.measures() || samples;
@@ -166,16 +165,15 @@ impl Request {
     }
 
     /// What is known of shadows before any ray is cast, if it pays to find that out.
-    pub(super) fn shadow_maps<M: Mode, P: Observer>(
+    pub(super) fn shadow_maps<M: Mode>(
         &self,
         caster: &Caster<M>,
         view: View,
     ) -> Option<ShadowMaps> {
-        let is_needed = self.traces_colors::<P>()
+        let is_needed = self.traces_colors::<M>()
             && matches!(view, View::Scene)
             && self.effects.shadows == Shadows::Opaque
-            && !M::AS_COURSE
-            && !P::OBSERVES;
+            && !M::AS_COURSE;
         let pixels: usize = self.window_size().iter().product();
         is_needed.then(|| ShadowMaps::new(caster.world, pixels * self.sampler.count() as usize))
     }
@@ -187,7 +185,6 @@ mod tests {
     use crate::mode::Course;
     use crate::sampling::drand48::Drand48;
     use crate::sampling::sampler::Pattern;
-    use crate::stats::Counts;
 
     #[test]
     fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
@@ -220,8 +217,8 @@ mod tests {
             (&[filter, DEPTH, Layer::Color], true, true, true, false),
         ] {
             let request = request_of(layers);
-            assert_eq!(request.traces_colors::<Quiet>(), traces, "{layers:?}");
-            assert!(request.traces_colors::<Counts>());
+            assert_eq!(request.traces_colors::<Fast>(), traces, "{layers:?}");
+            assert!(request.traces_colors::<Course>());
             assert_eq!(request.has_colors(), has_colors, "{layers:?}");
             assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
             assert_eq!((request.measures(), request.has_normals()), (measures, has_normals), "{layers:?}");
@@ -295,10 +292,10 @@ mod tests {
         ] {
             let request = Request { sampler, ..request_of(layers) };
             let camera = Camera::new(&scene.camera, request.size);
-            assert_eq!(request.casts_centers::<Quiet>(view), casts, "{layers:?} {sampler:?}");
-            let visibility = request.visibility::<_, Quiet>(&camera, &fast, view, 0..6);
+            assert_eq!(request.casts_centers::<Fast>(view), casts, "{layers:?} {sampler:?}");
+            let visibility = request.visibility(&camera, &fast, view, 0..6);
             assert_eq!(visibility.is_some(), asks, "{layers:?} {sampler:?}");
-            assert!(request.visibility::<_, Quiet>(&camera, &course, view, 0..6).is_none());
+            assert!(request.visibility(&camera, &course, view, 0..6).is_none());
         }
     }
 }

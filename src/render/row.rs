@@ -1,5 +1,6 @@
 //! A row of pixels: its samples are traced, and their colours are added to the layers.
 
+use super::RenderMode;
 use super::layer::Layer;
 use super::request::{Request, View};
 use super::sample_packet::{Place, Sample, SamplePacket};
@@ -8,7 +9,6 @@ use crate::grid::Caster;
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::memory::{self, NoMemory};
-use crate::mode::Mode;
 use crate::raster::{ShadowMaps, VisibilityBuffer};
 use crate::render::grid_view::Face;
 use crate::sampling::spread::Spread;
@@ -16,7 +16,7 @@ use crate::sampling::sum::Sum;
 use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::stats::Probe;
-use crate::trace::{Memory, Observer, Tracer};
+use crate::trace::{Memory, Tracer};
 use crate::world::World;
 use adaptive::Refinement;
 use glam::DVec2;
@@ -50,16 +50,16 @@ impl<M> Clone for Setting<'_, M> {
 
 impl<M> Copy for Setting<'_, M> {}
 
-impl<M: Mode> Setting<'_, M> {
+impl<M: RenderMode> Setting<'_, M> {
     /// Traces an empty row. `visibility` has the first hits of the rays through its centres, as far as they are
     /// known. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row<P: Observer>(
+    pub fn row(
         &self,
-        empty: Row<P>,
+        empty: Row<M::Counter>,
         visibility: Option<&VisibilityBuffer>,
         is_shown: bool,
         refinement: Option<Refinement>,
-    ) -> Row<P> {
+    ) -> Row<M::Counter> {
         let mut painter = Painter { refinement, ..self.painter(empty, visibility, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
@@ -80,12 +80,12 @@ impl<M: Mode> Setting<'_, M> {
     }
 
     /// A painter of an empty row.
-    fn painter<'a, P: Observer>(
+    fn painter<'a>(
         &'a self,
-        row: Row<P>,
+        row: Row<M::Counter>,
         visibility: Option<&'a VisibilityBuffer>,
         is_shown: bool,
-    ) -> Painter<'a, M, P> {
+    ) -> Painter<'a, M> {
         let Setting { caster, request, shadow_maps, .. } = *self;
         Painter {
             setting: *self,
@@ -103,7 +103,7 @@ impl<M: Mode> Setting<'_, M> {
     }
 
     /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
-    pub fn empty_row<P: Observer>(&self, j: usize, used: Option<Row<P>>) -> Result<Row<P>, NoMemory> {
+    pub fn empty_row(&self, j: usize, used: Option<Row<M::Counter>>) -> Result<Row<M::Counter>, NoMemory> {
         let Setting { request, .. } = *self;
         if let Some(row) = used.and_then(|used| used.emptied(j)) {
             return Ok(row);
@@ -119,12 +119,12 @@ impl<M: Mode> Setting<'_, M> {
             Layer::Color | Layer::Filter { .. } => Ok(vec![]),
             _ => memory::with_room(layer.colors_per_row(request.columns().len())),
         });
-        Ok(Row { j, probe: P::default(), colors, layers: layers.collect::<Result<_, _>>()? })
+        Ok(Row { j, probe: M::Counter::default(), colors, layers: layers.collect::<Result<_, _>>()? })
     }
 }
 
 /// Traces the pixels of one row.
-struct Painter<'a, M, P> {
+struct Painter<'a, M: RenderMode> {
     setting: Setting<'a, M>,
     tracer: Tracer<'a, M>,
     visibility: Option<&'a VisibilityBuffer>,
@@ -140,17 +140,28 @@ struct Painter<'a, M, P> {
     plots: Vec<(usize, usize)>,
     /// What further samples start from, if there are any.
     refinement: Option<Refinement<'a>>,
-    row: Row<P>,
+    row: Row<M::Counter>,
 }
 
-impl<M: Mode, P: Observer> Painter<'_, M, P> {
+/// What is wanted of the rays of a packet.
+#[derive(Clone, Copy)]
+struct Wanted {
+    /// The first hits.
+    hits: bool,
+    /// The surfaces there.
+    surfaces: bool,
+    /// The colours.
+    colors: bool,
+}
+
+impl<M: RenderMode> Painter<'_, M> {
     /// Traces the pixels in these columns, of which there are no more than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, .. } = *self.setting.request;
         for (k, zoom) in self.plots.clone() {
             self.plot_background(k, zoom, columns.clone());
         }
-        let colors = self.setting.request.traces_colors::<P>();
+        let colors = self.setting.request.traces_colors::<M>();
         if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
             self.paint_centers(columns.clone(), packet);
         }
@@ -181,29 +192,21 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     }
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
-    #[inline(always)]
-    fn paint_centers_with<F: F64x4>(
-        &mut self,
-        proof: F::Proof,
-        columns: Range<usize>,
-        packet: &mut SamplePacket,
-    ) {
-        let Setting { camera, caster, view, request, .. } = self.setting;
-        let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<P>(view));
-        let j = self.row.j;
+    fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        let Setting { view, request, .. } = self.setting;
+        let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<M>(view));
+        let wanted = Wanted {
+            hits: measures || casts,
+            surfaces: request.has_normals() || casts,
+            colors: request.traces_colors::<M>() && request.sampler.is_center(),
+        };
         packet.push_centers(columns);
-        packet.aim::<F>(proof, camera, j);
-        if measures || casts {
-            packet.cast(caster, self.visibility, j, &mut self.row.probe);
-        }
-        if request.has_normals() || casts {
-            packet.find_surfaces::<F>(proof, caster.world);
-        }
+        let colors = self.trace(wanted, packet);
         if measures {
             self.measure(packet.samples());
         }
-        if request.traces_colors::<P>() && request.sampler.is_center() {
-            self.color::<true>(packet);
+        if wanted.colors {
+            self.add_samples::<true>(packet, &colors);
         }
         packet.clear();
     }
@@ -215,8 +218,7 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     }
 
     /// Takes the samples of the pixels in these columns, packet by packet.
-    #[inline(always)]
-    fn take_samples_with(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+    fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, size: [_, height], .. } = *self.setting.request;
         let mut pixels = sampler.pixels(self.index(columns.start), height as u64);
         for column in columns {
@@ -232,43 +234,49 @@ impl<M: Mode, P: Observer> Painter<'_, M, P> {
     }
 
     /// Casts and colours the samples of a packet, and empties it.
-    #[inline(always)]
-    fn color_samples_with<F: F64x4>(&mut self, proof: F::Proof, packet: &mut SamplePacket) {
-        self.cast_samples_with::<F>(proof, packet);
-        self.color::<false>(packet);
+    fn color_samples(&mut self, packet: &mut SamplePacket) {
+        let colors = self.trace(self.wanted_of_samples(), packet);
+        self.add_samples::<false>(packet, &colors);
         packet.clear();
     }
 
-    /// Casts the samples of a packet, and returns their colours.
+    /// The colours of a packet's samples.
+    fn colors_of(&mut self, packet: &mut SamplePacket) -> [Color; SamplePacket::SIZE] {
+        packet.samples().iter().for_each(|_| self.row.probe.non_shadow_ray());
+        self.trace(self.wanted_of_samples(), packet)
+    }
+
+    /// What is wanted of samples that are coloured. A view of cells casts no ray into the scene for them.
+    fn wanted_of_samples(&self) -> Wanted {
+        let is_scene = matches!(self.setting.view, View::Scene);
+        Wanted { hits: is_scene, surfaces: is_scene, colors: true }
+    }
+
+    /// Traces the samples of a packet, compiled for the instructions of the caller.
     #[inline(always)]
-    fn colors_of_with<F: F64x4>(
+    fn trace_with<F: F64x4>(
         &mut self,
         proof: F::Proof,
+        wanted: Wanted,
         packet: &mut SamplePacket,
     ) -> [Color; SamplePacket::SIZE] {
-        self.cast_samples_with::<F>(proof, packet);
-        packet.samples().iter().for_each(|_| self.row.probe.non_shadow_ray());
-        self.colors_along(packet)
-    }
-
-    /// Casts the samples of a packet, and finds the surfaces that they hit.
-    #[inline(always)]
-    fn cast_samples_with<F: F64x4>(&mut self, proof: F::Proof, packet: &mut SamplePacket) {
         let Setting { camera, caster, .. } = self.setting;
         packet.aim::<F>(proof, camera, self.row.j);
-        if matches!(self.setting.view, View::Scene) {
+        if wanted.hits {
             packet.cast(caster, self.visibility, self.row.j, &mut self.row.probe);
+        }
+        if wanted.surfaces {
             packet.find_surfaces::<F>(proof, caster.world);
         }
+        if wanted.colors { self.colors_along(packet) } else { [Color::ZERO; SamplePacket::SIZE] }
     }
 
-    /// Colours the samples of a packet.
+    /// Adds the samples of a packet, which have these colours, to the row.
     #[inline(always)]
-    fn color<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
-        let colors = self.colors_along(packet);
+    fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket, colors: &[Color]) {
         let mut sum = self.sum;
         for (Sample { source: Place { column, offset, is_last }, .. }, color) in
-            packet.samples().iter().zip(&colors)
+            packet.samples().iter().zip(colors)
         {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);
             if CENTERS || *is_last {

@@ -9,14 +9,13 @@ use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, Row, Setting};
 use super::tally::{Tally, in_parallel};
-use super::{Stopped, TakeRow, delivery};
+use super::{RenderMode, Stopped, TakeRow, delivery};
 use crate::memory::{self, NoMemory};
-use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
-use crate::trace::Observer;
+use crate::stats::Probe;
 use std::ops::Range;
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
@@ -53,7 +52,7 @@ struct Finished<P> {
     rows: Vec<(Vec<Color>, Vec<Vec<Color>>)>,
 }
 
-impl<'a, M: Mode> Strip<'a, M> {
+impl<'a, M: RenderMode> Strip<'a, M> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
         let Request { layers, sampler, adaptive, .. } = setting.request;
@@ -77,21 +76,21 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces the strip and hands it out, and returns the probe.
-    pub fn render<P: Observer, E: Send>(&self, tally: &Tally, take_row: TakeRow<E>) -> Result<P, Stopped<E>> {
+    pub fn render(&self, tally: &Tally, take_row: TakeRow) -> Result<M::Counter, Stopped> {
         let Setting { request, .. } = *self.setting;
         if Self::hands_out_at_once(request) {
-            let finished = self.finish::<P>(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
-            return finished.hand_out(request, take_row).map_err(Stopped::Output);
+            let finished = self.finish(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
+            return finished.hand_out(request, take_row);
         }
-        let visibility = self.visibility::<P>(self.rows.clone());
+        let visibility = self.visibility(self.rows.clone());
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
             self.row(self.setting.empty_row(j, used)?, visibility.as_ref(), None, tally)
         };
-        let mut probe = P::default();
-        let hand_out_row = |row: &mut Row<P>| {
+        let mut probe = M::Counter::default();
+        let hand_out_row = |row: &mut Row<M::Counter>| {
             probe = std::mem::take(&mut probe).merge(std::mem::take(&mut row.probe));
-            hand_out(row.colors.finished(), &row.layers, request, take_row).map_err(Stopped::Output)
+            hand_out(row.colors.finished(), &row.layers, request, take_row)
         };
         match delivery::in_order(self.rows.len(), tally, trace, hand_out_row)? {
             rows if rows < self.rows.len() => Err(self.cancelled_above(self.rows.end - rows)),
@@ -100,27 +99,27 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// The render is cancelled when the rows from `end` on have been handed out.
-    fn cancelled_above<E>(&self, end: usize) -> Stopped<E> {
+    fn cancelled_above(&self, end: usize) -> Stopped {
         Stopped::Cancelled { rows: self.setting.request.rows().end - end }
     }
 
     /// The first hits of the rays through the centres of these rows, as far as they are known.
-    fn visibility<P: Observer>(&self, rows: Range<usize>) -> Option<VisibilityBuffer> {
+    fn visibility(&self, rows: Range<usize>) -> Option<VisibilityBuffer> {
         let Setting { camera, caster, view, request, .. } = *self.setting;
-        request.visibility::<M, P>(camera, caster, view, rows)
+        request.visibility::<M>(camera, caster, view, rows)
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    fn finish<P: Observer>(&self, tally: &Tally) -> Result<Option<Finished<P>>, NoMemory> {
+    fn finish(&self, tally: &Tally) -> Result<Option<Finished<M::Counter>>, NoMemory> {
         let Request { filter, size, .. } = *self.setting.request;
         let [_, height] = size;
         let support = self.setting.request.support();
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
         let mut finished =
-            Finished { probe: P::default(), rows: memory::filled(Default::default(), self.rows.len())? };
+            Finished { probe: M::Counter::default(), rows: memory::filled(Default::default(), self.rows.len())? };
         // The first of adaptive samples are traced in the rows beside, too.
-        let visibility = self.visibility::<P>(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
+        let visibility = self.visibility(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
             for row in self.trace(rows, visibility.as_ref(), tally)? {
@@ -145,16 +144,16 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces these rows; those are none that the watch cancels.
-    fn trace<P: Observer>(
+    fn trace(
         &self,
         rows: Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Result<Vec<Option<Row<P>>>, NoMemory> {
+    ) -> Result<Vec<Option<Row<M::Counter>>>, NoMemory> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<P>() => {
-                match self.trace_first::<P>(&rows, visibility, tally)? {
+            Some(_) if request.traces_colors::<M>() => {
+                match self.trace_first(&rows, visibility, tally)? {
                     Some(first) => first,
                     None => return memory::collected(rows.map(|_| None)),
                 }
@@ -163,7 +162,7 @@ impl<'a, M: Mode> Strip<'a, M> {
         };
         let first_row = rows.start.saturating_sub(1);
         let trace = |j| {
-            let row = self.setting.empty_row::<P>(j, None)?;
+            let row = self.setting.empty_row(j, None)?;
             self.row(row, visibility, self.refinement(&first, first_row, j), tally)
         };
         let mut traced = in_parallel(rows.clone(), tally, trace)?;
@@ -176,13 +175,13 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces a row.
-    fn row<P: Observer>(
+    fn row(
         &self,
-        empty: Row<P>,
+        empty: Row<M::Counter>,
         visibility: Option<&VisibilityBuffer>,
         refinement: Option<Refinement>,
         tally: &Tally,
-    ) -> Result<Row<P>, NoMemory> {
+    ) -> Result<Row<M::Counter>, NoMemory> {
         let is_shown = self.rows.contains(&empty.j);
         let row = self.setting.row(empty, visibility, is_shown, refinement);
         if is_shown {
@@ -192,12 +191,12 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 
     /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
-    fn trace_first<P: Observer>(
+    fn trace_first(
         &self,
         rows: &Range<usize>,
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
-    ) -> Result<Option<FirstOfRows<P>>, NoMemory> {
+    ) -> Result<Option<FirstOfRows<M::Counter>>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
         let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(visibility, j))?;
         let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
@@ -224,8 +223,8 @@ impl<'a, M: Mode> Strip<'a, M> {
     }
 }
 
-impl<P: Observer> Finished<P> {
-    fn take<M: Mode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) -> Result<(), NoMemory> {
+impl<P: Probe> Finished<P> {
+    fn take<M: RenderMode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) -> Result<(), NoMemory> {
         let Setting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
@@ -251,7 +250,7 @@ impl<P: Observer> Finished<P> {
     }
 
     /// Hands out the rows from the top, and returns the probe.
-    fn hand_out<E>(self, request: &Request, take_row: TakeRow<E>) -> Result<P, E> {
+    fn hand_out(self, request: &Request, take_row: TakeRow) -> Result<P, Stopped> {
         let mut rows = self.rows.iter().rev();
         rows.try_for_each(|(colors, layers)| hand_out(colors, layers, request, take_row))?;
         Ok(self.probe)
@@ -259,16 +258,18 @@ impl<P: Observer> Finished<P> {
 }
 
 /// Hands out the layers of a row, of which those of colours get `colors`.
-fn hand_out<E>(
+fn hand_out(
     colors: &[Color],
     layers: &[Vec<Color>],
     request: &Request,
-    take_row: TakeRow<E>,
-) -> Result<(), E> {
+    take_row: TakeRow,
+) -> Result<(), Stopped> {
     for (k, (layer, measured)) in request.layers.iter().zip(layers).enumerate() {
         let row = if matches!(layer, Layer::Color) { colors } else { measured };
         let [width, _] = layer.size(request.window_size());
-        row.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row))?;
+        if row.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row)).is_break() {
+            return Err(Stopped::Output);
+        }
     }
     Ok(())
 }

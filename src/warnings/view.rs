@@ -2,15 +2,14 @@
 
 use super::{Warning, known};
 use crate::math::robust::unit;
-use crate::mode::Mode;
-use crate::render::{Layer, Request, Watch};
+use crate::render::{Layer, RenderMode, Request, Watch};
 use crate::renderer::Prepared;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
-use crate::stats::Quiet;
 use crate::world::World;
 use glam::DVec3;
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// Where the scene is, if no ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +68,7 @@ fn short(x: f64) -> String {
 /// A warning if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture,
 /// or else until the first row of pixels with a hit, so it is only asked of a picture that shows nothing but
 /// the background. If `watch` ends it there is no warning.
-pub fn nothing_visible<M: Mode>(
+pub fn nothing_visible<M: RenderMode>(
     prepared: &Prepared<'_, M>,
     request: &Request,
     places: &Places,
@@ -82,10 +81,11 @@ pub fn nothing_visible<M: Mode>(
     let centers =
         Request { layers: vec![Layer::Normals], camera: request.camera, ..Request::new(request.size) };
     // Normals have unit length, and where nothing is hit the picture is black.
-    let mut take_row = |_: usize, row: &[Color]| {
-        if row.iter().all(|&color| color == Color::ZERO) { Ok(()) } else { Err(()) }
+    let mut take_row = |_: usize, row: &[Color]| match row.iter().all(|&color| color == Color::ZERO) {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
     };
-    let sees_nothing = prepared.render_rows::<Quiet, ()>(&centers, watch, &mut take_row).is_ok();
+    let sees_nothing = prepared.render_rows_fast(&centers, watch, &mut take_row).is_ok();
     sees_nothing.then(|| Warning::NothingVisible { at, sight: sight(prepared, &centers) })
 }
 
@@ -94,7 +94,7 @@ fn is_empty(world: &World) -> bool {
 }
 
 /// Why nothing is seen, as far as the bounds of the objects tell.
-fn sight<M: Mode>(prepared: &Prepared<'_, M>, request: &Request) -> Sight {
+fn sight<M: RenderMode>(prepared: &Prepared<'_, M>, request: &Request) -> Sight {
     let renderer = prepared.renderer();
     let world = renderer.world();
     let Some(bounds) = renderer.bounds().filter(|_| world.planes.is_empty()) else {

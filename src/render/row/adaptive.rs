@@ -3,13 +3,12 @@
 
 use super::{Colors, Painter, Setting};
 use crate::memory::{self, NoMemory};
-use crate::mode::Mode;
 use crate::raster::VisibilityBuffer;
+use crate::render::RenderMode;
 use crate::render::sample_packet::{Sample, SamplePacket};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
 use crate::scene::Color;
-use crate::stats::{Counts, Quiet};
-use crate::trace::Observer;
+use crate::stats::{Counts, Probe};
 use std::ops::Range;
 
 /// The first samples of a row of pixels.
@@ -52,27 +51,27 @@ impl FirstSamples {
 /// The bytes that the first samples of a pixel take.
 pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
-impl<M: Mode> Setting<'_, M> {
+impl<M: RenderMode> Setting<'_, M> {
     /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the
     /// columns of the row's pixels and of those around them.
-    pub fn first_samples<P: Observer>(
+    pub fn first_samples(
         &self,
         visibility: Option<&VisibilityBuffer>,
         j: usize,
-    ) -> Result<(FirstSamples, P), NoMemory> {
+    ) -> Result<(FirstSamples, M::Counter), NoMemory> {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
         self.first_samples_in(visibility, columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
-    fn first_samples_in<P: Observer>(
+    fn first_samples_in(
         &self,
         visibility: Option<&VisibilityBuffer>,
         columns: Range<usize>,
         j: usize,
-    ) -> Result<(FirstSamples, P), NoMemory> {
-        let mut painter: Painter<M, P> = self.painter(self.empty_row(j, None)?, visibility, false);
+    ) -> Result<(FirstSamples, M::Counter), NoMemory> {
+        let mut painter = self.painter(self.empty_row(j, None)?, visibility, false);
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
@@ -104,10 +103,10 @@ impl<M: Mode> Setting<'_, M> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in::<Quiet>(None, columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
+            Some(self.first_samples_in(None, columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter: Painter<M, Quiet> = self.painter(self.empty_row(j, None).ok()?, None, false);
+        let mut painter = self.painter(self.empty_row(j, None).ok()?, None, false);
         painter.row.colors = Colors::Unwanted;
         painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
         painter.refine(column, &mut SamplePacket::default());
@@ -115,7 +114,7 @@ impl<M: Mode> Setting<'_, M> {
     }
 }
 
-impl<M: Mode, P: Observer> Painter<'_, M, P> {
+impl<M: RenderMode> Painter<'_, M> {
     /// Adds the first samples of a pixel to a packet.
     fn push_first(&self, column: usize, packet: &mut SamplePacket) {
         let index = self.index(column);

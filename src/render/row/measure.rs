@@ -1,14 +1,13 @@
 //! Layers that are measured at the centres of pixels: depths, distances and normals.
 
 use super::{Painter, Setting};
-use crate::mode::Mode;
 use crate::render::layer::Layer;
+use crate::render::RenderMode;
 use crate::render::sample_packet::Sample;
 use crate::scene::Color;
-use crate::trace::Observer;
 use glam::DVec3;
 
-impl<M: Mode, P: Observer> Painter<'_, M, P> {
+impl<M: RenderMode> Painter<'_, M> {
     /// Adds what is measured at the centres of pixels, which are next to each other, to the layers.
     pub(super) fn measure(&mut self, centers: &[Sample]) {
         let first = centers.first().map_or(0, |center| center.source.column);
