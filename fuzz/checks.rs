@@ -5,12 +5,11 @@ use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
-use raytracer::mode::{Course, Fast, Mode};
+use raytracer::mode::{Course, Fast};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Layer, Request, View, render_in_memory};
+use raytracer::render::{Layer, RenderMode, Request, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::{Scene, parser::parse};
-use raytracer::stats::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::Path;
@@ -58,7 +57,7 @@ fn check_pictures(scene: &Scene, world: &World) {
 }
 
 /// The bytes of a picture of sixteen pixels with every effect.
-fn tiny_picture<M: Mode>(
+fn tiny_picture<M: RenderMode>(
     scene: &Scene,
     world: &World,
     options: GridOptions,
@@ -72,7 +71,7 @@ fn tiny_picture<M: Mode>(
 
 /// The bytes of colours with every effect, of depths in a range and of normals, and the number of colours
 /// with a NaN in these layers.
-pub fn bytes_and_nans<M: Mode>(
+pub fn bytes_and_nans<M: RenderMode>(
     scene: &Scene,
     caster: &Caster<M>,
     size: [usize; 2],
@@ -82,8 +81,8 @@ pub fn bytes_and_nans<M: Mode>(
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
     let request = Request { effects, layers, ..Request::new(size) };
     let camera = Camera::new(&scene.camera, size);
-    let rendered = render_in_memory::<_, Quiet>(&camera, caster, View::Scene, &request);
-    let (pictures, Quiet) = rendered.expect("small pictures");
+    let rendered = render_in_memory(&camera, caster, View::Scene, &request);
+    let (pictures, _) = rendered.expect("small pictures");
     pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.extend(bytes);
         (all, nans + more)

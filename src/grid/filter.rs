@@ -170,10 +170,22 @@ mod avx2 {
         }
     }
 
+    // No value of these instructions goes through a function of the standard library, such as an array's `map`: that
+    // is not compiled for them, so that each call would pass its values through memory unless it happens to be
+    // inlined.
+
+    /// The three axes of eight lanes.
     #[target_feature(enable = "avx2,fma")]
     #[inline]
-    fn load(lanes: &[f32; LANES]) -> __m256 {
-        bytemuck::cast(*lanes)
+    fn load(axes: &[[f32; LANES]; 3]) -> [__m256; 3] {
+        [bytemuck::cast(axes[0]), bytemuck::cast(axes[1]), bytemuck::cast(axes[2])]
+    }
+
+    /// Each of the first three lanes in all lanes of its axis.
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn splat([x, y, z, _]: [f32; 4]) -> [__m256; 3] {
+        [_mm256_set1_ps(x), _mm256_set1_ps(y), _mm256_set1_ps(z)]
     }
 
     #[target_feature(enable = "avx2,fma")]
@@ -203,32 +215,32 @@ mod avx2 {
     #[inline]
     fn lanes_with(ids: &[u32; LANES], either: [u32; 2]) -> u32 {
         let ids: __m256i = bytemuck::cast(*ids);
-        let [a, b] = either.map(|id| _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(id as i32)));
+        let a = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[0] as i32));
+        let b = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[1] as i32));
         _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(a, b))) as u32
     }
 
     #[target_feature(enable = "avx2,fma")]
     #[inline]
     fn test(block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-        let [o, d] = [ray.origin, ray.direction].map(|[x, y, z, _]| [x, y, z].map(|x| _mm256_set1_ps(x)));
-        let three = |axes: &[[f32; LANES]; 3]| [load(&axes[0]), load(&axes[1]), load(&axes[2])];
-        let corner = three(&block.corner);
-        let [e1, e2] = [three(&block.edges[0]), three(&block.edges[1])];
-        let n = three(&block.normal);
-        let s = [0, 1, 2].map(|axis| _mm256_sub_ps(corner[axis], o[axis]));
+        let (o, d) = (splat(ray.origin), splat(ray.direction));
+        let corner = load(&block.corner);
+        let (e1, e2, n) = (load(&block.edges[0]), load(&block.edges[1]), load(&block.normal));
+        let s =
+            [_mm256_sub_ps(corner[0], o[0]), _mm256_sub_ps(corner[1], o[1]), _mm256_sub_ps(corner[2], o[2])];
         let q = cross(d, s);
         let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
         // All quantities are negated where the determinant is negative.
         let sign_bit = _mm256_set1_ps(-0.0);
         let sign = _mm256_and_ps(det, sign_bit);
         let det = _mm256_andnot_ps(sign_bit, det);
-        let [u, v, depth] = [u, v, depth].map(|x| _mm256_xor_ps(x, sign));
+        let (u, v, depth) = (_mm256_xor_ps(u, sign), _mm256_xor_ps(v, sign), _mm256_xor_ps(depth, sign));
         let w = _mm256_sub_ps(det, _mm256_add_ps(u, v));
         let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
         let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
         let depth_inside = _mm256_min_ps(depth, before);
-        let [edge_error_bound, depth_error_bound] =
-            [&block.error_bounds.edge, &block.error_bounds.depth].map(|x| _mm256_set1_ps(*x));
+        let FilterErrorBounds { edge, depth: along } = block.error_bounds;
+        let (edge_error_bound, depth_error_bound) = (_mm256_set1_ps(edge), _mm256_set1_ps(along));
         let possible = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge_error_bound),
             _mm256_cmp_ps::<_CMP_GE_OQ>(depth_inside, depth_error_bound),

@@ -165,11 +165,7 @@ impl Request {
     }
 
     /// What is known of shadows before any ray is cast, if it pays to find that out.
-    pub(super) fn shadow_maps<M: Mode>(
-        &self,
-        caster: &Caster<M>,
-        view: View,
-    ) -> Option<ShadowMaps> {
+    pub(super) fn shadow_maps<M: Mode>(&self, caster: &Caster<M>, view: View) -> Option<ShadowMaps> {
         let is_needed = self.traces_colors::<M>()
             && matches!(view, View::Scene)
             && self.effects.shadows == Shadows::Opaque

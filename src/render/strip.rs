@@ -116,8 +116,10 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         let support = self.setting.request.support();
         let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
         let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished =
-            Finished { probe: M::Counter::default(), rows: memory::filled(Default::default(), self.rows.len())? };
+        let mut finished = Finished {
+            probe: M::Counter::default(),
+            rows: memory::filled(Default::default(), self.rows.len())?,
+        };
         // The first of adaptive samples are traced in the rows beside, too.
         let visibility = self.visibility(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
         for first in traced.clone().step_by(self.rows_in_flight()) {
@@ -152,12 +154,10 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     ) -> Result<Vec<Option<Row<M::Counter>>>, NoMemory> {
         let Setting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<M>() => {
-                match self.trace_first(&rows, visibility, tally)? {
-                    Some(first) => first,
-                    None => return memory::collected(rows.map(|_| None)),
-                }
-            }
+            Some(_) if request.traces_colors::<M>() => match self.trace_first(&rows, visibility, tally)? {
+                Some(first) => first,
+                None => return memory::collected(rows.map(|_| None)),
+            },
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
@@ -224,7 +224,12 @@ impl<'a, M: RenderMode> Strip<'a, M> {
 }
 
 impl<P: Probe> Finished<P> {
-    fn take<M: RenderMode>(&mut self, row: Row<P>, strip: &Strip<M>, film: &mut Film) -> Result<(), NoMemory> {
+    fn take<M: RenderMode>(
+        &mut self,
+        row: Row<P>,
+        strip: &Strip<M>,
+        film: &mut Film,
+    ) -> Result<(), NoMemory> {
         let Setting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {

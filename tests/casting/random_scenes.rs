@@ -13,6 +13,7 @@ use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
 use raytracer::mode::{Course, Mode};
+use raytracer::render::RenderMode;
 use raytracer::scene::Scene;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
@@ -35,7 +36,7 @@ fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
 }
 
 /// The bytes of every layer with every effect, and how many of their colours are not numbers.
-fn pictures<M: Mode>(scene: &Scene, caster: &Caster<M>) -> (Vec<u8>, u64) {
+fn pictures<M: RenderMode>(scene: &Scene, caster: &Caster<M>) -> (Vec<u8>, u64) {
     bytes_and_nans(scene, caster, [12, 9], [0.5, 6.0])
 }
 

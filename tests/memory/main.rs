@@ -16,7 +16,6 @@ use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::Sampler;
 use raytracer::scene_io;
-use raytracer::stats::Quiet;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::fmt::Write as _;
@@ -163,9 +162,17 @@ fn render(
     };
     let writers = files.iter().zip(&request.layers).map(begin).collect::<Result<Vec<_>, _>>();
     let mut writers = writers.map_err(|error| error.to_string())?;
-    let mut take_row = |layer: usize, row: &[DVec3]| writers[layer].row(row);
+    let mut failure = None;
+    let mut take_row = |layer: usize, row: &[DVec3]| match writers[layer].row(row) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failure = Some(error);
+            ControlFlow::Break(())
+        }
+    };
     let goes_on = |_| ControlFlow::Continue(());
-    let done = prepared.render_rows::<Quiet, _>(request, &goes_on, &mut take_row);
+    let done = prepared.render_rows(request, &goes_on, &mut take_row);
+    failure.map_or(Ok(()), |error| Err(error.to_string()))?;
     done.map_err(|error| error.to_string())?;
     writers.into_iter().try_for_each(|writer| writer.finish().map(drop)).map_err(|error| error.to_string())
 }

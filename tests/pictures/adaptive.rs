@@ -9,7 +9,6 @@ use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use raytracer::scene_io::{self, LoadedScene};
 use raytracer::stats::Counts;
-use std::convert::Infallible;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 
@@ -59,9 +58,9 @@ fn needles_and_highlights() -> Renderer {
 fn rendered(renderer: &Renderer, request: &Request) -> (Vec<Color>, f64) {
     let prepared = renderer.prepare::<Course>(None, 1).expect("no grid");
     let mut colors = vec![];
-    let mut take_row = |_: usize, row: &[Color]| -> Result<(), Infallible> {
+    let mut take_row = |_: usize, row: &[Color]| {
         colors.extend_from_slice(row);
-        Ok(())
+        ControlFlow::Continue(())
     };
     let counts: Counts =
         prepared.render_rows(request, &|_| ControlFlow::Continue(()), &mut take_row).expect("a picture");

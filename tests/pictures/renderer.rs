@@ -1,16 +1,16 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::mode::{Course, Fast, Mode};
+use raytracer::mode::{Course, Fast};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Layer, Progress, Request, Stopped, Window};
+use raytracer::render::{Layer, Progress, RenderMode, Request, Stopped, Window};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::{Camera, Color};
 use raytracer::scene_io;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ fn crop(picture: &FloatPicture, window: Window, zoom: usize) -> Vec<Color> {
     rows.flat_map(|row| row[window.x * zoom..][..window.width * zoom].to_vec()).collect()
 }
 
-fn same_in_all_windows<M: Mode>(prepared: &Prepared<M>, request: &Request) {
+fn same_in_all_windows<M: RenderMode>(prepared: &Prepared<M>, request: &Request) {
     let whole = prepared.render(request).expect("small pictures");
     for [x, y, width, height] in
         [[0, 0, 46, 34], [0, 0, 1, 1], [45, 33, 1, 1], [7, 3, 20, 9], [20, 30, 26, 4]]
@@ -140,9 +140,9 @@ fn progress_counts_every_row_once() {
         ControlFlow::Continue(())
     };
     let mut rows = [0; 4];
-    let mut take_row = |layer: usize, _: &[Color]| -> Result<(), ()> {
+    let mut take_row = |layer: usize, _: &[Color]| {
         rows[layer] += 1;
-        Ok(())
+        ControlFlow::Continue(())
     };
     let counts: Counts =
         prepared.render_rows(&Request { window, ..request() }, &watch, &mut take_row).expect("all rows");
@@ -162,17 +162,17 @@ fn the_watch_and_the_output_end_a_render() {
         if progress.done >= 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let mut taken = 0;
-    let mut take_row = |_: usize, _: &[Color]| -> Result<(), &str> {
+    let mut take_row = |_: usize, _: &[Color]| {
         taken += 1;
-        Ok(())
+        ControlFlow::Continue(())
     };
-    let stopped = prepared.render_rows::<Quiet, _>(&request(), &ends, &mut take_row).err();
+    let stopped = prepared.render_rows(&request(), &ends, &mut take_row).err();
     assert_eq!(stopped, Some(Stopped::Cancelled { rows: 0 }), "the rows are one strip");
     assert_eq!(taken, 0);
     let goes_on = |_| ControlFlow::Continue(());
-    let mut refuses = |_: usize, _: &[Color]| Err("full");
-    let stopped = prepared.render_rows::<Quiet, _>(&request(), &goes_on, &mut refuses).err();
-    assert_eq!(stopped, Some(Stopped::Output("full")));
+    let mut refuses = |_: usize, _: &[Color]| ControlFlow::Break(());
+    let stopped = prepared.render_rows(&request(), &goes_on, &mut refuses).err();
+    assert_eq!(stopped, Some(Stopped::Output));
 }
 
 #[test]
@@ -197,9 +197,9 @@ fn a_grid_of_the_courses_mode_is_the_only_one_that_is_taken_over() {
     assert!(renderer.prepare::<Fast>(grid, rays).expect("a grid").into_course().is_none());
     let course = || renderer.prepare::<Course>(grid, rays).expect("a grid");
     let counts = |prepared: Prepared<Course>| -> Counts {
-        let rendered =
-            prepared.render_rows(&request(), &|_| ControlFlow::Continue(()), &mut |_, _| Ok::<_, ()>(()));
-        rendered.expect("a picture")
+        let (watch, mut take_row) =
+            (|_| ControlFlow::Continue(()), |_: usize, _: &[Color]| ControlFlow::Continue(()));
+        prepared.render_rows(&request(), &watch, &mut take_row).expect("a picture")
     };
     let taken = course().into_course().expect("the same grid");
     assert_eq!((taken.cells(), taken.fullness(5)), (course().cells(), course().fullness(5)));

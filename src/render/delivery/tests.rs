@@ -8,15 +8,13 @@ use std::time::Duration;
 
 const ROWS: usize = 1000;
 
-type Failure = Stopped<&'static str>;
-
 /// Delivers rows on this number of threads, and returns those that are handed out and the result.
 fn delivered(
     threads: usize,
     goes_on: impl Fn(usize) -> bool + Sync,
     trace: impl Fn(usize) -> Result<usize, NoMemory> + Sync,
-    mut take: impl FnMut(usize) -> Result<(), Failure> + Send,
-) -> (Vec<usize>, Result<usize, Failure>) {
+    mut take: impl FnMut(usize) -> Result<(), Stopped> + Send,
+) -> (Vec<usize>, Result<usize, Stopped>) {
     let watch = |progress: crate::render::Progress| match goes_on(progress.done) {
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
@@ -84,9 +82,9 @@ fn the_first_failure_ends_the_delivery() {
         assert!(rows.into_iter().eq(0..200));
         assert!(traced.into_inner() <= 200 + ROWS_PER_THREAD * threads);
 
-        let full = |row| if row == 200 { Err(Stopped::Output("full")) } else { Ok(()) };
+        let full = |row| if row == 200 { Err(Stopped::Output) } else { Ok(()) };
         let (rows, result) = delivered(threads, |_| true, Ok, full);
-        assert_eq!(result, Err(Stopped::Output("full")));
+        assert_eq!(result, Err(Stopped::Output));
         assert!(rows.into_iter().eq(0..=200));
     }
 }
@@ -111,6 +109,6 @@ fn rows_that_are_handed_out_are_used_again() {
         Ok(row)
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let result = pool.install(|| in_order(ROWS, &tally, trace, |_| Ok::<(), Failure>(())));
+    let result = pool.install(|| in_order(ROWS, &tally, trace, |_| Ok::<(), Stopped>(())));
     assert_eq!((result, new.into_inner()), (Ok(ROWS), 1));
 }

@@ -1,8 +1,8 @@
 //! Layers that are measured at the centres of pixels: depths, distances and normals.
 
 use super::{Painter, Setting};
-use crate::render::layer::Layer;
 use crate::render::RenderMode;
+use crate::render::layer::Layer;
 use crate::render::sample_packet::Sample;
 use crate::scene::Color;
 use glam::DVec3;

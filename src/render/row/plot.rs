@@ -1,8 +1,8 @@
 //! Layers of samples: where the samples of a row lie, in its enlarged pixels.
 
 use super::Painter;
-use crate::render::layer::Layer;
 use crate::render::RenderMode;
+use crate::render::layer::Layer;
 use crate::render::request::Request;
 use crate::scene::Color;
 use glam::DVec2;

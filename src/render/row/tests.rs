@@ -1,7 +1,6 @@
 use super::*;
 use crate::scene::Scene;
 use crate::scene::parser::parse;
-use crate::stats::Quiet;
 use glam::DVec3;
 
 const TEXT: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
@@ -13,7 +12,7 @@ const TEXT: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 
 
 /// Calls `check` with a painter of row 5 of a picture of ten by eight pixels, whose window begins at column 2 and
 /// whose samples are plotted as squares of four by four.
-fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast, Quiet>)) {
+fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast>)) {
     let scene: Scene = parse(TEXT).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();

@@ -16,9 +16,9 @@ fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    let fast = render_in_memory::<_, Quiet>(&camera, &caster, View::Scene, request).unwrap().0;
+    let fast = render_in_memory(&camera, &caster, View::Scene, request).unwrap().0;
     let course = caster.in_mode::<Course>();
-    [fast, render_in_memory::<_, Counts>(&camera, &course, View::Scene, request).unwrap().0]
+    [fast, render_in_memory(&camera, &course, View::Scene, request).unwrap().0]
 }
 
 #[test]

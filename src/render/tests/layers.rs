@@ -1,6 +1,7 @@
 //! What the layers of small pictures show.
 
 use super::*;
+use crate::stats::Quiet;
 use std::cell::RefCell;
 
 #[test]
@@ -48,7 +49,7 @@ fn a_filter_is_drawn_around_the_middle_pixel_with_lines_between_pixels() {
     let drawn = RefCell::new(vec![]);
     render_filter(filter, [width, height], zoom, &mut |row| {
         drawn.borrow_mut().push(row.to_vec());
-        Ok::<_, Infallible>(())
+        ControlFlow::Continue(())
     })
     .unwrap();
     let drawn = drawn.into_inner();
@@ -114,7 +115,7 @@ fn a_view_of_cells_tests_no_primitive() {
         let request = Request { layers, ..Request::new([9, 8]) };
         let camera = Camera::new(&text.camera, request.size);
         let view = View::Cells(&occupancy);
-        let (pictures, counts) = render_in_memory::<_, Counts>(&camera, &caster, view, &request).unwrap();
+        let (pictures, counts) = render_in_memory(&camera, &caster, view, &request).unwrap();
         assert_eq!((counts.non_shadow_rays, counts.intersections > 0), (72, tests));
         assert!(pictures[0].colors.iter().any(|&color| color != world.background));
     }

@@ -4,8 +4,7 @@ use super::meshes::bunny;
 use super::scenes::world_of_mesh;
 use glam::{DAffine3, DVec3};
 use raytracer::grid::Caster;
-use raytracer::mode::Mode;
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, RenderMode, Request};
 use raytracer::scene::material::Material;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -102,7 +101,7 @@ pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i3
 
 /// The same with a caster in any mode. In the course's mode every camera ray is cast, where otherwise
 /// triangles may be rasterized instead.
-pub fn render_with<M: Mode>(named: &Named, caster: &Caster<M>, power: i32) -> Vec<u8> {
+pub fn render_with<M: RenderMode>(named: &Named, caster: &Caster<M>, power: i32) -> Vec<u8> {
     let [near, far] = [2.0, 30.0].map(|t| t * 2f64.powi(power));
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.01 };
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];

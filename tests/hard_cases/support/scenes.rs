@@ -3,13 +3,11 @@
 use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
-use raytracer::mode::Mode;
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Request, View, render_in_memory};
+use raytracer::render::{RenderMode, Request, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
-use raytracer::stats::Quiet;
 use raytracer::trace::Effects;
 use raytracer::world::World;
 
@@ -65,20 +63,20 @@ pub fn render_picture(
 }
 
 /// The bytes of each layer of a request. None of its colours may be a NaN.
-pub fn layers<M: Mode>(scene: &Scene, caster: &Caster<M>, request: &Request) -> Vec<Vec<u8>> {
+pub fn layers<M: RenderMode>(scene: &Scene, caster: &Caster<M>, request: &Request) -> Vec<Vec<u8>> {
     let (layers, nans) = layers_and_nans(&Camera::new(&scene.camera, request.size), caster, request);
     assert_eq!(nans, 0, "colours that are not numbers");
     layers
 }
 
 /// The bytes of each layer of a request, and the number of colours with a NaN.
-pub fn layers_and_nans<M: Mode>(
+pub fn layers_and_nans<M: RenderMode>(
     camera: &Camera,
     caster: &Caster<M>,
     request: &Request,
 ) -> (Vec<Vec<u8>>, u64) {
-    let rendered = render_in_memory::<_, Quiet>(camera, caster, View::Scene, request);
-    let (pictures, Quiet) = rendered.expect("small pictures");
+    let rendered = render_in_memory(camera, caster, View::Scene, request);
+    let (pictures, _) = rendered.expect("small pictures");
     let bytes = pictures.iter().map(FloatPicture::to_bytes);
     bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.push(bytes);
