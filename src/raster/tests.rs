@@ -1,7 +1,6 @@
 //! The visibility buffer against the rays that it stands for.
 
 use super::*;
-use crate::grid::options::GridOptions;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use crate::stats::Quiet;
@@ -56,8 +55,7 @@ fn counts(
     rows: Range<usize>,
     footprint: Footprint,
 ) -> [usize; 3] {
-    let caster =
-        Caster::with(world, GridOptions::uniform([9; 3]), crate::grid::Instructions::Portable).unwrap();
+    let caster = Caster::new(world, Some([20; 3])).unwrap();
     let buffer = VisibilityBuffer::new(camera, &caster, size, rows.clone(), footprint).unwrap();
     let offsets = offsets(footprint);
     let mut counts = [0; 3];

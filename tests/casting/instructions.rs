@@ -54,7 +54,9 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
         {
             for cells in [None, Some([1, 1, 1]), Some(FINE)] {
                 let caster = Caster::with(&world, GridOptions { cells, rule }, instructions).unwrap();
-                for (ray, hit) in &expected {
+                // Where every ray is tested against all triangles, fewer do.
+                let single = if cells == Some(FINE) { expected.len() } else { expected.len() / 10 };
+                for (ray, hit) in &expected[..single] {
                     let context = (instructions, rule, cells, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
                     assert_eq!(

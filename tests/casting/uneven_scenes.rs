@@ -173,11 +173,14 @@ fn the_automatic_grid_is_never_much_worse_than_the_best() {
         // would be much better for a cube of twelve triangles, whose rays end in the first cell that is not empty.
         let cost = |caster: &Caster| 5.0 * rays.len() as f64 + work(caster, rays.iter().copied());
         let chosen = cost(&automatic(&world, 1_000_000, with));
-        let fixed = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128].map(|n| {
+        // The finest grids take the most time to build, and are the best for none of these scenes.
+        let finest = if std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long") { 128 } else { 64 };
+        let fixed = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128].into_iter().filter(|&n| n <= finest);
+        let fixed = fixed.map(|n: usize| {
             let cells = cubic(&world.bounds, (n * n * n) as f64);
             cost(&Caster::with(&world, GridOptions::uniform(cells), with).unwrap())
         });
-        let best = fixed.into_iter().fold(f64::INFINITY, f64::min);
+        let best = fixed.fold(f64::INFINITY, f64::min);
         let ratio = chosen / best;
         println!("{}: {ratio:.2}", path.display());
         assert!(ratio <= 2.0, "{}: {ratio}", path.display());

@@ -115,7 +115,7 @@ pub fn outside(mesh: &Closed, distance: f64) -> impl Fn(&mut Rng, u64) -> Ray + 
 fn case_21_grid_and_brute_force() {
     let mesh = Closed::new(bunny("40k"));
     let world = world_of_mesh(&mesh.mesh);
-    let n = rays(20_000, 2_000_000);
+    let n = rays(8_000, 2_000_000);
     let counts =
         [48, 50, 128, 200, 256].map(|side| differences(21, &world, [side; 3], n, outside(&mesh, 4.0)));
     conclude(21, "the rabbit in grids of 48 to 256", 5 * n, sum(counts));

@@ -275,8 +275,10 @@ impl Change {
 
 #[test]
 fn the_faces_order_and_faces_that_add_nothing_leave_the_picture() {
-    let changes = [Change::Shuffled, Change::Doubled, Change::WithDegenerates, Change::All];
-    same_pictures(&changes, |scene, change| {
+    // The last is all others together; these tell which of them it is that fails.
+    let changes = [Change::All, Change::Shuffled, Change::Doubled, Change::WithDegenerates];
+    let changes = if is_long() { &changes[..] } else { &changes[..1] };
+    same_pictures(changes, |scene, change| {
         let meshes = scene.meshes.iter().map(|m| change.apply(m)).collect();
         let changed = Named { meshes, ..scene.clone() };
         render(&changed, &changed.world(), Some([9, 8, 7]), 0)
