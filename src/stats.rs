@@ -46,7 +46,8 @@ impl Probe for Quiet {
     }
 }
 
-/// Counts rays alone, to tell how many are cast in a second. The tracer works as for [`Quiet`].
+/// Counts rays alone, to tell how many are cast in a second. Whatever casts rays without a count of its own passes this
+/// too, so that the loops are compiled for it once.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayCount(u64);
 

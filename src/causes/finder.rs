@@ -2,7 +2,7 @@
 
 use crate::grid::Caster;
 use crate::math::ray::Ray;
-use crate::stats::Quiet;
+use crate::stats::RayCount;
 use crate::world::{SurfacePoint, World};
 
 /// Finds what rays hit.
@@ -32,11 +32,11 @@ impl Finder for Caster<'_> {
     }
 
     fn nearest(&self, ray: &Ray, exclude: Option<u32>) -> Option<Found> {
-        let hit = self.world.hit(ray, Caster::nearest(self, ray, exclude, &mut Quiet)?);
+        let hit = self.world.hit(ray, Caster::nearest(self, ray, exclude, &mut RayCount::default())?);
         Some(Found { primitive: hit.primitive, t: hit.t, surface: self.world.surface(ray, &hit) })
     }
 
     fn is_blocked(&self, ray: &Ray, exclude: Option<u32>) -> bool {
-        self.any_from(ray, exclude, &mut Quiet)
+        self.any_from(ray, exclude, &mut RayCount::default())
     }
 }

@@ -17,7 +17,7 @@ use crate::scene::error::SceneError;
 use crate::scene::material::Material;
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
-use crate::stats::{Counts, Probe, Quiet};
+use crate::stats::{Counts, Probe};
 use crate::trace::{Event, Memory, Observer, Tracer};
 use glam::DVec2;
 use serde::Serialize;
@@ -211,7 +211,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let first = shadow.crossed.first().map(|crossing| crossing.hit);
         let sees = first.or_else(|| {
             let exclude = ((leaves as usize) < world.triangles.len()).then_some(leaves);
-            let visible = caster.nearest(&shadow.ray, exclude, &mut Quiet);
+            let visible = caster.nearest(&shadow.ray, exclude, &mut Counts::default());
             visible.map(|visible| world.hit(&shadow.ray, visible))
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));

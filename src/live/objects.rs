@@ -7,7 +7,7 @@ use crate::mode::Fast;
 use crate::render::Request;
 use crate::renderer::Renderer;
 use crate::scene;
-use crate::stats::Quiet;
+use crate::stats::RayCount;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -46,7 +46,7 @@ impl ObjectMap {
         let seen = |pixel: usize| {
             let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
             let ray = view.ray(at, DVec2::ZERO);
-            caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive)
+            caster.nearest(&ray, None, &mut RayCount::default()).map(|visible| visible.primitive)
         };
         let primitives: Vec<Option<u32>> =
             renderer.on_own_threads(|| (0..width * height).into_par_iter().map(seen).collect());
