@@ -3,14 +3,16 @@
 use crate::job::Outcome;
 use crate::progress::Progress as Line;
 use crate::signals::Signals;
+use crate::standard_streams;
 use crate::threads::{self, Place};
 use crate::{End, failed};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
 use raytracer::escape::{escape, quoted, shell_word};
-use raytracer::image_io::TextFile;
+use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
 use std::fs;
@@ -19,22 +21,20 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Measures and writes. Warnings go to `tell`.
-pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
-    let mut signals = Signals::hold().map_err(failed)?;
-    let ErrorReporting { options, folder, target } = reporting;
+pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let ErrorReporting { options, target, .. } = reporting;
+    let written = WrittenFiles::of_error_reporting(reporting)?;
     let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
-    signals.end_at_once()?;
+    standard_streams::check_input(options)?;
 
     let start = Instant::now();
-    let renderer = open(options, &many, tell)?;
+    let renderer = open(options, &written, &many, tell)?;
     let reading = start.elapsed();
     let request = options.request();
     let clock = || ProcessTime::now().as_duration();
-    signals.hold_again();
     // A file that cannot be written is no reason to wait for the measurements.
-    let [page_file, csv_file] = prepare(folder)?;
-    // A signal that has come by now ends the measurements before the first, and the report says so.
-    let _ = signals.end_at_second();
+    let [page_file, csv_file] = prepare(reporting)?;
+    signals.end_at_second();
     let line = Line::new(options.progress);
     let watch = |progress: Progress| {
         line.show(|passed| told(progress, passed));
@@ -43,13 +43,13 @@ pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, E
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
     let report = Sweep::new(&renderer, &request, options.structure, bench).run();
     line.end();
-    signals.hold_again();
     let mut report = report.map_err(failed)?;
     report.stages.insert(0, ("reading the scene", reading));
 
     let advice = target.map(|error| advice(&report, options, error));
-    page_file.write(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
-    csv_file.write(&csv(&report)).map_err(failed)?;
+    let page_file = page_file.complete(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
+    let csv_file = csv_file.complete(&csv(&report)).map_err(failed)?;
+    put_in_place(vec![page_file, csv_file]).map_err(failed)?;
     if report.measured() < report.planned {
         tell("note: the run was ended; the report has what was measured until then");
     }
@@ -58,21 +58,29 @@ pub fn run(reporting: &ErrorReporting, tell: &dyn Fn(&str)) -> Result<Outcome, E
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(folder: &Path) -> Result<[TextFile; 2], String> {
+fn prepare(reporting: &ErrorReporting) -> Result<[TextFile; 2], String> {
+    let folder = &reporting.folder;
     let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
-    let [page, table] = ["report.html", "report.csv"].map(|name| TextFile::prepare(&folder.join(name)));
+    let [page, table] = reporting.report_files().map(|file| TextFile::prepare(&file));
     Ok([page.map_err(failed)?, table.map_err(failed)?])
 }
 
-fn open(options: &Options, threads: &ThreadPool, tell: &dyn Fn(&str)) -> Result<Renderer, String> {
+fn open(
+    options: &Options,
+    written: &WrittenFiles,
+    threads: &ThreadPool,
+    tell: &dyn Fn(&str),
+) -> Result<Renderer, End> {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
     let loaded = threads.install(|| scene_io::load(input)).map_err(|error| error.to_string())?;
+    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
     }
     // Other octaves are other scenes with the same meshes.
-    threads.install(|| Renderer::new(loaded, Meshes::Kept)).map_err(|error| error.to_string())
+    let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
+    Ok(renderer.map_err(|error| error.to_string())?)
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -1,17 +1,17 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
-use crate::distinct_files::{check_input, check_outputs};
+use crate::complete_files::CompleteFiles;
 use crate::document::{Document, Verdict};
 use crate::preview;
-use crate::products::unless_reader_is_gone;
 use crate::rendering::{Rendered, render};
-use crate::signals::Signals;
-use crate::standard_output;
+use crate::signals::{Signals, Taker};
+use crate::standard_streams;
 use crate::threads::Crew;
 use crate::{End, failed};
 use raytracer::causes::{Finding, Original};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::compare::{CompareError, Comparison, DifferencePicture};
+use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
 use raytracer::memory;
@@ -32,8 +32,13 @@ pub struct Outcome {
 }
 
 /// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
-pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<Outcome, End> {
-    let mut signals = Signals::hold().map_err(failed)?;
+pub fn run(
+    options: &Options,
+    argv: &[OsString],
+    signals: &Signals,
+    taker: &mut Taker,
+    tell: &dyn Fn(&str),
+) -> Result<Outcome, End> {
     let crew = Crew::new(options.threads)?;
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
@@ -44,10 +49,10 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         tell(note);
     }
     if options.needs_standard_output() {
-        standard_output::check()?;
+        standard_streams::check_output()?;
     }
-    check_outputs(options)?;
-    options.input.iter().try_for_each(|scene| check_input(options, "scene", scene))?;
+    standard_streams::check_input(options)?;
+    let written = WrittenFiles::of_rendering(options)?;
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared =
         options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell)).transpose()?;
@@ -59,9 +64,13 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         true => render::<Course>,
         false => render::<Fast>,
     };
-    let mut from = |input: &PathBuf| render(options, argv, input, &crew, &mut signals, &tell);
-    let rendered = options.input.as_ref().map(&mut from).transpose()?;
-    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &mut signals);
+    let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, taker, &tell);
+    let mut rendered = options.input.as_ref().map(&mut from).transpose()?;
+    let files = rendered.as_mut().map(|rendered| std::mem::take(&mut rendered.files)).unwrap_or_default();
+    if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
+        files.before_waiting(signals, taker)?;
+    }
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &files);
     let verdict = compared.map(finish).transpose()?.flatten();
 
     let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
@@ -71,12 +80,14 @@ pub fn run(options: &Options, argv: &[OsString], tell: &dyn Fn(&str)) -> Result<
         document.to_json().map_err(failed)
     };
     if let Some(file) = file {
-        unless_reader_is_gone(file.write(&json()?))?;
+        files.add(file.complete(&json()?).map_err(failed)?)?;
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
         Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
     };
+    files.finish(signals)?;
+    signals.end_at_once()?;
     Ok(Outcome { text, passes })
 }
 
@@ -119,22 +130,20 @@ impl<'o> Compared<'o> {
         options: &Options,
         rendered: Option<&Rendered>,
         crew: &Crew,
-        signals: &mut Signals,
+        files: &CompleteFiles,
     ) -> Result<Option<Verdict>, End> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
             return Ok(None);
         };
-        signals.end_at_once()?;
         crew.start_all();
         let comparison = crew.pool.install(|| Comparison::new(a, b));
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
-        signals.hold_again();
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            unless_reader_is_gone(file.write(&shown.picture))?;
+            files.add(file.complete(&shown.picture).map_err(failed)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(Some(Verdict { comparison, cause, passes }))

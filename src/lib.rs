@@ -40,6 +40,8 @@
 #[doc(hidden)]
 pub mod escape;
 pub mod memory;
+#[doc(hidden)]
+pub mod undisturbed;
 mod near_names;
 #[doc(hidden)]
 pub mod math;
@@ -73,5 +75,7 @@ pub mod grade;
 pub mod error_report;
 #[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
+pub mod distinct_files;
 #[cfg(feature = "gui")]
 pub mod live;

@@ -1,6 +1,7 @@
 //! The program: command line in, pictures and statistics out. The only place that prints and exits.
 
-mod distinct_files;
+mod at_start;
+mod complete_files;
 mod document;
 mod error_reporting;
 mod grading;
@@ -13,15 +14,16 @@ mod products;
 mod progress;
 mod rendering;
 mod signals;
-mod standard_output;
+mod standard_streams;
 mod stopping;
 mod threads;
 mod warn;
 
 use job::Outcome;
 use raytracer::cli::{self, Command, Options};
-use signals::Interrupted;
-use standard_output::print;
+use raytracer::distinct_files::SameFile;
+use signals::{Interrupted, Signals, Taker};
+use standard_streams::print;
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
@@ -33,12 +35,19 @@ const DIFFERENT: u8 = 3;
 fn main() -> ExitCode {
     outlive_file_limit();
     let argv: Vec<OsString> = std::env::args_os().collect();
+    let signals = match Signals::watch() {
+        Ok(signals) => signals,
+        Err(error) => {
+            tell(&failed(error));
+            return ExitCode::FAILURE;
+        }
+    };
     match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
-        Ok(Command::Render(options)) => render(&options, &argv),
-        Ok(Command::Grade(options)) => report(grading::run(&options, &tell)),
-        Ok(Command::Merge(options)) => report(merging::run(&options)),
-        Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &tell)),
+        Ok(Command::Render(options)) => render(&options, &argv, &signals),
+        Ok(Command::Grade(options)) => report(grading::run(&options, &signals, &tell)),
+        Ok(Command::Merge(options)) => report(merging::run(&options, &signals)),
+        Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &signals, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)
@@ -47,14 +56,15 @@ fn main() -> ExitCode {
 }
 
 /// Does what the options ask for, and then shows the scene's page if they ask for that.
-fn render(options: &Options, argv: &[OsString]) -> ExitCode {
-    let outcome = job::run(options, argv, &tell);
+fn render(options: &Options, argv: &[OsString], signals: &Signals) -> ExitCode {
+    let mut taker = Taker::default();
+    let outcome = job::run(options, argv, signals, &mut taker, &tell);
     let is_done = outcome.is_ok();
     let status = report(match options.has_standard_output() {
         true => outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }),
         false => outcome,
     });
-    match if is_done { preview::show(options, &tell) } else { Ok(()) } {
+    match if is_done { preview::show(options, signals, &mut taker, &tell) } else { Ok(()) } {
         Ok(()) => status,
         Err(message) => {
             tell(&message);
@@ -67,6 +77,8 @@ fn render(options: &Options, argv: &[OsString]) -> ExitCode {
 pub enum End {
     /// The message that tells what has failed.
     Failed(String),
+    /// The message that tells what the command line asks for and is not done.
+    Refused(String),
     /// A signal has come.
     Interrupted(Interrupted),
 }
@@ -74,6 +86,12 @@ pub enum End {
 impl From<String> for End {
     fn from(message: String) -> Self {
         Self::Failed(message)
+    }
+}
+
+impl From<SameFile> for End {
+    fn from(error: SameFile) -> Self {
+        Self::Refused(failed(error))
     }
 }
 
@@ -91,6 +109,10 @@ fn report(outcome: Result<Outcome, End>) -> ExitCode {
         Err(End::Failed(message)) => {
             tell(&message);
             ExitCode::FAILURE
+        }
+        Err(End::Refused(message)) => {
+            tell(&message);
+            ExitCode::from(2)
         }
         Err(End::Interrupted(Interrupted(status))) => ExitCode::from(status),
     }

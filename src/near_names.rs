@@ -8,13 +8,14 @@ const MAX_FILES: usize = 10_000;
 /// The longest name that is compared, in bytes, which bounds the time.
 const MAX_LENGTH: usize = 255;
 
-/// The file in the folder of `path` with the nearest name and the same extension (or `.txt` for none), if a third of
+/// The other file in the folder of `path` with the nearest name and the same extension (or `.txt` for none), if a third of
 /// the name or less differs or if it only lacks its end. If there is none, and `path` is a bare name, it is looked
 /// for in the folders of the working directory.
 pub fn nearest_file(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_str().filter(|name| name.len() <= MAX_LENGTH)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let near = names_in(folder).into_iter().filter_map(|other| Some((distance(name, &other)?, other))).min();
+    let others = names_in(folder).into_iter().filter(|other| other != name);
+    let near = others.filter_map(|other| Some((distance(name, &other)?, other))).min();
     match near {
         Some((_, other)) => Some(folder.join(other)),
         None if folder == Path::new("") => in_a_folder(name),

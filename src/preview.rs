@@ -1,5 +1,6 @@
 //! `-gui`: whether the scene is shown as a live page, and how it gets into a browser.
 
+use crate::signals::{Signals, Taker};
 use raytracer::cli::{LivePage, Options};
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
@@ -36,30 +37,38 @@ pub use page::show;
 
 /// Shows nothing.
 #[cfg(not(feature = "gui"))]
-pub fn show(_: &Options, _: &dyn Fn(&str)) -> Result<(), String> {
+pub fn show(_: &Options, _: &Signals, _: &mut Taker, _: &dyn Fn(&str)) -> Result<(), String> {
     Ok(())
 }
 
 #[cfg(feature = "gui")]
 mod page {
     use super::*;
-    use crate::failed;
-    use crate::signals::Signals;
     use raytracer::live::{Server, Setup};
+    use raytracer::undisturbed::undisturbed;
     use std::io::Write;
     use std::process::{Command, Stdio};
+    use std::sync::{Arc, Mutex, PoisonError};
     use std::thread;
     use std::time::Duration;
     use tempfile::NamedTempFile;
 
     /// Serves the page, if there is one, until it is ended there.
-    pub fn show(options: &Options, tell: &dyn Fn(&str)) -> Result<(), String> {
+    pub fn show(
+        options: &Options,
+        signals: &Signals,
+        taker: &mut Taker,
+        tell: &dyn Fn(&str),
+    ) -> Result<(), String> {
         let (Some(page), Some(input)) = (&options.page, scene_file(options)) else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
         }
-        let mut signals = Signals::hold().map_err(failed)?;
-        if signals.end_at_once().is_err() {
+        // Pictures are saved by other threads, so that the first one may not be ended meanwhile.
+        let opened = Arc::new(Mutex::new(None));
+        let to_remove = opened.clone();
+        let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
+        if taker.before_end(signals, remove).is_err() {
             return Ok(());
         }
         let port = page.port.unwrap_or(0);
@@ -67,7 +76,7 @@ mod page {
         let url = server.url();
         tell(&format!("open {url}  (Ctrl-C ends)"));
         if page.browser {
-            open_browser(&url);
+            open_browser(&url, opened);
         }
         server.run();
         Ok(())
@@ -77,17 +86,22 @@ mod page {
     ///
     /// Everybody on the machine can read the arguments of a process, so the key does not stand there: the browser
     /// opens a file that only its owner can read, which leads to the page and is removed after a while.
-    fn open_browser(url: &str) {
+    fn open_browser(url: &str, opened: Arc<Mutex<Option<NamedTempFile>>>) {
         let Some(opener) = opener() else { return };
-        let Ok(file) = redirection(url) else { return };
+        let Ok(file) = undisturbed(|| {
+            let mut opened = opened.lock().unwrap_or_else(PoisonError::into_inner);
+            redirection(url).map(|file| opened.insert(file).path().to_owned())
+        }) else {
+            return;
+        };
         let mut command = Command::new(opener);
-        command.arg(file.path()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.arg(file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let Ok(mut opening) = command.spawn() else { return };
         const LOADING: Duration = Duration::from_secs(20);
         let wait = move || {
             let _ = opening.wait();
             thread::sleep(LOADING);
-            drop(file);
+            drop(opened.lock().unwrap_or_else(PoisonError::into_inner).take());
         };
         let _ = thread::Builder::new().spawn(wait);
     }

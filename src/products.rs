@@ -2,7 +2,7 @@
 
 use crate::failed;
 use raytracer::explain::CostMap;
-use raytracer::image_io::{Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
+use raytracer::image_io::{CompleteFile, Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
 use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
@@ -34,9 +34,10 @@ enum Product {
 /// The file with the complete rows of a picture, if there is one.
 pub type KeptPart = Option<PathBuf>;
 
-/// What is left of a render when all files are written.
+/// What is left of a render when all rows are taken.
 #[derive(Default)]
 pub struct Finished {
+    pub files: Vec<CompleteFile>,
     pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
 }
@@ -110,8 +111,14 @@ impl Products {
     ) -> Result<Vec<KeptPart>, String> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
             (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
-            // The picture of a filter is complete before the first row is rendered.
-            (Product::File(writer), None) => writer.finish().map(|_| None).map_err(failed),
+            // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
+            (Product::File(writer), None) => {
+                let file = writer.complete().map_err(failed)?;
+                if !file.is_stream() {
+                    file.put_in_place().map_err(failed)?;
+                }
+                Ok(None)
+            }
             (Product::Kept(_) | Product::Costs(..), _) => Ok(None),
         };
         self.layers.into_iter().zip(&request.layers).map(keep).collect()
@@ -138,14 +145,15 @@ impl Products {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => unless_reader_is_gone(writer.finish())?,
+                Product::File(writer) => finished.files.push(writer.complete().map_err(failed)?),
                 Product::Kept(bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }
                 Product::Costs(file, cost, counts) => {
                     let map = CostMap { cost, size, counts };
-                    unless_reader_is_gone(file.write(&map.draw().map_err(failed)?))?;
+                    let picture = map.draw().map_err(failed)?;
+                    finished.files.push(file.complete(&picture).map_err(failed)?);
                     finished.costs = Some(map);
                 }
             }
@@ -161,13 +169,5 @@ fn blank(layer: &Layer, background: Color) -> Option<Color> {
         Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
         Layer::Distance => Some(Color::INFINITY),
         Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
-    }
-}
-
-/// A pipe that nobody reads any more is no error: the reader has seen enough.
-pub fn unless_reader_is_gone<T: Default>(written: Result<T, ImageError>) -> Result<T, String> {
-    match written {
-        Err(error) if error.is_reader_gone() => Ok(T::default()),
-        written => written.map_err(failed),
     }
 }

@@ -1,18 +1,19 @@
 //! The rendering of a scene, with everything that is written and printed of it.
 
-use crate::distinct_files::check_input;
+use crate::complete_files::CompleteFiles;
 use crate::products::Products;
 use crate::progress::{Progress, rows_text};
-use crate::signals::Signals;
+use crate::signals::{Signals, Taker};
 use crate::stopping::{self, upper};
 use crate::threads::Crew;
 use crate::warn;
 use crate::{End, failed};
 use raytracer::cli::{Comparison, Options, Output};
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::explain::{CostReport, Explainer, PixelTree};
 use raytracer::fingerprint;
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::image_io::{Exceptional, ImageError, OutputFile};
+use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
 use raytracer::memory::{Bytes, Text};
 use raytracer::mode::Course;
 use raytracer::picture::Picture;
@@ -51,6 +52,8 @@ pub struct Rendered {
     pub pixel: Option<PixelTree>,
     /// The colour picture, if it is one of two to compare.
     pub picture: Option<Picture>,
+    /// The pictures' files.
+    pub files: CompleteFiles,
 }
 
 /// Reads, prepares, renders and writes.
@@ -58,13 +61,14 @@ pub fn render<M: RenderMode>(
     options: &Options,
     argv: &[OsString],
     input: &Path,
+    written: &WrittenFiles,
     crew: &Crew,
-    signals: &mut Signals,
+    signals: &Signals,
+    taker: &mut Taker,
     tell: &dyn Fn(&str),
 ) -> Result<Rendered, End> {
     let files = options.outputs.iter().map(prepare_file);
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
-    signals.end_at_once()?;
 
     let mut clock = Clock(Instant::now());
     let announce = |bytes| {
@@ -74,7 +78,7 @@ pub fn render<M: RenderMode>(
     };
     let loaded = scene_io::load_announcing(input, &announce);
     let mut loaded = loaded.map_err(|error| error.to_string())?;
-    loaded.mesh_files.iter().try_for_each(|mesh| check_input(options, "mesh", mesh))?;
+    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
     let reading = clock.lap();
     let mut warnings = warn::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
@@ -114,7 +118,7 @@ pub fn render<M: RenderMode>(
             ControlFlow::Break(())
         }
     };
-    signals.end_at_second()?;
+    signals.end_at_second();
     let (progress, start) = (Progress::new(options.progress), Instant::now());
     let watch = |rows| {
         if start.elapsed() >= PATIENCE {
@@ -125,7 +129,6 @@ pub fn render<M: RenderMode>(
     };
     let rendered = prepared.render_rows(&request, &watch, &mut take_row);
     progress.end();
-    signals.hold_again();
     if let Some(error) = failure {
         return Err(failed(error).into());
     }
@@ -151,6 +154,13 @@ pub fn render<M: RenderMode>(
     say(nothing.as_slice())?;
     say(&not_shown(&products.exceptional()))?;
     let finished = products.finish(options.size)?;
+    let files = CompleteFiles::default();
+    let (streams, regular): (Vec<_>, Vec<_>) = finished.files.into_iter().partition(CompleteFile::is_stream);
+    regular.into_iter().try_for_each(|file| files.add(file))?;
+    if !streams.is_empty() {
+        files.before_waiting(signals, taker)?;
+    }
+    streams.into_iter().try_for_each(|stream| files.add(stream))?;
     let report = Report {
         size: request.window_size(),
         bounds: renderer.bounds(),
@@ -161,12 +171,11 @@ pub fn render<M: RenderMode>(
     };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
-        signals.end_at_once()?;
+        files.before_waiting(signals, taker)?;
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
-    signals.hold_again();
-    Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept })
+    Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept, files })
 }
 
 impl Rendered {

@@ -128,7 +128,7 @@ fn read_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Reading, Vec<Fou
 /// The name of a mesh that is there, in place of one that is not.
 fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
     let Problem::MeshUnreadable { name, .. } = problem else { return None };
-    let near = places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
+    let near = mesh_places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
     let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
     Some(escape(&lossy(from_scene)))
 }
@@ -136,7 +136,7 @@ fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
 /// Reads the mesh called `name` from the first place where it can be read, and returns the place too.
 fn read_mesh(name: &str, scene_directory: &Path, announce: &dyn Fn(usize)) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
-    for place in places(name, scene_directory) {
+    for place in mesh_places(name, scene_directory) {
         match read_mesh_file(&place) {
             Ok(bytes) => {
                 announce(bytes.len());
@@ -186,9 +186,21 @@ fn read_mesh_file(place: &Path) -> Result<Vec<u8>, Unread> {
     fs::read(place).map_err(unread)
 }
 
+/// The files that are read for the meshes of a scene, each in the first place where it is; none of a scene that is no
+/// regular file or cannot be read.
+pub fn mesh_files(scene: &Path) -> Vec<PathBuf> {
+    let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
+    let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
+    let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
+    let Some(Ok(Reading { scene: named, .. })) = text.map(|text| parser::read(&text)) else { return vec![] };
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let find = |file: &MeshFile| mesh_places(&file.name, folder).into_iter().find(|place| is_file(place));
+    named.meshes.iter().filter_map(find).collect()
+}
+
 /// Where to look for a mesh: relative to the working directory, as the course's program does, then
 /// beside the scene, unless that is the same.
-fn places(name: &str, scene_directory: &Path) -> Vec<PathBuf> {
+pub fn mesh_places(name: &str, scene_directory: &Path) -> Vec<PathBuf> {
     let mut places = vec![PathBuf::from(name), scene_directory.join(name)];
     places.dedup();
     places
@@ -260,9 +272,9 @@ mod tests {
 
     #[test]
     fn the_working_directory_comes_first() {
-        assert_eq!(places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
-        assert_eq!(places("m.obj", Path::new("")), [Path::new("m.obj")]);
-        assert_eq!(places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
+        assert_eq!(mesh_places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
+        assert_eq!(mesh_places("m.obj", Path::new("")), [Path::new("m.obj")]);
+        assert_eq!(mesh_places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
     }
 
     #[test]

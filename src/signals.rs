@@ -1,82 +1,74 @@
-//! Ctrl-C and SIGTERM. A run ends in order: with its temporary files removed, and the complete rows kept.
+//! Signals that ask the program to end: Ctrl-C, SIGTERM, and SIGHUP of a terminal that closes.
+//!
+//! They end it at once, also while it waits for a pipe. While rows are rendered the first one makes the work stop in
+//! order, and the complete rows are kept. While a file has a name that it must not keep, all signals wait; see
+//! [`undisturbed`](raytracer::undisturbed).
 
-use signal_hook::SigId;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::{flag, low_level};
+mod taker;
+
+use crate::at_start;
+use signal_hook::flag;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+pub use taker::Taker;
 
 /// The end of a run by a signal: the program's exit status, as shells form it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interrupted(pub u8);
 
-/// What becomes of the signals during a run.
-///
-/// While files are written, signals are only noted, because a temporary file has a name for that time. Elsewhere they
-/// end the program at once, or the second one does where the first makes the work stop in order.
+impl Interrupted {
+    fn by(signal: i32) -> Self {
+        Self((128 + signal) as u8)
+    }
+}
+
+/// What becomes of the signals.
 pub struct Signals {
     /// The last signal that came; 0 for none.
     received: Arc<AtomicUsize>,
-    /// The handlers that end the program.
-    enders: Vec<SigId>,
+    /// Whether the next signal ends the program at once.
+    ends: Arc<AtomicBool>,
 }
 
-const SIGNALS: [i32; 2] = [SIGINT, SIGTERM];
+#[cfg(unix)]
+const ENDING: [i32; 3] = {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    [SIGHUP, SIGINT, SIGTERM]
+};
+#[cfg(not(unix))]
+const ENDING: [i32; 2] = [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
 
 impl Signals {
-    /// From now on, signals are noted.
-    pub fn hold() -> io::Result<Self> {
-        let received = Arc::new(AtomicUsize::new(0));
-        for signal in SIGNALS {
-            flag::register_usize(signal, received.clone(), signal as usize)?;
+    /// From now on, a signal ends the program at once with a status of its own. One that is ignored stays so.
+    pub fn watch() -> io::Result<Self> {
+        let signals = Self { received: Arc::default(), ends: Arc::new(AtomicBool::new(true)) };
+        for signal in ENDING.into_iter().filter(|&signal| !at_start::ignores(signal)) {
+            // The handlers are called in this order.
+            flag::register_usize(signal, signals.received.clone(), signal as usize)?;
+            let status = Interrupted::by(signal).0;
+            flag::register_conditional_shutdown(signal, status.into(), signals.ends.clone())?;
+            flag::register(signal, signals.ends.clone())?;
         }
-        Ok(Self { received, enders: vec![] })
+        Ok(signals)
     }
 
     /// The signal that came, if one did.
     pub fn received(&self) -> Option<Interrupted> {
-        match self.received.load(Ordering::Relaxed) {
+        match self.received.load(Ordering::SeqCst) {
             0 => None,
-            signal => Some(Interrupted(status(signal as i32) as u8)),
-        }
-    }
-
-    /// From now on, signals are noted.
-    pub fn hold_again(&mut self) {
-        for id in self.enders.drain(..) {
-            low_level::unregister(id);
+            signal => Some(Interrupted::by(signal as i32)),
         }
     }
 
     /// From now on, a signal ends the program at once. An error if one was noted before.
-    pub fn end_at_once(&mut self) -> Result<(), Interrupted> {
-        self.end_if(&Arc::new(AtomicBool::new(true)))
-    }
-
-    /// From now on, the second signal ends the program at once, and the first is noted. An error if one was noted
-    /// before.
-    pub fn end_at_second(&mut self) -> Result<(), Interrupted> {
-        let has_come = Arc::new(AtomicBool::new(self.received().is_some()));
-        let noted = self.end_if(&has_come);
-        for signal in SIGNALS {
-            // This handler follows the one that looks at the flag. A handler that is refused has come before.
-            self.enders.extend(flag::register(signal, has_come.clone()));
-        }
-        noted
-    }
-
-    /// From now on, a signal ends the program if the flag is set.
-    fn end_if(&mut self, condition: &Arc<AtomicBool>) -> Result<(), Interrupted> {
-        self.hold_again();
-        for signal in SIGNALS {
-            let end = flag::register_conditional_shutdown(signal, status(signal), condition.clone());
-            self.enders.extend(end);
-        }
+    pub fn end_at_once(&self) -> Result<(), Interrupted> {
+        self.ends.store(true, Ordering::SeqCst);
         self.received().map_or(Ok(()), Err)
     }
-}
 
-fn status(signal: i32) -> i32 {
-    128 + signal
+    /// From now on, the first signal is noted, and the second one ends the program at once.
+    pub fn end_at_second(&self) {
+        self.ends.store(false, Ordering::SeqCst);
+    }
 }

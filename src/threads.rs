@@ -2,6 +2,7 @@
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use raytracer::memory::{NoMemory, with_room};
+use raytracer::undisturbed::without_signals;
 use std::hint::black_box;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -56,7 +57,7 @@ impl Crew {
         let others = reserve.drain(..).take(cores() - 1);
         let starts =
             |waiting: ThreadBuilder| thread::Builder::new().stack_size(STACK).spawn(|| waiting.run()).is_ok();
-        let started = others.map(starts).filter(|&starts| starts).count();
+        let started = without_signals(|| others.map(starts).filter(|&starts| starts).count());
         self.at_work.fetch_add(started, Ordering::Relaxed);
     }
 
@@ -156,7 +157,7 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
             let _ = running.map(|running| running.send(()));
             receiver.recv().into_iter().for_each(ThreadBuilder::run);
         };
-        match thread::Builder::new().stack_size(STACK).spawn(work) {
+        match without_signals(|| thread::Builder::new().stack_size(STACK).spawn(work)) {
             Ok(_) => waiting.push(sender),
             Err(reason) => return refused(waiting, &reason),
         }

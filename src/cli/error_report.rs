@@ -24,6 +24,11 @@ const UNDERSTOOD: [&Flag; 6] =
     [&flags::ERROR_REPORT, &flags::TARGET, &flags::INPUT, &flags::THREADS, &flags::PROGRESS, &flags::QUIET];
 
 impl ErrorReporting {
+    /// The page and the table.
+    pub fn report_files(&self) -> [PathBuf; 2] {
+        ["report.html", "report.csv"].map(|name| self.folder.join(name))
+    }
+
     /// The report that the flags ask for, if they do.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let Some([folder]) = raw.values(&flags::ERROR_REPORT)? else {

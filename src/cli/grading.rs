@@ -7,7 +7,7 @@ use super::options::{ShowProgress, THREAD_RANGE};
 use super::raw::Raw;
 use super::values::{bad, ends_in, wholes};
 use crate::compare::Tolerance;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A folder with a folder of pictures for every name, and what they are to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,6 +48,20 @@ const UNDERSTOOD: [&Flag; 8] = [
 ];
 
 impl Grading {
+    /// The page and the table beside it, if they are written.
+    pub fn report_files(&self) -> Option<[PathBuf; 2]> {
+        let page = self.report.as_ref()?;
+        Some([page.clone(), page.with_extension("csv")])
+    }
+
+    /// The file of the command lines, if the references are rendered.
+    pub fn commands(&self) -> Option<&Path> {
+        match &self.references {
+            References::Commands(file) => Some(file),
+            References::Folder(_) => None,
+        }
+    }
+
     /// The grading that the flags ask for, if they do.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
         let path = |flag| Ok(raw.values(flag)?.map(|[word]| PathBuf::from(word)));

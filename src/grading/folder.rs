@@ -42,6 +42,12 @@ impl Folder {
         self.names.iter().map(|name| name.to_string_lossy().into_owned()).collect()
     }
 
+    /// The files that are read for this picture. A link is not read.
+    pub fn files(&self, picture: &OsStr) -> impl Iterator<Item = PathBuf> {
+        let files = self.names.iter().map(move |name| self.path.join(name).join(picture));
+        files.filter(|file| fs::symlink_metadata(file).is_ok_and(|found| found.is_file()))
+    }
+
     /// What everybody handed in as this picture, which is of this width and height.
     pub fn submissions(&self, picture: &OsStr, size: [u32; 2]) -> Vec<Submission> {
         self.names.par_iter().map(|name| submission(&self.path.join(name).join(picture), size)).collect()

@@ -3,6 +3,7 @@
 mod folder;
 mod references;
 
+use crate::complete_files::CompleteFiles;
 use crate::job::Outcome;
 use crate::progress::Progress;
 use crate::signals::Signals;
@@ -12,24 +13,28 @@ use folder::Folder;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
 use raytracer::compare::Tolerance;
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::escape::escape;
 use raytracer::grade::{Column, Page, Table, csv, summary};
 use raytracer::image_io::TextFile;
 use references::{Reference, References};
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Compares everything with its reference. Warnings go to `tell`.
-pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
-    let mut signals = Signals::hold().map_err(failed)?;
+pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
+    let written = WrittenFiles::of_grading(options)?;
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
+    if written.may_be_read() {
+        let submitted = references.names().flat_map(|name| folder.files(name));
+        references.reads().chain(submitted.map(|file| (ReadAs::Picture, file))).try_for_each(|(kind, file)| written.check_read(kind, &file))?;
+    }
     // A file that cannot be written is no reason to wait for the comparison.
-    let files = options.report.as_deref().map(prepare).transpose()?;
+    let files = options.report_files().map(prepare).transpose()?;
 
-    signals.end_at_once()?;
     let page = files.is_some().then(Page::default);
     let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
     let progress = Progress::new(options.progress);
@@ -40,7 +45,6 @@ pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
         columns.push(references.with(index, |reference| grader.column(name, reference)));
     }
     progress.end();
-    signals.hold_again();
 
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems
@@ -48,15 +52,17 @@ pub fn run(options: &Grading, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let notes = folder.notes(&references);
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
-        page.write(&shown.finish(&table)).map_err(failed)?;
-        values.write(&csv(&table)).map_err(failed)?;
+        let complete = CompleteFiles::default();
+        complete.add(page.complete(&shown.finish(&table)).map_err(failed)?)?;
+        complete.add(values.complete(&csv(&table)).map_err(failed)?)?;
+        complete.finish(signals)?;
     }
     Ok(Outcome { text: summary(&table), passes: options.tolerance.is_none() || table.passes() })
 }
 
 /// The files of the page and of the table beside it.
-fn prepare(page: &Path) -> Result<[TextFile; 2], String> {
-    let [page, values] = [page.to_owned(), page.with_extension("csv")].map(|file| TextFile::prepare(&file));
+fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], String> {
+    let [page, values] = files.map(|file| TextFile::prepare(&file));
     Ok([page.map_err(failed)?, values.map_err(failed)?])
 }
 

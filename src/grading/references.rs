@@ -5,6 +5,7 @@ use crate::failed;
 use rayon::ThreadPool;
 use raytracer::causes::{Cause, Finding, Finished, Original};
 use raytracer::cli::{self, Options, parse_commands};
+use raytracer::distinct_files::ReadAs;
 use raytracer::escape::quoted;
 use raytracer::grid::options::Structure;
 use raytracer::image_io::{Format, read_picture};
@@ -69,6 +70,19 @@ impl References {
             true => Err(failed("there is no picture to grade by")),
             false => Ok(Self { all, threads: threads.clone() }),
         }
+    }
+
+    /// The files that are read for them: pictures, or scenes with their meshes.
+    pub fn reads(&self) -> impl Iterator<Item = (ReadAs, PathBuf)> {
+        self.all.iter().flat_map(|(_, origin)| match origin {
+            Origin::File(path) => vec![(ReadAs::Picture, path.clone())],
+            Origin::Rendered(options, _) => {
+                let scenes = options.input.iter();
+                let meshes = scenes.clone().flat_map(|scene| scene_io::mesh_files(scene));
+                let meshes = meshes.map(|mesh| (ReadAs::Mesh, mesh));
+                scenes.map(|scene| (ReadAs::Scene, scene.clone())).chain(meshes).collect()
+            }
+        })
     }
 
     pub fn len(&self) -> usize {

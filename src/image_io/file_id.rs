@@ -1,44 +1,57 @@
 //! Which names mean the same file.
 
 use super::output::{folder_of, follow_links};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::ffi::OsString;
+use std::fs::{self, Metadata};
+use std::path::Path;
 
 /// What two names have in common if they mean the same file, by links or by other ways through the folders.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileId {
-    /// A file that exists, by its device and its index on the device.
-    #[cfg(unix)]
-    Inode(u64, u64),
-    /// Any other file, by the folder's path without links and the name in it.
-    Place(PathBuf),
+    /// A file that exists.
+    Existing(Inode),
+    /// A file that does not exist yet, by the folder and the name in it.
+    New(Inode, OsString),
 }
 
+/// A file or a folder, by its device and its index on the device.
+#[cfg(unix)]
+type Inode = (u64, u64);
+/// A file or a folder, by its path without links.
+#[cfg(not(unix))]
+type Inode = std::path::PathBuf;
+
 impl FileId {
-    /// The file that `path` leads to, which need not exist. None for devices, which hold nothing that could be lost,
-    /// and if the folder cannot be read.
+    /// The file that `path` leads to, which need not exist. None for pipes and devices, which hold nothing that could
+    /// be lost, and if the folder cannot be read.
     pub fn of(path: &Path) -> Option<Self> {
         match fs::metadata(path) {
-            Ok(found) => existing(path, &found),
+            Ok(found) if found.is_file() => inode(path, &found).map(Self::Existing),
+            Ok(_) => None,
             Err(_) => {
                 let target = follow_links(path).ok()?;
-                Some(Self::Place(fs::canonicalize(folder_of(&target)).ok()?.join(target.file_name()?)))
+                let folder = folder_of(&target);
+                let folder = inode(folder, &fs::metadata(folder).ok()?)?;
+                Some(Self::New(folder, target.file_name()?.to_owned()))
             }
         }
+    }
+
+    /// Whether the file exists.
+    pub fn exists(&self) -> bool {
+        matches!(self, Self::Existing(_))
     }
 }
 
 #[cfg(unix)]
-fn existing(_: &Path, found: &fs::Metadata) -> Option<FileId> {
-    use std::os::unix::fs::{FileTypeExt, MetadataExt};
-    let kind = found.file_type();
-    let is_device = kind.is_char_device() || kind.is_block_device();
-    (!is_device).then(|| FileId::Inode(found.dev(), found.ino()))
+fn inode(_: &Path, found: &Metadata) -> Option<Inode> {
+    use std::os::unix::fs::MetadataExt;
+    Some((found.dev(), found.ino()))
 }
 
 #[cfg(not(unix))]
-fn existing(path: &Path, _: &fs::Metadata) -> Option<FileId> {
-    fs::canonicalize(path).ok().map(FileId::Place)
+fn inode(path: &Path, _: &Metadata) -> Option<Inode> {
+    fs::canonicalize(path).ok()
 }
 
 #[cfg(all(test, unix))]
@@ -60,6 +73,6 @@ mod tests {
         assert_eq!([id("sub/link"), id("hard"), id("sub/../file")], [(); 3].map(|()| id("file")));
         assert_eq!([id("sub/new link"), id("sub/../new")], [(); 2].map(|()| id("new")));
         assert_ne!(id("new"), id("sub/new"));
-        assert_eq!([FileId::of(Path::new("/dev/null")), id("no/file")], [None, None]);
+        assert_eq!([FileId::of(Path::new("/dev/null")), id("no/file"), id("sub")], [None, None, None]);
     }
 }

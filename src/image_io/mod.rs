@@ -1,6 +1,7 @@
 //! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing
 //! of text files.
 
+mod complete_file;
 pub(crate) mod embedded;
 mod error;
 mod exr;
@@ -18,6 +19,7 @@ mod spool;
 mod text;
 mod writer;
 
+pub use complete_file::{CompleteFile, put_in_place};
 pub use error::ImageError;
 pub use file_id::FileId;
 pub use float_rows::{Content, Exceptional};
@@ -27,7 +29,7 @@ pub use output::OutputFile;
 pub use part::{NotPart, Part};
 pub use part_file::{PartFile, Rows};
 pub use text::TextFile;
-pub use writer::PictureWriter;
+pub use writer::{PictureWriter, part_beside};
 
 use serde::Serialize;
 use std::ffi::OsString;

@@ -1,24 +1,21 @@
 //! Output files, which are either complete or not written at all.
 
 use super::Format;
+use super::complete_file::{CompleteFile, check_folder};
 use super::error::ImageError;
 use super::float_rows::Content;
 use super::part::Part;
-use super::spool::Spool;
 use super::writer::PictureWriter;
-use crate::memory;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// A picture file that is known to be writable and has not been written yet.
 ///
-/// The finished picture is written to a temporary file in the target's folder, which is then renamed to the
-/// target in one step. There is no such file while the program renders, so that a program that is killed
-/// leaves nothing behind.
+/// The finished picture is a [`CompleteFile`], which is put in its place in one step, alone or with others. A program
+/// that is killed before leaves nothing behind.
 #[derive(Debug)]
 pub struct OutputFile {
     /// The path as the user gave it, for messages.
@@ -76,10 +73,15 @@ impl OutputFile {
 
     /// Writes a picture. If this fails and the target is a regular file, nothing is written.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
+        self.complete(picture)?.put_in_place()
+    }
+
+    /// The file of a picture.
+    pub fn complete(self, picture: &Picture) -> Result<CompleteFile, ImageError> {
         let mut writer = self.begin([picture.width() as usize, picture.height() as usize], None)?;
         let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
         rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
-        writer.finish()
+        writer.complete()
     }
 }
 
@@ -107,23 +109,10 @@ impl Target {
         }
     }
 
-    /// Writes the complete content.
-    pub(super) fn fill(self, content: Spool) -> io::Result<()> {
-        match self {
-            Self::Direct(file) => content.copy_to(&file),
-            Self::StandardOutput => content.copy_to(io::stdout().lock()),
-            Self::Replace { file, permissions } => {
-                let temporary = temporary_beside(&file)?;
-                content.copy_to(temporary.as_file())?;
-                install(temporary, &file, permissions.as_ref())
-            }
-        }
-    }
-
-    /// Checks that a file can be created in the target's folder, by creating one.
+    /// Checks that a file can be created in the target's folder.
     fn probe(&self) -> io::Result<()> {
         match self {
-            Self::Replace { file, .. } => temporary_beside(file).map(drop),
+            Self::Replace { file, .. } => check_folder(folder_of(file)),
             Self::Direct(_) | Self::StandardOutput => Ok(()),
         }
     }
@@ -158,24 +147,4 @@ pub(super) fn folder_of(path: &Path) -> &Path {
         Some(folder) if folder != OsStr::new("") => folder,
         _ => Path::new("."),
     }
-}
-
-/// The memory that is taken while there is a temporary file, in bytes: names and a buffer, with much to spare.
-const WORKING_MEMORY: u64 = 1 << 20;
-
-/// A new file in the target's folder, with the permissions of any new file. It is removed when it is dropped.
-fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
-    // A program that ends for want of memory removes nothing.
-    memory::ask(WORKING_MEMORY)?;
-    let open = |path: &Path| OpenOptions::new().write(true).create_new(true).open(path);
-    tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(target), open)
-}
-
-/// Renames the complete file to the target. It is not flushed to the disk first, because that takes many
-/// times as long as rendering a small picture.
-fn install(temporary: NamedTempFile, target: &Path, permissions: Option<&Permissions>) -> io::Result<()> {
-    if let Some(permissions) = permissions {
-        temporary.as_file().set_permissions(permissions.clone())?;
-    }
-    temporary.persist(target).map(drop).map_err(|error| error.error)
 }

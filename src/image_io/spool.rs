@@ -1,5 +1,6 @@
 //! The spool, which holds the bytes of a file until the file is complete.
 
+use super::complete_file::nameless_file;
 use super::part_file::Source;
 use crate::memory::{make_room, with_room};
 use std::fs::File;
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 
 /// Bytes in memory or, if there are more than [`IN_MEMORY`] or than there is memory for, in a temporary file
 /// without a name, which the system removes however the program ends.
+#[derive(Debug)]
 pub(super) struct Spool {
     memory: Vec<u8>,
     file: Option<BufWriter<File>>,
@@ -87,7 +89,7 @@ impl Write for Spool {
         }
         let fits = self.memory.len() + bytes.len() <= IN_MEMORY;
         if !fits || make_room(&mut self.memory, bytes.len()).is_err() {
-            let mut file = BufWriter::with_capacity(BUFFER_SIZE, tempfile::tempfile_in(&self.folder)?);
+            let mut file = BufWriter::with_capacity(BUFFER_SIZE, nameless_file(&self.folder)?);
             file.write_all(&std::mem::take(&mut self.memory))?;
             return self.file.insert(file).write(bytes);
         }

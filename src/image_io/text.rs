@@ -1,5 +1,6 @@
 //! Text files, which are either complete or not written at all.
 
+use super::complete_file::CompleteFile;
 use super::error::ImageError;
 use super::output::Target;
 use super::spool::Spool;
@@ -21,10 +22,16 @@ impl TextFile {
         Ok(Self { path: path.to_owned(), target: Target::prepare(path)? })
     }
 
-    /// Writes the whole text. If this fails and the target is a regular file, nothing is written.
-    pub fn write(self, text: &str) -> Result<(), ImageError> {
+    /// Whether it is a pipe or a device.
+    pub fn is_stream(&self) -> bool {
+        !matches!(self.target, Target::Replace { .. })
+    }
+
+    /// The file of a text.
+    pub fn complete(self, text: &str) -> Result<CompleteFile, ImageError> {
         let mut spool = Spool::new(self.target.folder(), text.len());
-        let written = spool.write_all(text.as_bytes()).and_then(|()| self.target.fill(spool));
-        written.map_err(|error| ImageError::io("write", &self.path, error))
+        let written = spool.write_all(text.as_bytes());
+        written.map_err(|error| ImageError::io("write", &self.path, error))?;
+        CompleteFile::new(self.path, self.target, spool)
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
+use super::complete_file::CompleteFile;
 use super::error::ImageError;
 use super::float_rows::{Content, Exceptional, FloatRows};
 use super::output::Target;
@@ -157,12 +158,12 @@ impl PictureWriter {
     /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or
     /// if it has floating-point numbers, which are not put together.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
-        let has_parts = !self.format.is_float() && Format::of(&self.path) == Some(self.format);
-        if self.rows == 0 || !has_parts || !matches!(self.target, Target::Replace { .. }) {
+        let part_path = part_beside(&self.path, self.format);
+        let Some(path) = part_path.filter(|_| self.rows > 0 && matches!(self.target, Target::Replace { .. })) else {
             return Ok(None);
-        }
+        };
         let failed = |path: &Path, error| ImageError::io("write", path, error);
-        let ([width, height], rows, path) = (self.size, self.rows, beside(&self.path, "partial"));
+        let ([width, height], rows) = (self.size, self.rows);
         if let Encoder::Png(_) = self.encoder {
             // The encoder ends only with all rows.
             let black = vec![0; width * CHANNELS];
@@ -183,9 +184,14 @@ impl PictureWriter {
 
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
     pub fn finish(self) -> Result<(), ImageError> {
+        self.complete()?.put_in_place()
+    }
+
+    /// The file of the picture, which has all of its rows.
+    pub fn complete(self) -> Result<CompleteFile, ImageError> {
         let path = self.path.clone();
-        let written = self.end().and_then(|(spool, target)| target.fill(spool));
-        written.map_err(|error| ImageError::io("write", &path, error))
+        let (spool, target) = self.end().map_err(|error| ImageError::io("write", &path, error))?;
+        CompleteFile::new(path, target, spool)
     }
 
     /// Ends the encoding.
@@ -196,6 +202,13 @@ impl PictureWriter {
         let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
         Ok((spool, self.target))
     }
+}
+
+/// The file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. None if the name does
+/// not tell the format, or if the picture has floating-point numbers, which are not put together.
+pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
+    let has_parts = !format.is_float() && Format::of(path) == Some(format);
+    has_parts.then(|| beside(path, "partial"))
 }
 
 /// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a

@@ -31,6 +31,8 @@ pub struct App {
     /// The flags that the page starts with.
     words: Vec<String>,
     outputs: Vec<Output>,
+    /// The pictures that the command line compares.
+    compared: Vec<PathBuf>,
     most: Most,
     stage: Stage,
     painter: Painter,
@@ -58,10 +60,12 @@ impl App {
             let name = path.to_string_lossy().into_owned();
             read_picture(path).ok().map(|picture| Arc::new(Reference { name, picture }))
         });
+        let compared = comparison.into_iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
         Ok(Self {
             input: setup.input.to_owned(),
             words: setup.words.to_vec(),
             outputs: outputs(setup.options),
+            compared: compared.flatten().cloned().collect(),
             most: Most::of(setup.options),
             stage,
             painter: Painter::start()?,
@@ -171,7 +175,7 @@ impl App {
     fn save(&self, view: View) -> Found {
         let subject = self.subject(&view)?;
         let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
-        let said = save(&subject, &self.outputs, &self.painter).map_err(impossible)?;
+        let said = save(&subject, &self.outputs, &self.compared, &self.painter).map_err(impossible)?;
         Ok(framed(json!({ "said": said }), &[]))
     }
 

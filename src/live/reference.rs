@@ -6,6 +6,7 @@ use crate::compare::{Comparison, DifferencePicture};
 use crate::image_io::{Format, read_picture};
 use crate::picture::Picture;
 use crate::render::{Layer, Request};
+use crate::undisturbed::undisturbed;
 use std::io::Write;
 use std::path::Path;
 
@@ -22,6 +23,11 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture, String> {
         Some(Format::Exr) => ".exr",
         None => return Err("the name of a picture ends in .tga, .png, .pfm or .exr".into()),
     };
+    // A signal would leave the file behind.
+    undisturbed(|| read_as_file(name, suffix, bytes))
+}
+
+fn read_as_file(name: &str, suffix: &str, bytes: &[u8]) -> Result<Picture, String> {
     let failed = |error: std::io::Error| format!("no room for the picture: {error}");
     let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(suffix).tempfile().map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
