@@ -1,10 +1,10 @@
-//! How the program was started: which standard streams were closed, and which signals are ignored.
+//! How the program was started: which standard streams were closed, and whether it outlives its terminal.
 
 #[cfg(target_os = "linux")]
-pub use linux::{ignores, is_closed};
+pub use linux::{ignores_hangup, is_closed};
 
 #[cfg(not(target_os = "linux"))]
-pub use elsewhere::{ignores, is_closed};
+pub use elsewhere::{ignores_hangup, is_closed};
 
 /// A standard stream.
 #[derive(Clone, Copy)]
@@ -18,16 +18,12 @@ pub enum Stream {
 #[cfg(target_os = "linux")]
 mod linux {
     use super::Stream;
-    use libc::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, STDIN_FILENO, STDOUT_FILENO};
-    use std::sync::atomic::{AtomicU64, Ordering};
+    use libc::{STDIN_FILENO, STDOUT_FILENO};
+    use std::sync::atomic::{AtomicBool, Ordering};
 
-    const DESCRIPTORS: [i32; 2] = [STDIN_FILENO, STDOUT_FILENO];
-    const SIGNALS: [i32; 4] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM];
-
-    /// A bit for each closed descriptor.
-    static CLOSED: AtomicU64 = AtomicU64::new(0);
-    /// A bit for each of these signals that is ignored.
-    static IGNORED: AtomicU64 = AtomicU64::new(0);
+    static INPUT_IS_CLOSED: AtomicBool = AtomicBool::new(false);
+    static OUTPUT_IS_CLOSED: AtomicBool = AtomicBool::new(false);
+    static IGNORES_HANGUP: AtomicBool = AtomicBool::new(false);
 
     // SAFETY: the section holds pointers to functions of the C calling convention, which the loader calls once,
     // before `main` and before there are other threads. This one needs nothing that has to be initialized.
@@ -36,38 +32,32 @@ mod linux {
     static LOOK: extern "C" fn() = look;
 
     extern "C" fn look() {
-        // SAFETY: the calls read the flags of descriptors, whether or not these are open, and what becomes of signals,
-        // into a structure of which every bit pattern of zeros is valid. They change nothing.
-        let (is_closed, is_ignored) = unsafe {
+        // SAFETY: the calls read the flags of descriptors, whether or not these are open, and what becomes of a signal,
+        // into a structure of which all zeros are a valid value. They change nothing.
+        let (input, output, hangup) = unsafe {
             let is_closed = |descriptor| libc::fcntl(descriptor, libc::F_GETFD) == -1;
-            let is_ignored = |signal| {
-                let mut action: libc::sigaction = std::mem::zeroed();
-                libc::sigaction(signal, std::ptr::null(), &mut action) == 0
-                    && action.sa_sigaction == libc::SIG_IGN
-            };
-            (DESCRIPTORS.map(is_closed), SIGNALS.map(is_ignored))
+            let mut action: libc::sigaction = std::mem::zeroed();
+            let is_known = libc::sigaction(libc::SIGHUP, std::ptr::null(), &mut action) == 0;
+            let hangup = is_known && action.sa_sigaction == libc::SIG_IGN;
+            (is_closed(STDIN_FILENO), is_closed(STDOUT_FILENO), hangup)
         };
-        CLOSED.store(bits(DESCRIPTORS, is_closed), Ordering::Relaxed);
-        IGNORED.store(bits(SIGNALS, is_ignored), Ordering::Relaxed);
-    }
-
-    fn bits<const N: usize>(numbers: [i32; N], are_set: [bool; N]) -> u64 {
-        let set = numbers.into_iter().zip(are_set).filter(|&(_, is_set)| is_set);
-        set.fold(0, |bits, (number, _)| bits | 1 << number)
+        INPUT_IS_CLOSED.store(input, Ordering::Relaxed);
+        OUTPUT_IS_CLOSED.store(output, Ordering::Relaxed);
+        IGNORES_HANGUP.store(hangup, Ordering::Relaxed);
     }
 
     /// Whether the program was started without this stream.
     pub fn is_closed(stream: Stream) -> bool {
-        let descriptor = match stream {
-            Stream::Input => STDIN_FILENO,
-            Stream::Output => STDOUT_FILENO,
-        };
-        CLOSED.load(Ordering::Relaxed) >> descriptor & 1 == 1
+        match stream {
+            Stream::Input => &INPUT_IS_CLOSED,
+            Stream::Output => &OUTPUT_IS_CLOSED,
+        }
+        .load(Ordering::Relaxed)
     }
 
-    /// Whether the program was started to live through this signal, one of those that ask it to end, as by `nohup`.
-    pub fn ignores(signal: i32) -> bool {
-        IGNORED.load(Ordering::Relaxed) >> signal & 1 == 1
+    /// Whether the program was started to ignore SIGHUP, as by `nohup`.
+    pub fn ignores_hangup() -> bool {
+        IGNORES_HANGUP.load(Ordering::Relaxed)
     }
 }
 
@@ -81,7 +71,7 @@ mod elsewhere {
     }
 
     /// Cannot be told.
-    pub fn ignores(_: i32) -> bool {
+    pub fn ignores_hangup() -> bool {
         false
     }
 }

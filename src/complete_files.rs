@@ -1,6 +1,6 @@
 //! The complete files of a run. They get their names together at its end, or before a signal ends it.
 
-use crate::signals::{Interrupted, Signals, Taker};
+use crate::signals::{Interrupted, Signals};
 use crate::{End, failed, tell};
 use raytracer::image_io::{CompleteFile, ImageError, put_in_place};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -21,7 +21,7 @@ impl CompleteFiles {
     }
 
     /// What follows may take long or wait for ever: a signal ends the program, after these files have got their names.
-    pub fn before_waiting(&self, signals: &Signals, taker: &mut Taker) -> Result<(), End> {
+    pub fn before_waiting(&self, signals: &mut Signals) -> Result<(), End> {
         if self.files().is_empty() {
             return Ok(signals.end_at_once()?);
         }
@@ -31,7 +31,7 @@ impl CompleteFiles {
                 tell(&failed(error));
             }
         };
-        taker.before_end(signals, keep).or_else(|end| self.end(Some(end)))
+        signals.end_after(keep).or_else(|end| self.end(Some(end)))
     }
 
     /// Gives the files their names, or none of them if that fails for one. An error if a signal was noted.

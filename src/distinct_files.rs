@@ -101,7 +101,8 @@ impl WrittenFiles {
     }
 
     fn distinct(all: Vec<Written>) -> Result<Self, SameFile> {
-        let files: Vec<_> = all.into_iter().map(|file| (file.id(), file)).map(|(id, file)| (file, id)).collect();
+        let files: Vec<_> =
+            all.into_iter().map(|file| (file.id(), file)).map(|(id, file)| (file, id)).collect();
         for (index, (written, id)) in files.iter().enumerate() {
             let is_same = |(_, other): &&(Written, Option<FileId>)| id.is_some() && other == id;
             if let Some((other, _)) = files[..index].iter().find(is_same) {
@@ -116,7 +117,8 @@ impl WrittenFiles {
         if !self.may_be_read() {
             return Ok(());
         }
-        let Some(read) = FileId::of(if path == Path::new("-") { Path::new("/dev/stdin") } else { path }) else {
+        let Some(read) = FileId::of(if path == Path::new("-") { Path::new("/dev/stdin") } else { path })
+        else {
             return Ok(());
         };
         match self.0.iter().find(|(_, id)| id.as_ref() == Some(&read)) {
@@ -140,7 +142,8 @@ impl Written {
 
     /// What a stopped run writes in place of a picture, if it does.
     fn part(output: &Output) -> Option<Self> {
-        let has_parts = !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
+        let has_parts =
+            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
         let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
         Some(Self::PartOf(output.file.clone(), part))
     }

@@ -47,8 +47,13 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     report.stages.insert(0, ("reading the scene", reading));
 
     let advice = target.map(|error| advice(&report, options, error));
-    let page_file = page_file.complete(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
+    let page_file =
+        page_file.complete(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
     let csv_file = csv_file.complete(&csv(&report)).map_err(failed)?;
+    if page_file.is_stream() || csv_file.is_stream() {
+        // The signal that has ended the measurements does not end this.
+        let _ = signals.end_at_once();
+    }
     put_in_place(vec![page_file, csv_file]).map_err(failed)?;
     if report.measured() < report.planned {
         tell("note: the run was ended; the report has what was measured until then");

@@ -4,7 +4,7 @@ use crate::complete_files::CompleteFiles;
 use crate::document::{Document, Verdict};
 use crate::preview;
 use crate::rendering::{Rendered, render};
-use crate::signals::{Signals, Taker};
+use crate::signals::Signals;
 use crate::standard_streams;
 use crate::threads::Crew;
 use crate::{End, failed};
@@ -35,8 +35,7 @@ pub struct Outcome {
 pub fn run(
     options: &Options,
     argv: &[OsString],
-    signals: &Signals,
-    taker: &mut Taker,
+    signals: &mut Signals,
     tell: &dyn Fn(&str),
 ) -> Result<Outcome, End> {
     let crew = Crew::new(options.threads)?;
@@ -64,11 +63,11 @@ pub fn run(
         true => render::<Course>,
         false => render::<Fast>,
     };
-    let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, taker, &tell);
+    let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, &tell);
     let mut rendered = options.input.as_ref().map(&mut from).transpose()?;
     let files = rendered.as_mut().map(|rendered| std::mem::take(&mut rendered.files)).unwrap_or_default();
     if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
-        files.before_waiting(signals, taker)?;
+        files.before_waiting(signals)?;
     }
     let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &files);
     let verdict = compared.map(finish).transpose()?.flatten();

@@ -22,7 +22,7 @@ mod warn;
 use job::Outcome;
 use raytracer::cli::{self, Command, Options};
 use raytracer::distinct_files::SameFile;
-use signals::{Interrupted, Signals, Taker};
+use signals::{Interrupted, Signals};
 use standard_streams::print;
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -35,7 +35,7 @@ const DIFFERENT: u8 = 3;
 fn main() -> ExitCode {
     outlive_file_limit();
     let argv: Vec<OsString> = std::env::args_os().collect();
-    let signals = match Signals::watch() {
+    let mut signals = match Signals::watch() {
         Ok(signals) => signals,
         Err(error) => {
             tell(&failed(error));
@@ -44,7 +44,7 @@ fn main() -> ExitCode {
     };
     match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
-        Ok(Command::Render(options)) => render(&options, &argv, &signals),
+        Ok(Command::Render(options)) => render(&options, &argv, &mut signals),
         Ok(Command::Grade(options)) => report(grading::run(&options, &signals, &tell)),
         Ok(Command::Merge(options)) => report(merging::run(&options, &signals)),
         Ok(Command::ReportErrors(options)) => report(error_reporting::run(&options, &signals, &tell)),
@@ -56,15 +56,14 @@ fn main() -> ExitCode {
 }
 
 /// Does what the options ask for, and then shows the scene's page if they ask for that.
-fn render(options: &Options, argv: &[OsString], signals: &Signals) -> ExitCode {
-    let mut taker = Taker::default();
-    let outcome = job::run(options, argv, signals, &mut taker, &tell);
+fn render(options: &Options, argv: &[OsString], signals: &mut Signals) -> ExitCode {
+    let outcome = job::run(options, argv, signals, &tell);
     let is_done = outcome.is_ok();
     let status = report(match options.has_standard_output() {
         true => outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }),
         false => outcome,
     });
-    match if is_done { preview::show(options, signals, &mut taker, &tell) } else { Ok(()) } {
+    match if is_done { preview::show(options, signals, &tell) } else { Ok(()) } {
         Ok(()) => status,
         Err(message) => {
             tell(&message);

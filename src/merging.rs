@@ -1,7 +1,7 @@
 //! A run that puts parts of a picture together.
 
-use crate::job::Outcome;
 use crate::complete_files::CompleteFiles;
+use crate::job::Outcome;
 use crate::progress::{Progress, rows_text};
 use crate::rendering::prepare_file;
 use crate::signals::Signals;

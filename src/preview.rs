@@ -1,6 +1,6 @@
 //! `-gui`: whether the scene is shown as a live page, and how it gets into a browser.
 
-use crate::signals::{Signals, Taker};
+use crate::signals::Signals;
 use raytracer::cli::{LivePage, Options};
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
@@ -37,7 +37,7 @@ pub use page::show;
 
 /// Shows nothing.
 #[cfg(not(feature = "gui"))]
-pub fn show(_: &Options, _: &Signals, _: &mut Taker, _: &dyn Fn(&str)) -> Result<(), String> {
+pub fn show(_: &Options, _: &mut Signals, _: &dyn Fn(&str)) -> Result<(), String> {
     Ok(())
 }
 
@@ -54,12 +54,7 @@ mod page {
     use tempfile::NamedTempFile;
 
     /// Serves the page, if there is one, until it is ended there.
-    pub fn show(
-        options: &Options,
-        signals: &Signals,
-        taker: &mut Taker,
-        tell: &dyn Fn(&str),
-    ) -> Result<(), String> {
+    pub fn show(options: &Options, signals: &mut Signals, tell: &dyn Fn(&str)) -> Result<(), String> {
         let (Some(page), Some(input)) = (&options.page, scene_file(options)) else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
@@ -68,7 +63,7 @@ mod page {
         let opened = Arc::new(Mutex::new(None));
         let to_remove = opened.clone();
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
-        if taker.before_end(signals, remove).is_err() {
+        if signals.end_after(remove).is_err() {
             return Ok(());
         }
         let port = page.port.unwrap_or(0);

@@ -3,7 +3,7 @@
 use crate::complete_files::CompleteFiles;
 use crate::products::Products;
 use crate::progress::{Progress, rows_text};
-use crate::signals::{Signals, Taker};
+use crate::signals::Signals;
 use crate::stopping::{self, upper};
 use crate::threads::Crew;
 use crate::warn;
@@ -63,8 +63,7 @@ pub fn render<M: RenderMode>(
     input: &Path,
     written: &WrittenFiles,
     crew: &Crew,
-    signals: &Signals,
-    taker: &mut Taker,
+    signals: &mut Signals,
     tell: &dyn Fn(&str),
 ) -> Result<Rendered, End> {
     let files = options.outputs.iter().map(prepare_file);
@@ -158,7 +157,7 @@ pub fn render<M: RenderMode>(
     let (streams, regular): (Vec<_>, Vec<_>) = finished.files.into_iter().partition(CompleteFile::is_stream);
     regular.into_iter().try_for_each(|file| files.add(file))?;
     if !streams.is_empty() {
-        files.before_waiting(signals, taker)?;
+        files.before_waiting(signals)?;
     }
     streams.into_iter().try_for_each(|stream| files.add(stream))?;
     let report = Report {
@@ -171,7 +170,7 @@ pub fn render<M: RenderMode>(
     };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
-        files.before_waiting(signals, taker)?;
+        files.before_waiting(signals)?;
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();

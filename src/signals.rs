@@ -4,14 +4,20 @@
 //! order, and the complete rows are kept. While a file has a name that it must not keep, all signals wait; see
 //! [`undisturbed`](raytracer::undisturbed).
 
+#[cfg(unix)]
+mod taker;
+#[cfg(not(unix))]
+#[path = "signals/no_taker.rs"]
 mod taker;
 
+#[cfg(unix)]
 use crate::at_start;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-pub use taker::Taker;
+use taker::Taker;
 
 /// The end of a run by a signal: the program's exit status, as shells form it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,21 +35,24 @@ pub struct Signals {
     received: Arc<AtomicUsize>,
     /// Whether the next signal ends the program at once.
     ends: Arc<AtomicBool>,
+    taker: Taker,
 }
 
-#[cfg(unix)]
-const ENDING: [i32; 3] = {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    [SIGHUP, SIGINT, SIGTERM]
-};
-#[cfg(not(unix))]
-const ENDING: [i32; 2] = [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
+/// The signals. SIGHUP is not among them if it is ignored, as by `nohup`.
+fn ending() -> impl Iterator<Item = i32> {
+    #[cfg(unix)]
+    let hangup = (!at_start::ignores_hangup()).then_some(signal_hook::consts::SIGHUP);
+    #[cfg(not(unix))]
+    let hangup = None;
+    [SIGINT, SIGTERM].into_iter().chain(hangup)
+}
 
 impl Signals {
-    /// From now on, a signal ends the program at once with a status of its own. One that is ignored stays so.
+    /// From now on, a signal ends the program at once with a status of its own.
     pub fn watch() -> io::Result<Self> {
-        let signals = Self { received: Arc::default(), ends: Arc::new(AtomicBool::new(true)) };
-        for signal in ENDING.into_iter().filter(|&signal| !at_start::ignores(signal)) {
+        let ends = Arc::new(AtomicBool::new(true));
+        let signals = Self { received: Arc::default(), ends, taker: Taker::default() };
+        for signal in ending() {
             // The handlers are called in this order.
             flag::register_usize(signal, signals.received.clone(), signal as usize)?;
             let status = Interrupted::by(signal).0;
@@ -64,6 +73,13 @@ impl Signals {
     /// From now on, a signal ends the program at once. An error if one was noted before.
     pub fn end_at_once(&self) -> Result<(), Interrupted> {
         self.ends.store(true, Ordering::SeqCst);
+        self.received().map_or(Ok(()), Err)
+    }
+
+    /// From now on, a signal ends the program after this task, in place of an earlier one, whatever the first thread
+    /// waits for. An error if one was noted before.
+    pub fn end_after(&mut self, task: impl FnOnce() + Send + 'static) -> Result<(), Interrupted> {
+        self.taker.set(Box::new(task));
         self.received().map_or(Ok(()), Err)
     }
 

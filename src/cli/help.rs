@@ -31,7 +31,7 @@ Examples:
 /// What the exit status means.
 pub(super) const STATUS: &str = "\
 The exit status is 1 for a file that cannot be read or written and for an error in the scene, 2 for an error in the \
-command line, 3 for a difference above the tolerance, and 130 or 143 for a run that was stopped by Ctrl-C or SIGTERM.";
+command line, 3 for a difference above the tolerance, and 130, 143 or 129 for a run that was stopped by Ctrl-C, SIGTERM or SIGHUP.";
 
 /// The text that `-help` prints.
 pub(super) fn text() -> String {

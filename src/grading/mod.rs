@@ -30,7 +30,10 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let references = References::open(&options.references, &threads)?;
     if written.may_be_read() {
         let submitted = references.names().flat_map(|name| folder.files(name));
-        references.reads().chain(submitted.map(|file| (ReadAs::Picture, file))).try_for_each(|(kind, file)| written.check_read(kind, &file))?;
+        references
+            .reads()
+            .chain(submitted.map(|file| (ReadAs::Picture, file)))
+            .try_for_each(|(kind, file)| written.check_read(kind, &file))?;
     }
     // A file that cannot be written is no reason to wait for the comparison.
     let files = options.report_files().map(prepare).transpose()?;

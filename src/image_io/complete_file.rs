@@ -139,10 +139,11 @@ impl Nameless {
 
     /// Gives the file a temporary name beside its own.
     fn name_beside(&mut self) -> io::Result<TempPath> {
-        let named = temporary_names().make_in(folder_of(&self.target), |path| match is_linked(&self.file, path) {
-            true => Ok(None),
-            false => new_file(path).map(Some),
-        })?;
+        let named =
+            temporary_names().make_in(folder_of(&self.target), |path| match is_linked(&self.file, path) {
+                true => Ok(None),
+                false => new_file(path).map(Some),
+            })?;
         let (copy, named) = named.into_parts();
         if let Some(mut copy) = copy {
             self.file.rewind()?;

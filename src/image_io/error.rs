@@ -86,6 +86,16 @@ pub enum ImageError {
         /// The path of the file.
         path: PathBuf,
     },
+    /// A part without a checksum.
+    NoChecksum {
+        /// The path of the file.
+        path: PathBuf,
+    },
+    /// A part that is not what was written.
+    Damaged {
+        /// The path of the file.
+        path: PathBuf,
+    },
     /// A file of floating-point numbers that cannot be read.
     BadFloats {
         /// The path of the file.
@@ -157,6 +167,12 @@ impl fmt::Display for ImageError {
             }
             Self::NoPart { path } => {
                 write!(f, "{} is no part of a picture, as `-region` makes it", shown(path))
+            }
+            Self::NoChecksum { path } => {
+                write!(f, "{} is a part without a checksum: render it again with this program", shown(path))
+            }
+            Self::Damaged { path } => {
+                write!(f, "{} is damaged: it is not what its checksum was made of", shown(path))
             }
             Self::OtherEncoding { path } => {
                 write!(f, "{} is no part of a picture as this program encodes it", shown(path))

@@ -185,6 +185,9 @@ impl Merge {
             open.sort_by_key(|part| part.window.x);
             self.fill(&mut row, y, &mut open)?;
             writer.row_of_bytes(&row)?;
+            if y + 1 == top + height {
+                open.iter_mut().try_for_each(|part| part.rows.check_rest())?;
+            }
             if watch(Progress { done: y + 1 - top, rows: height, rays: 0 }).is_break() {
                 return Err(MergeError::Ended);
             }
@@ -208,7 +211,7 @@ impl Merge {
             let first = own(start, seam).iter().zip(known).position(|(a, b)| a != b);
             if let Some(byte) = first {
                 let pixel = [start + byte / CHANNELS, y];
-                return Err(disagreement(parts, index, pixel));
+                return Err(disagreement(parts, index, pixel)?);
             }
             row[(seam - left) * CHANNELS..(end - left) * CHANNELS].copy_from_slice(own(seam, end));
             filled = filled.max(end);
@@ -222,11 +225,13 @@ fn overlap(a: &Window, b: &Window) -> bool {
     a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height
 }
 
-/// The part with this index has another pixel than one to its left.
-fn disagreement(parts: &[OpenPart], index: usize, pixel: [usize; 2]) -> MergeError {
+/// The part with this index has another pixel than one to its left. An error also if one of them is damaged.
+fn disagreement(parts: &mut [OpenPart], index: usize, pixel: [usize; 2]) -> Result<MergeError, ImageError> {
     let has = |part: &&OpenPart| (part.window.x..part.window.x + part.window.width).contains(&pixel[0]);
-    let other = parts[..index].iter().find(has).unwrap_or(&parts[index]);
-    MergeError::Disagree { files: [other.path.to_owned(), parts[index].path.to_owned()], pixel }
+    let other = parts[..index].iter().position(|part| has(&part)).unwrap_or(index);
+    [other, index].into_iter().try_for_each(|index| parts[index].rows.check_rest())?;
+    let files = [other, index].map(|index| parts[index].path.to_owned());
+    Ok(MergeError::Disagree { files, pixel })
 }
 
 /// A part that is being read.

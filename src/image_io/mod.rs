@@ -1,6 +1,7 @@
 //! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing
 //! of text files.
 
+mod checksum;
 mod complete_file;
 pub(crate) mod embedded;
 mod error;

@@ -2,7 +2,7 @@
 //!
 //! A TGA file says it in its image ID, which viewers show as a comment and which follows the header, so that the file
 //! may have any length; a PNG file in a text chunk called `Comment`. The place stands there too, beside TGA's fields
-//! for the origin and PNG's chunk `oFFs`, which other programs read.
+//! for the origin and PNG's chunk `oFFs`, which other programs read. A checksum follows it.
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,9 +1,10 @@
 //! Reading of parts row by row, so that a picture of any size needs the memory of a row.
 
 use super::Format;
+use super::checksum::{CheckedPart, PartHasher, Unchecked};
 use super::error::ImageError;
 use super::part::Part;
-use super::writer::{PNG_COMMENT, TGA_HEADER};
+use super::writer::{PNG_COMMENT, TGA_HEADER, tga_header};
 use crate::picture::CHANNELS;
 use crate::render::Window;
 use std::fs::{self, File};
@@ -20,6 +21,7 @@ pub struct PartFile {
     format: Format,
     /// Width and height of the part in pixels.
     size: [u32; 2],
+    checksum: u64,
 }
 
 /// What rows are read from.
@@ -32,6 +34,10 @@ pub struct Rows {
     path: PathBuf,
     size: [u32; 2],
     decoder: Decoder,
+    /// How many rows are left.
+    left: u32,
+    /// For a part, the checksum so far, and what it is in the end.
+    checksum: Option<(PartHasher, u64)>,
 }
 
 enum Decoder {
@@ -46,14 +52,23 @@ impl PartFile {
     pub fn open(path: &Path) -> Result<Self, ImageError> {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
         let no_part = || ImageError::NoPart { path: path.to_owned() };
-        let (rows, text) = Rows::read(path, format, source(path)?)?;
-        let part: Part = text.and_then(|text| text.parse().ok()).ok_or_else(no_part)?;
+        let (rows, start) = Rows::read(path, format, source(path)?)?;
+        let text = start.comment.ok_or_else(no_part)?;
+        let checked = text.parse().map_err(|reason| match reason {
+            Unchecked::NotPart => no_part(),
+            Unchecked::NoChecksum => ImageError::NoChecksum { path: path.to_owned() },
+        })?;
+        let header = tga_header(rows.size.map(|n| n as usize), Some(&checked));
+        if format == Format::Tga && header != Some(start.header) {
+            return Err(ImageError::Damaged { path: path.to_owned() });
+        }
+        let CheckedPart { part, checksum } = checked;
         let fits = |axis: usize| {
             let end = part.at[axis].checked_add(rows.size[axis]);
             rows.size[axis] > 0 && end.is_some_and(|end| end <= part.whole[axis])
         };
         match fits(0) && fits(1) {
-            true => Ok(Self { path: path.to_owned(), part, format, size: rows.size }),
+            true => Ok(Self { path: path.to_owned(), part, format, size: rows.size, checksum }),
             false => Err(no_part()),
         }
     }
@@ -64,9 +79,10 @@ impl PartFile {
         Window { x, y, width, height }
     }
 
-    /// The rows of the part.
+    /// The rows of the part. The last one is an error if they do not have the part's checksum.
     pub fn rows(&self) -> Result<Rows, ImageError> {
-        Rows::read(&self.path, self.format, source(&self.path)?).map(|(rows, _)| rows)
+        let (rows, _) = Rows::read(&self.path, self.format, source(&self.path)?)?;
+        Ok(Rows { checksum: Some((PartHasher::new(&self.part, self.size), self.checksum)), ..rows })
     }
 }
 
@@ -80,12 +96,12 @@ fn source(path: &Path) -> Result<Box<dyn Source>, ImageError> {
 }
 
 impl Rows {
-    /// The rows of a file's content, and the comment that stands before them.
+    /// The rows of a file's content, and what stands before them.
     pub(super) fn read(
         path: &Path,
         format: Format,
         source: Box<dyn Source>,
-    ) -> Result<(Self, Option<String>), ImageError> {
+    ) -> Result<(Self, Start), ImageError> {
         let path = path.to_owned();
         let read = match format {
             Format::Tga => tga(source),
@@ -93,7 +109,9 @@ impl Rows {
             Format::Pfm | Format::Exr => Ok(None),
         };
         match read {
-            Ok(Some((size, comment, decoder))) => Ok((Self { path, size, decoder }, comment)),
+            Ok(Some((size, decoder, start))) => {
+                Ok((Self { path, size, decoder, left: size[1], checksum: None }, start))
+            }
             Ok(None) => Err(ImageError::OtherEncoding { path }),
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Err(ImageError::NoHeader { path }),
             Err(error) => Err(ImageError::io("read", &path, error)),
@@ -102,6 +120,23 @@ impl Rows {
 
     /// Reads the next row as bytes of red, green and blue.
     pub fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), ImageError> {
+        self.read_row(rgb)?;
+        self.left = self.left.saturating_sub(1);
+        let Some((hasher, expected)) = &mut self.checksum else { return Ok(()) };
+        hasher.row(rgb);
+        match self.left > 0 || hasher.finish() == *expected && self.decoder.is_at_end() {
+            true => Ok(()),
+            false => Err(ImageError::Damaged { path: self.path.clone() }),
+        }
+    }
+
+    /// Reads the rows that are left, for their checksum.
+    pub fn check_rest(&mut self) -> Result<(), ImageError> {
+        let mut row = Vec::new();
+        (0..self.left).try_for_each(|_| self.next(&mut row))
+    }
+
+    fn read_row(&mut self, rgb: &mut Vec<u8>) -> Result<(), ImageError> {
         let [width, height] = self.size;
         rgb.resize(width as usize * CHANNELS, 0);
         let read = match &mut self.decoder {
@@ -122,28 +157,49 @@ impl Rows {
     }
 }
 
-/// The size of a picture, its comment and its rows.
-type Start = ([u32; 2], Option<String>, Decoder);
+impl Decoder {
+    /// Whether nothing follows the last row, which has been read, but what belongs to the format.
+    fn is_at_end(&mut self) -> bool {
+        match self {
+            Self::Tga(source) => source.fill_buf().is_ok_and(|rest| rest.is_empty()),
+            Self::Png(reader) => reader.finish().is_ok(),
+        }
+    }
+}
+
+/// What stands before the rows.
+pub(super) struct Start {
+    comment: Option<String>,
+    /// The bytes of a TGA file; nothing of another, which has checksums of its own.
+    header: Vec<u8>,
+}
+
+/// The size of a picture and its rows.
+type Found = ([u32; 2], Decoder, Start);
 
 /// None if the file is not encoded as this program does.
-fn tga(mut source: Box<dyn Source>) -> io::Result<Option<Start>> {
+fn tga(mut source: Box<dyn Source>) -> io::Result<Option<Found>> {
     let mut header = [0; TGA_HEADER];
     source.read_exact(&mut header)?;
     let mut id = vec![0; header[0].into()];
     source.read_exact(&mut id)?;
+    let start = Start { header: [&header, id.as_slice()].concat(), comment: String::from_utf8(id).ok() };
     let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
     let size = [[w0, w1], [h0, h1]].map(|side| u32::from(u16::from_le_bytes(side)));
-    Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
+    Ok(Some((size, Decoder::Tga(source), start)))
 }
 
 /// None if the file is not encoded as this program does.
-fn png(source: Box<dyn Source>) -> io::Result<Option<Start>> {
-    let reader = png::Decoder::new(source).read_info()?;
+fn png(source: Box<dyn Source>) -> io::Result<Option<Found>> {
+    let mut options = png::DecodeOptions::default();
+    options.set_skip_ancillary_crc_failures(false);
+    let reader = png::Decoder::new_with_options(source, options).read_info()?;
     let info = reader.info();
     let comment = info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == PNG_COMMENT);
     let comment = comment.map(|chunk| chunk.text.clone());
     let is_own =
         !info.interlaced && (info.color_type, info.bit_depth) == (png::ColorType::Rgb, png::BitDepth::Eight);
     let size = [info.width, info.height];
-    Ok(is_own.then(|| (size, comment, Decoder::Png(Box::new(reader)))))
+    let start = Start { comment, header: vec![] };
+    Ok(is_own.then(|| (size, Decoder::Png(Box::new(reader)), start)))
 }

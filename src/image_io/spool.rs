@@ -38,6 +38,17 @@ impl Spool {
         self.reversed = Some((header, row));
     }
 
+    /// Replaces bytes that are there, from this place on.
+    pub fn overwrite(&mut self, at: usize, bytes: &[u8]) -> io::Result<()> {
+        let Some(file) = &mut self.file else {
+            self.memory[at..at + bytes.len()].copy_from_slice(bytes);
+            return Ok(());
+        };
+        file.seek(io::SeekFrom::Start(at as u64))?;
+        file.write_all(bytes)?;
+        file.seek(io::SeekFrom::End(0)).map(drop)
+    }
+
     /// The bytes, to be read from the first one on.
     pub fn into_source(self) -> io::Result<Box<dyn Source>> {
         let Some(file) = self.file else { return Ok(Box::new(Cursor::new(self.memory))) };
@@ -113,7 +124,9 @@ mod tests {
             let piece: Vec<u8> = (0..10_000).map(|i| (i % 251) as u8).collect();
             let folder = tempfile::tempdir().unwrap();
             let mut spool = Spool::new(folder.path().to_owned(), 0);
-            (0..pieces).for_each(|_| spool.write_all(&piece).unwrap());
+            (0..pieces).for_each(|_| spool.write_all(&[0; 10_000]).unwrap());
+            (0..pieces).for_each(|index| spool.overwrite(index * piece.len(), &piece).unwrap());
+            spool.write_all(b"end").unwrap();
             assert_eq!(spool.file.is_some(), pieces * piece.len() > IN_MEMORY);
             assert_eq!(folder.path().read_dir().unwrap().count(), 0, "the file has no name");
             let mut target = tempfile::tempfile().unwrap();
@@ -121,7 +134,7 @@ mod tests {
             let mut found = Vec::new();
             target.rewind().unwrap();
             target.read_to_end(&mut found).unwrap();
-            assert!(found == piece.repeat(pieces));
+            assert!(found == [piece.repeat(pieces), b"end".to_vec()].concat());
         }
     }
 

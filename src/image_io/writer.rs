@@ -2,6 +2,7 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
+use super::checksum::{CheckedPart, PartHasher};
 use super::complete_file::CompleteFile;
 use super::error::ImageError;
 use super::float_rows::{Content, Exceptional, FloatRows};
@@ -20,6 +21,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub(super) const TGA_HEADER: usize = 18;
 /// The keyword of the text in a PNG file that says which part of a larger picture it is.
 pub(super) const PNG_COMMENT: &str = "Comment";
+/// Where the text chunk of a part starts in its PNG file: behind the signature of 8 bytes and the header's chunk of 25.
+const PNG_TEXT_CHUNK: usize = 8 + 25;
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const CHUNK: usize = 1 << 16;
 
@@ -38,6 +41,8 @@ pub struct PictureWriter {
     bytes: Vec<u8>,
     /// How many colours have become black because they have a NaN.
     black: u64,
+    /// The part that the picture is, without its checksum, and the rows' checksum so far; none in floating point.
+    part: Option<(CheckedPart, PartHasher)>,
 }
 
 enum Encoder {
@@ -79,6 +84,8 @@ impl PictureWriter {
         content: Content,
         part: Option<&Part>,
     ) -> Result<Self, ImageError> {
+        let checked = part.filter(|_| !format.is_float());
+        let checked = checked.map(|part| CheckedPart { part: part.clone(), checksum: 0 });
         let bytes = if format.is_float() { size_of::<f32>() } else { 1 };
         let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS * bytes);
         let spool = Shared(Arc::new(Mutex::new(Spool::new(
@@ -88,12 +95,15 @@ impl PictureWriter {
         let encoder = match format {
             Format::Tga => {
                 let [width, height] = size;
-                let header =
-                    tga_header(size, part).ok_or(ImageError::Sides { path: path.clone(), width, height })?;
+                let header = tga_header(size, checked.as_ref()).ok_or(ImageError::Sides {
+                    path: path.clone(),
+                    width,
+                    height,
+                })?;
                 let written = spool.clone().write_all(&header);
                 written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
             }
-            Format::Png => png_encoder(spool.clone(), size, part)
+            Format::Png => png_encoder(spool.clone(), size, checked.as_ref())
                 .map_err(|error| ImageError::io("write", &path, error.into()))
                 .map(|encoder| Encoder::Png(Box::new(encoder)))?,
             Format::Pfm | Format::Exr => {
@@ -109,7 +119,11 @@ impl PictureWriter {
                 Encoder::Floats(rows)
             }
         };
-        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), black: 0 })
+        let part = checked.map(|checked| {
+            let hasher = PartHasher::new(&checked.part, size.map(|n| n as u32));
+            (checked, hasher)
+        });
+        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), black: 0, part })
     }
 
     /// The colours so far that are not shown as they are.
@@ -147,6 +161,11 @@ impl PictureWriter {
 
     fn encode(&mut self) -> Result<(), ImageError> {
         self.rows += 1;
+        match (&mut self.part, self.format) {
+            (Some((_, hasher)), Format::Tga) => hasher.row_of_bgr(&self.bytes),
+            (Some((_, hasher)), _) => hasher.row(&self.bytes),
+            (None, _) => {}
+        }
         let written = match &mut self.encoder {
             Encoder::Tga | Encoder::Floats(_) => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
@@ -159,7 +178,8 @@ impl PictureWriter {
     /// if it has floating-point numbers, which are not put together.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
         let part_path = part_beside(&self.path, self.format);
-        let Some(path) = part_path.filter(|_| self.rows > 0 && matches!(self.target, Target::Replace { .. })) else {
+        let Some(path) = part_path.filter(|_| self.rows > 0 && matches!(self.target, Target::Replace { .. }))
+        else {
             return Ok(None);
         };
         let failed = |path: &Path, error| ImageError::io("write", path, error);
@@ -199,6 +219,15 @@ impl PictureWriter {
         if let Encoder::Png(encoder) = self.encoder {
             encoder.finish()?;
         }
+        if let Some((part, hasher)) = self.part {
+            // The text has the same length with any checksum.
+            let text = CheckedPart { checksum: hasher.finish(), ..part }.to_string();
+            let mut spool = self.spool.spool();
+            match self.format {
+                Format::Tga => spool.overwrite(TGA_HEADER, text.as_bytes())?,
+                _ => spool.overwrite(PNG_TEXT_CHUNK, &png_text_chunk(&text))?,
+            }
+        }
         let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
         Ok((spool, self.target))
     }
@@ -211,19 +240,26 @@ pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
     has_parts.then(|| beside(path, "partial"))
 }
 
+/// The text chunk of a PNG file: its length, type, keyword and text, and their checksum.
+fn png_text_chunk(text: &str) -> Vec<u8> {
+    let content = [b"tEXt", PNG_COMMENT.as_bytes(), &[0], text.as_bytes()].concat();
+    let length = (content.len() - 4) as u32;
+    [&length.to_be_bytes(), content.as_slice(), &crc32fast::hash(&content).to_be_bytes()].concat()
+}
+
 /// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a
 /// part has an origin, which is its lower left corner from that of the whole, and an image ID. None if a side is longer
 /// than 65535 pixels.
-fn tga_header([width, height]: [usize; 2], part: Option<&Part>) -> Option<Vec<u8>> {
+pub(super) fn tga_header([width, height]: [usize; 2], part: Option<&CheckedPart>) -> Option<Vec<u8>> {
     let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
     let height = u16::try_from(height).ok()?;
     let [h0, h1] = height.to_le_bytes();
-    let origin = |part: &Part| {
+    let origin = |CheckedPart { part, .. }: &CheckedPart| {
         let below = part.whole[1].checked_sub(part.at[1])?.checked_sub(height.into())?;
         Some([u16::try_from(part.at[0]).ok()?.to_le_bytes(), u16::try_from(below).ok()?.to_le_bytes()])
     };
     let [[x0, x1], [y0, y1]] = part.map_or(Some([[0; 2]; 2]), origin)?;
-    let id = part.map_or(String::new(), Part::to_string);
+    let id = part.map_or(String::new(), CheckedPart::to_string);
     let length = u8::try_from(id.len()).ok()?;
     let header = [length, 0, 2, 0, 0, 0, 0, 0, x0, x1, y0, y1, w0, w1, h0, h1, 24, 32];
     Some([&header, id.as_bytes()].concat())
@@ -233,7 +269,7 @@ fn tga_header([width, height]: [usize; 2], part: Option<&Part>) -> Option<Vec<u8
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],
-    part: Option<&Part>,
+    part: Option<&CheckedPart>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
     let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     let mut encoder = png::Encoder::new(spool, width, height);
@@ -245,7 +281,7 @@ fn png_encoder(
         encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    if let Some(Part { at: [x, y], .. }) = part {
+    if let Some(CheckedPart { part: Part { at: [x, y], .. }, .. }) = part {
         const UNIT_PIXEL: u8 = 0;
         let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
         writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;

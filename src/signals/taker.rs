@@ -1,7 +1,6 @@
 //! Another thread that takes the signals, and does something before it ends the program.
 
-use super::{ENDING, Interrupted, Signals};
-use crate::at_start;
+use super::{Interrupted, ending};
 use nix::sys::signal::{SigSet, Signal};
 use raytracer::memory;
 use raytracer::undisturbed::undisturbed;
@@ -43,16 +42,10 @@ const OTHERS: [Signal; 8] = [
 const STACK: usize = 1 << 18;
 
 impl Taker {
-    /// From now on, a signal ends the program after this task, in place of an earlier one, whatever the first
-    /// thread waits for. An error if a signal was noted before.
-    pub fn before_end(
-        &mut self,
-        signals: &Signals,
-        task: impl FnOnce() + Send + 'static,
-    ) -> Result<(), Interrupted> {
+    /// From now on, a signal ends the program after this task, in place of an earlier one.
+    pub fn set(&mut self, task: Task) {
         let next = self.0.get_or_insert_with(start);
-        *next.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(task));
-        signals.received().map_or(Ok(()), Err)
+        *next.lock().unwrap_or_else(PoisonError::into_inner) = Some(task);
     }
 }
 
@@ -60,9 +53,7 @@ fn start() -> Arc<Mutex<Option<Task>>> {
     let task: Arc<Mutex<Option<Task>>> = Arc::default();
     let mut blocked = SigSet::all();
     LEFT.into_iter().for_each(|signal| blocked.remove(signal));
-    let ending = ENDING.into_iter().filter_map(|signal| Signal::try_from(signal).ok());
-    let taken: SigSet =
-        ending.chain(OTHERS).filter(|&signal| !at_start::ignores(signal as i32)).collect();
+    let taken: SigSet = ending().filter_map(|signal| Signal::try_from(signal).ok()).chain(OTHERS).collect();
     let own = task.clone();
     let take = move || {
         let signal = loop {

@@ -1,7 +1,7 @@
-//! Files that are written twice or also read, by whatever names, and files that grow too large.
+//! Files that are written twice or also read, by whatever names; files that are written together or not at all.
 
 use crate::support::{Folder, Run, finish, only_line, scene, sphere};
-use std::fs::{create_dir, hard_link};
+use std::fs::{File, create_dir, create_dir_all, hard_link};
 use std::os::unix::fs::symlink;
 use std::process::Command;
 
@@ -37,11 +37,11 @@ fn two_names_of_one_file_are_refused() {
         ("one.tga", "new.tga"),
         ("link.tga", absolute.as_str()),
     ] {
-        let message = folder.run(&format!("-input s.txt -output {one} -normals {other}")).message(1);
+        let message = folder.run(&format!("-input s.txt -output {one} -normals {other}")).message(2);
         assert_eq!(only_line(&message), format!("error: `{one}` and `{other}` are the same file"));
     }
     for flags in ["-compare o.tga -difference link.tga", "-json document.json"] {
-        let message = folder.run(&format!("-input s.txt -output o.tga {flags}")).message(1);
+        let message = folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
         assert!(only_line(&message).ends_with("` are the same file"), "{message}");
     }
     assert_eq!(folder.read("o.tga"), b"an earlier picture");
@@ -64,20 +64,220 @@ fn a_file_that_is_read_is_not_replaced() {
         ("-output mesh.tga", "error: `mesh.tga` is the mesh `m.obj`, which would be lost"),
         ("-stats -json mesh.json", "error: `mesh.json` is the mesh `m.obj`, which would be lost"),
     ] {
-        assert_eq!(only_line(&folder.run(&format!("-input s.txt {flags}")).message(1)), expected);
+        assert_eq!(only_line(&folder.run(&format!("-input s.txt {flags}")).message(2)), expected);
     }
     assert!(folder.read("s.txt") == scene && folder.read("m.obj") == mesh);
 }
 
 #[test]
-fn devices_and_distant_files_are_no_matter() {
+fn devices_pipes_and_distant_files_are_no_matter() {
     let folder = folder();
     symlink("/dev/null", folder.path().join("a.tga")).unwrap();
     symlink("/dev/null", folder.path().join("b.tga")).unwrap();
     folder.run("-input s.txt -output a.tga -normals b.tga -depth 1 2 folder/o.tga").ok();
-    // A picture may take the place of the one that it was compared with.
-    folder.run("-input s.txt -output o.tga").ok();
-    folder.run("-input s.txt -output o.tga -compare o.tga -tolerance 0 0").ok();
+}
+
+/// A folder with all that a run reads: a scene and its mesh, two pictures, two parts, a list of command lines, and a
+/// folder of pictures for each of two names.
+fn everything_that_is_read() -> Folder {
+    let folder = folder();
+    folder.run("-input s.txt -size 4 4 -output a.tga").ok();
+    folder.run("-input s.txt -size 4 4 -output b.png").ok();
+    folder.run("-input s.txt -size 4 4 -region 0 0 4 2 -output top.tga").ok();
+    folder.run("-input s.txt -size 4 4 -region 0 2 4 2 -output rest.png").ok();
+    folder.write("c.csv", "raytracer -input s.txt -size 4 4 -output a.tga\n");
+    for (name, picture) in [("ann", "a.tga"), ("bob", "a.tga")] {
+        create_dir_all(folder.path().join("class").join(name)).unwrap();
+        folder.write(&format!("class/{name}/a.tga"), folder.read(picture));
+    }
+    create_dir(folder.path().join("ref")).unwrap();
+    folder.write("ref/a.tga", folder.read("a.tga"));
+    folder
+}
+
+/// A run, the file that it would write over, and its message, in which `NEW` is the name that the file has for the run.
+const OVERWRITING: &[(&str, &str, &str)] = &[
+    ("-input s.txt -output NEW.tga -compare a.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
+    ("-input s.txt -output NEW.tga -reference a.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
+    ("-input s.txt -normals NEW.png -compare b.png", "b.png", "`NEW.png` is the picture `b.png`"),
+    ("-compare a.tga -reference b.png -difference NEW.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
+    ("-compare a.tga -reference b.png -difference NEW.tga", "b.png", "`NEW.tga` is the picture `b.png`"),
+    ("-compare a.tga -reference b.png -json NEW.json", "b.png", "`NEW.json` is the picture `b.png`"),
+    ("-input s.txt -compare a.tga -difference NEW.png", "s.txt", "`NEW.png` is the scene `s.txt`"),
+    ("-input s.txt -compare a.tga -difference NEW.png", "m.obj", "`NEW.png` is the mesh `m.obj`"),
+    ("-input s.txt -output o.tga -depth 1 2 NEW.pfm", "m.obj", "`NEW.pfm` is the mesh `m.obj`"),
+    ("-input s.txt -cost_map rays NEW.png", "s.txt", "`NEW.png` is the scene `s.txt`"),
+    ("-input s.txt -render_samples NEW.tga 2", "m.obj", "`NEW.tga` is the mesh `m.obj`"),
+    ("-input s.txt -render_filter NEW.tga 2", "s.txt", "`NEW.tga` is the scene `s.txt`"),
+    ("-merge top.tga rest.png -output NEW.tga", "top.tga", "`NEW.tga` is the part `top.tga`"),
+    ("-merge top.tga rest.png -output NEW.png", "rest.png", "`NEW.png` is the part `rest.png`"),
+    ("-grade class -commands c.csv -report NEW.html", "c.csv", "`NEW.html` is the list of commands `c.csv`"),
+    ("-grade class -commands c.csv -report NEW.html", "s.txt", "`NEW.html` is the scene `s.txt`"),
+    ("-grade class -commands c.csv -report NEW.html", "m.obj", "`NEW.html` is the mesh `m.obj`"),
+    (
+        "-grade class -commands c.csv -report NEW.html",
+        "class/bob/a.tga",
+        "`NEW.html` is the picture `class/bob/a.tga`",
+    ),
+    ("-grade class -reference ref -report NEW.html", "ref/a.tga", "`NEW.html` is the picture `ref/a.tga`"),
+    (
+        "-grade class -reference ref -report NEW.html",
+        "class/ann/a.tga",
+        "`NEW.html` is the picture `class/ann/a.tga`",
+    ),
+];
+
+/// What the run would write over must be as before, and nothing else be there.
+fn refuse(folder: &Folder, line: &str, read: &str, expected: &str) {
+    let (before, names) = (folder.read(read), folder.names());
+    let message = folder.run(line).message(2);
+    assert_eq!(only_line(&message), format!("error: {expected}"), "{line}");
+    assert!(folder.read(read) == before && folder.names() == names, "{line}");
+}
+
+#[test]
+fn what_a_run_reads_it_never_writes() {
+    let folder = everything_that_is_read();
+    let path = |name: &str| folder.path().join(name);
+    for &(line, read, message) in OVERWRITING {
+        let name = line.split_whitespace().find(|word| word.starts_with("NEW")).unwrap();
+        for is_symbolic in [true, false] {
+            match is_symbolic {
+                true => symlink(path(read), path(name)).unwrap(),
+                false => hard_link(path(read), path(name)).unwrap(),
+            }
+            refuse(&folder, line, read, &format!("{message}, which would be lost"));
+            std::fs::remove_file(path(name)).unwrap();
+        }
+    }
+    // By its own name.
+    for (line, read, message) in [
+        ("-input s.txt -output a.tga -compare a.tga", "a.tga", "`a.tga` is the picture `a.tga`"),
+        (
+            "-input s.txt -output ./folder/../a.tga -reference a.tga",
+            "a.tga",
+            "`./folder/../a.tga` is the picture `a.tga`",
+        ),
+        ("-compare a.tga -reference b.png -difference a.tga", "a.tga", "`a.tga` is the picture `a.tga`"),
+        ("-merge top.tga rest.png -output top.tga", "top.tga", "`top.tga` is the part `top.tga`"),
+        ("-grade class -commands c.csv -report c.html", "c.csv", "`c.csv` is the list of commands `c.csv`"),
+    ] {
+        refuse(&folder, line, read, &format!("{message}, which would be lost"));
+    }
+}
+
+#[test]
+fn what_a_report_writes_is_no_scene_and_no_mesh_and_differs() {
+    let folder = everything_that_is_read();
+    let path = |name: &str| folder.path().join(name);
+    create_dir(path("er")).unwrap();
+    for (file, read, message) in [
+        ("er/report.html", "s.txt", "`er/report.html` is the scene `s.txt`, which would be lost"),
+        ("er/report.csv", "s.txt", "`er/report.csv` is the scene `s.txt`, which would be lost"),
+        ("er/report.html", "m.obj", "`er/report.html` is the mesh `m.obj`, which would be lost"),
+    ] {
+        symlink(path(read), path(file)).unwrap();
+        refuse(&folder, "-input s.txt -size 4 4 -error_report er", read, message);
+        std::fs::remove_file(path(file)).unwrap();
+    }
+    symlink("report.html", path("er/report.csv")).unwrap();
+    let message = folder.run("-input s.txt -size 4 4 -error_report er").message(2);
+    assert_eq!(only_line(&message), "error: `er/report.html` and `er/report.csv` are the same file");
+    symlink("p.html", path("p.csv")).unwrap();
+    let message = folder.run("-grade class -reference ref -report p.html").message(2);
+    assert_eq!(only_line(&message), "error: `p.html` and `p.csv` are the same file");
+}
+
+#[test]
+fn the_part_of_a_stopped_run_is_no_other_file() {
+    let folder = everything_that_is_read();
+    folder.write("o.partial.tga", folder.read("a.tga"));
+    let part = "`o.partial.tga`, where a stopped run keeps rows of `o.tga`,";
+    let line = "-input s.txt -output o.tga -compare o.partial.tga";
+    refuse(
+        &folder,
+        line,
+        "o.partial.tga",
+        &format!("{part} is the picture `o.partial.tga`, which would be lost"),
+    );
+    let line = "-input s.txt -output o.tga -normals o.partial.tga";
+    refuse(&folder, line, "o.partial.tga", &format!("{part} is also `o.partial.tga`"));
+    // An earlier one is replaced.
+    folder.run("-input s.txt -output o.tga -depth 1 2 d.tga").ok();
+}
+
+#[test]
+fn standard_streams_that_are_files_count() {
+    let folder = everything_that_is_read();
+    let opened = |name: &str| File::options().append(true).open(folder.path().join(name)).unwrap();
+    for (line, output, message) in [
+        ("-input s.txt -stats", "s.txt", "standard output is the scene `s.txt`, which would be lost"),
+        (
+            "-compare a.tga -reference b.png",
+            "a.tga",
+            "standard output is the picture `a.tga`, which would be lost",
+        ),
+        ("-input s.txt -stats -output b.png", "b.png", "`b.png` and standard output are the same file"),
+        (
+            "-input s.txt -output - png -normals b.png",
+            "b.png",
+            "standard output and `b.png` are the same file",
+        ),
+        (
+            "-merge top.tga rest.png -output - tga",
+            "top.tga",
+            "standard output is the part `top.tga`, which would be lost",
+        ),
+        (
+            "-grade class -commands c.csv",
+            "c.csv",
+            "standard output is the list of commands `c.csv`, which would be lost",
+        ),
+        (
+            "-input s.txt -error_report er",
+            "s.txt",
+            "standard output is the scene `s.txt`, which would be lost",
+        ),
+    ] {
+        let before = folder.read(output);
+        let run = finish(folder.command(line).stdout(opened(output)));
+        assert_eq!(only_line(&run.message(2)), format!("error: {message}"), "{line}");
+        assert!(folder.read(output) == before, "{line}");
+    }
+    let input = || File::open(folder.path().join("s.txt")).unwrap();
+    let run = finish(folder.command("-input - -output s.txt tga").stdin(input()));
+    let expected = "error: `s.txt` is the scene standard input, which would be lost";
+    assert_eq!(only_line(&run.message(2)), expected);
+}
+
+#[test]
+fn files_are_written_together_or_not_at_all() {
+    let folder = everything_that_is_read();
+    folder.write("old.tga", "an earlier picture");
+    symlink("/dev/full", folder.path().join("full.json")).unwrap();
+    symlink("/dev/full", folder.path().join("full.png")).unwrap();
+    let names = folder.names();
+    // The one that fails comes last in the order of the flags, or first.
+    for line in [
+        "-input s.txt -output old.tga -normals new.tga -cost_map rays full.png",
+        "-input s.txt -output full.png -normals old.tga -depth 1 2 new.tga",
+        "-input s.txt -output old.tga -normals new.png -json full.json",
+        "-input s.txt -size 4 4 -output old.tga -compare a.tga -difference full.png",
+    ] {
+        let message = folder.run(line).message(1);
+        assert!(only_line(&message).contains("No space left on device"), "{line}: {message}");
+        assert_eq!(
+            (folder.read("old.tga").as_slice(), folder.names()),
+            (&b"an earlier picture"[..], names.clone())
+        );
+    }
+    // Half a kilobyte each: there is no room for the last one.
+    let line = "-input s.txt -size 20 20 -output old.tga -normals new.tga -depth 1 2 large.exr";
+    let message = with_limit(&folder, 4, line).message(1);
+    assert_eq!(only_line(&message), "error: cannot write `large.exr`: File too large (os error 27)");
+    assert_eq!((folder.read("old.tga").as_slice(), folder.names()), (&b"an earlier picture"[..], names));
+    folder.run("-input s.txt -size 20 20 -output old.tga -normals new.tga -depth 1 2 large.exr").ok();
+    assert!(folder.read("old.tga").len() == 18 + 1200 && folder.names().contains(&"new.tga".into()));
 }
 
 #[test]

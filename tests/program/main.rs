@@ -50,4 +50,5 @@ mod signals;
 mod special_scenes;
 mod statistics;
 mod support;
+mod waits;
 mod warnings;

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: what a run leaves, what it says, and how it ends.
+//! Ctrl-C, SIGTERM and SIGHUP: what a run leaves, what it says, and how it ends.
 #![cfg(unix)]
 
 use crate::support::{Folder, Run, sphere};
@@ -49,7 +49,7 @@ fn stopped(folder: &Folder, line: &str, signal: &str) -> (Run, usize) {
 
 #[test]
 fn complete_rows_are_kept_as_parts() {
-    for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let folder = Folder::with_scene(&sphere());
         folder.write("o.tga", "an earlier picture");
         let line = format!("{LONG} -output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1");
@@ -105,7 +105,7 @@ fn a_stopped_region_is_a_smaller_region() {
 
 #[test]
 fn the_second_signal_ends_at_once() {
-    for (second, status) in [("-INT", 130), ("-TERM", 143)] {
+    for (second, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let folder = Folder::with_scene(&sphere());
         let run = try_longer(|patience| {
             let mut child = start(&folder, ONE_ROW);
