@@ -88,6 +88,8 @@ mod tests {
         assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("scene_3.txt"), Some(folder.path().join("scene_1.txt")));
         assert_eq!(near("scen_20.txt"), Some(folder.path().join("scene_20.txt")));
+        // One that is there, but is no file that could be read.
+        assert_eq!(near("scene_1.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("teapot.txt"), None);
         assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);
     }

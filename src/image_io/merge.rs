@@ -127,10 +127,25 @@ impl Merge {
     /// is asked for. Their pixels are not read yet.
     pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, MergeError> {
         let mut parts = paths.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, _>>()?;
+        let target = match Self::target(&parts, region) {
+            Ok(target) => target,
+            Err(error) => {
+                // A part that is damaged may seem to lie elsewhere.
+                parts.iter().try_for_each(PartFile::check)?;
+                return Err(error);
+            }
+        };
+        parts.retain(|part| overlap(&part.window(), &target));
+        parts.sort_by_key(|part| part.part.at[1]);
+        Ok(Self { parts, target })
+    }
+
+    /// The place of the result in the whole, which the parts cover.
+    fn target(parts: &[PartFile], region: Option<Window>) -> Result<Window, MergeError> {
         let Some(first) = parts.first() else {
             return Err(MergeError::Gap(region.unwrap_or(Window { x: 0, y: 0, width: 1, height: 1 })));
         };
-        for other in &parts {
+        for other in parts {
             if let Some(difference) = Difference::of(&other.part, &first.part) {
                 let (part, first) = (other.path.clone(), first.path.clone());
                 return Err(MergeError::Mixed { part, first, difference });
@@ -146,9 +161,7 @@ impl Merge {
         if let Some(gap) = first_gap(&tiles, target) {
             return Err(MergeError::Gap(gap));
         }
-        parts.retain(|part| overlap(&part.window(), &target));
-        parts.sort_by_key(|part| part.part.at[1]);
-        Ok(Self { parts, target })
+        Ok(target)
     }
 
     /// Width and height of the result in pixels.

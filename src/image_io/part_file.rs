@@ -79,6 +79,11 @@ impl PartFile {
         Window { x, y, width, height }
     }
 
+    /// Reads all rows. An error if they do not have the part's checksum.
+    pub fn check(&self) -> Result<(), ImageError> {
+        self.rows()?.check_rest()
+    }
+
     /// The rows of the part. The last one is an error if they do not have the part's checksum.
     pub fn rows(&self) -> Result<Rows, ImageError> {
         let (rows, _) = Rows::read(&self.path, self.format, source(&self.path)?)?;
