@@ -64,7 +64,14 @@ impl WrittenFiles {
         if options.needs_standard_output() && !options.has_standard_output() {
             all.push(Written::StandardOutput);
         }
-        all.extend(options.outputs.iter().filter_map(Written::part));
+        // One that is not there can only be another file that is written.
+        let has_others = all.len() > 1;
+        let parts = options.outputs.iter().filter_map(Written::part);
+        all.extend(
+            parts
+                .filter(|(_, part)| has_others || part.exists())
+                .map(|(picture, part)| Written::PartOf(picture, part)),
+        );
         let files = Self::distinct(all)?;
         let pictures = comparison.into_iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
         options.input.iter().try_for_each(|scene| files.check_read(ReadAs::Scene, scene))?;
@@ -140,12 +147,12 @@ impl Written {
         if output.is_standard_output() { Self::StandardOutput } else { Self::Named(output.file.clone()) }
     }
 
-    /// What a stopped run writes in place of a picture, if it does.
-    fn part(output: &Output) -> Option<Self> {
+    /// A picture and what a stopped run writes in place of it, if it does.
+    fn part(output: &Output) -> Option<(PathBuf, PathBuf)> {
         let has_parts =
             !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
         let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
-        Some(Self::PartOf(output.file.clone(), part))
+        Some((output.file.clone(), part))
     }
 
     fn id(&self) -> Option<FileId> {

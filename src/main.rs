@@ -120,7 +120,7 @@ fn report(outcome: Result<Outcome, End>) -> ExitCode {
 /// A file that grows beyond the limit of `ulimit -f` is an error of the write, and not the end of the program.
 fn outlive_file_limit() {
     #[cfg(unix)]
-    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
+    let _ = nix::sys::signal::SigSet::from(nix::sys::signal::SIGXFSZ).thread_block();
 }
 
 /// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
