@@ -15,7 +15,10 @@ pub fn nearest_file(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_str().filter(|name| name.len() <= MAX_LENGTH)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let others = names_in(folder).into_iter().filter(|other| other != name);
-    let near = others.filter_map(|other| Some((distance(name, &other)?, other))).min();
+    let near = others
+        .filter_map(|other| Some((distance(name, &other)?, other)))
+        .filter(|(_, other)| folder.join(other).is_file())
+        .min();
     match near {
         Some((_, other)) => Some(folder.join(other)),
         None if folder == Path::new("") => in_a_folder(name),
@@ -91,6 +94,9 @@ mod tests {
         // One that is there, but is no file that could be read.
         assert_eq!(near("scene_1.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("teapot.txt"), None);
+        // Neither the name itself, should it be no file, nor a folder.
+        fs::create_dir(folder.path().join("folder_1.txt")).unwrap();
+        assert_eq!((near("folder_1.txt"), near("folder_2.txt")), (None, None));
         assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);
     }
 }

@@ -6,11 +6,11 @@ use crate::escape::escape;
 use crate::memory::NoMemory;
 use crate::near_names::nearest_file;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mesh::{Mesh, MeshError, parse_obj};
+use crate::scene::mesh::{Mesh, read_obj};
 use crate::scene::parser::{self, Places, Reading};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::warning::SceneWarning;
-use crate::scene::{MeshFile, Scene, mesh_fault};
+use crate::scene::{MeshFile, Scene};
 pub use error::LoadError;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -72,17 +72,25 @@ pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedSc
     let text = decode(path, bytes)?;
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile| {
-        read_mesh(&file.name, directory, announce).map_err(|problem| SceneError {
+        read_mesh(file, directory, announce).map_err(|problem| SceneError {
             at: file.at,
-            hint: nearest_mesh(&problem, directory).map(|near| format!("did you mean `{near}`?")),
+            hint: problem.mesh_hint().or_else(|| hint_to_name(&problem, directory)),
             problem,
         })
     };
     load_text(Source { path: path.to_owned(), text }, &read)
 }
 
-/// A mesh and its file.
-pub type FoundMesh = (Mesh, PathBuf);
+/// A mesh that a scene names.
+#[derive(Debug)]
+pub struct FoundMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its file.
+    pub file: PathBuf,
+    /// What the file says without an error, but hardly on purpose.
+    pub warnings: Vec<SceneWarning>,
+}
 
 /// Reads a mesh that a scene names.
 pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile) -> Result<FoundMesh, SceneError>;
@@ -90,8 +98,13 @@ pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile) -> Result<FoundMesh, SceneError>;
 /// Reads a scene from its text. `read_mesh` reads each mesh that it names.
 pub fn load_text(source: Source, read_mesh: ReadMesh) -> Result<LoadedScene, LoadError> {
     match read_with_meshes(&source.text, read_mesh) {
-        Ok((Reading { scene, warnings, places }, found)) => {
-            let (meshes, mesh_files) = found.into_iter().unzip();
+        Ok((Reading { scene, mut warnings, places }, found)) => {
+            let (mut meshes, mut mesh_files) = (vec![], vec![]);
+            for found in found {
+                meshes.push(found.mesh);
+                mesh_files.push(found.file);
+                warnings.extend(found.warnings);
+            }
             Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places })
         }
         Err(errors) => Err(LoadError::Scene { source, errors }),
@@ -125,30 +138,43 @@ fn read_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Reading, Vec<Fou
     if errors.is_empty() { Ok((reading, meshes)) } else { Err(errors) }
 }
 
-/// The name of a mesh that is there, in place of one that is not.
-fn nearest_mesh(problem: &Problem, scene_directory: &Path) -> Option<String> {
+/// Advice on a mesh's name for which there is no file: the name of one that is there.
+fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
     let Problem::MeshUnreadable { name, .. } = problem else { return None };
-    let near = mesh_places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
-    let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
-    Some(escape(&lossy(from_scene)))
+    let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
+    if mesh_places(name, scene_directory).iter().any(is_there) {
+        return None;
+    }
+    let with_slashes = name.replace('\\', "/");
+    let mut names = mesh_places(&with_slashes, scene_directory).into_iter();
+    let near =
+        names.clone().find(|place| place.is_file()).or_else(|| names.find_map(|place| nearest_file(&place)));
+    match near {
+        Some(near) => {
+            let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
+            Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
+        }
+        None if with_slashes != *name => Some("the parts of a path are separated by `/`".into()),
+        None => None,
+    }
 }
 
-/// Reads the mesh called `name` from the first place where it can be read, and returns the place too.
-fn read_mesh(name: &str, scene_directory: &Path, announce: &dyn Fn(usize)) -> Result<FoundMesh, Problem> {
+/// Reads the mesh that a scene names from the first place where it can be read.
+fn read_mesh(
+    MeshFile { name, at }: &MeshFile,
+    scene_directory: &Path,
+    announce: &dyn Fn(usize),
+) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory) {
         match read_mesh_file(&place) {
             Ok(bytes) => {
                 announce(bytes.len());
-                let mesh = parse_obj(&bytes).map_err(|error| match error {
-                    MeshError::Memory(refused) => Problem::Memory(refused),
-                    error => Problem::BadMesh {
-                        file: lossy(&place),
-                        excerpt: mesh_fault::excerpt(&error, &bytes),
-                        error,
-                    },
-                })?;
-                return Ok((mesh, place));
+                let (mesh, doubts) =
+                    read_obj(&bytes).map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
+                let warning = |doubt| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
+                let warnings = doubts.into_iter().map(warning).collect();
+                return Ok(FoundMesh { mesh, file: place, warnings });
             }
             Err(Unread::Memory(refused)) => return Err(Problem::Memory(refused)),
             Err(Unread::Other(reason)) => tried.push((lossy(&place), reason)),

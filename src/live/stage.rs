@@ -4,8 +4,8 @@ use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
-use crate::scene::{MeshFile, Object, mesh_fault};
-use crate::scene_io::{self, LoadError, LoadedScene, Source};
+use crate::scene::{MeshFile, Object};
+use crate::scene_io::{self, FoundMesh, LoadError, LoadedScene, Source};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::cell::Cell;
@@ -93,8 +93,8 @@ impl Stage {
             None => mesh_beside(name, folder),
         };
         let read = |file: &MeshFile| match find(&file.name) {
-            Ok(mesh) => Ok((mesh, PathBuf::from(&file.name))),
-            Err(problem) => Err(SceneError::new(file.at, problem)),
+            Ok(mesh) => Ok(FoundMesh { mesh, file: PathBuf::from(&file.name), warnings: vec![] }),
+            Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
         let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
@@ -147,11 +147,7 @@ fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
         return Err(refused(name, "it is no file, or too large".into()));
     }
     let bytes = fs::read(&file).map_err(failed)?;
-    parse_obj(&bytes).map_err(|error| Problem::BadMesh {
-        file: name.to_owned(),
-        excerpt: mesh_fault::excerpt(&error, &bytes),
-        error,
-    })
+    parse_obj(&bytes).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
 }
 
 fn refused(name: &str, reason: String) -> Problem {

@@ -2,7 +2,7 @@
 
 use super::Position;
 use super::excerpt;
-use super::mesh::MeshError;
+use super::mesh::{self, MeshError, MeshFault};
 use crate::escape::{self, escape};
 use crate::memory::NoMemory;
 use std::fmt;
@@ -136,9 +136,8 @@ pub enum Problem {
         file: String,
         /// The error in it.
         error: MeshError,
-        /// The position of the error in the file, and the line with a caret; none for an error of the whole
-        /// file.
-        excerpt: Option<(Position, String)>,
+        /// The line of the file with a caret; empty for an error of the whole file.
+        excerpt: String,
     },
 }
 
@@ -173,12 +172,27 @@ impl SceneError {
 }
 
 impl Problem {
+    /// The problem of a mesh file with these contents.
+    pub fn of_mesh(file: String, error: MeshError, bytes: &[u8]) -> Self {
+        if let MeshFault::Memory(refused) = error.fault {
+            return Self::Memory(refused);
+        }
+        let excerpt = error.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default();
+        Self::BadMesh { file, error, excerpt }
+    }
+
+    /// Advice in one line on what is wrong in a mesh file, if there is any.
+    pub fn mesh_hint(&self) -> Option<String> {
+        match self {
+            Self::BadMesh { error, .. } => error.fault.hint(),
+            _ => None,
+        }
+    }
+
     /// The line of a mesh file that is in error, with a caret, after a line with the position.
     fn in_mesh(&self) -> Option<String> {
-        let Self::BadMesh { file, excerpt: Some((Position { line, column }, shown)), .. } = self else {
-            return None;
-        };
-        Some(format!("\n  {}:{line}:{column}:\n{shown}", escape(file)))
+        let Self::BadMesh { file, error, excerpt } = self else { return None };
+        error.at.map(|at| excerpt::of_file(file, at, excerpt))
     }
 }
 

@@ -1,17 +1,13 @@
 //! Triangle meshes from Wavefront OBJ text.
 //!
-//! The text is parsed by `tobj`, after a filter that passes only vertex positions and faces. So the mesh is a
-//! single list of vertices and triangles (`tobj` starts a new list at every object, group and material), no
-//! material file is opened, and errors in what is not used here are ignored: normals, texture coordinates,
-//! colours, and comments in any encoding. Files of positions and triangles only take a faster path, in
-//! `plain_obj`.
+//! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
-pub use super::mesh_error::MeshError;
-use super::obj_lines::{RelevantLines, is_newline, keyword, with_continued_lines, without_comment, words};
-use super::plain_obj;
-use crate::memory::{self, NoMemory, make_room};
+use super::excerpt::line_with_caret;
+pub use super::foreign_format::Format;
+pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
+use super::{Position, obj_lines, obj_reader, plain_obj};
+use crate::memory::{self, NoMemory};
 use glam::DVec3;
-use std::cell::Cell;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
@@ -33,145 +29,40 @@ impl Mesh {
 
 /// Reads a mesh from the bytes of an OBJ file.
 ///
-/// Polygons become fans of triangles around their first vertex. Points, lines, curves and everything else
-/// except positions and faces are ignored. A backslash at the end of a line continues it on the next one.
-/// Errors: the first error found.
+/// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
+/// backslash at the end of a line continues it on the next one. Errors: the first error found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    read_obj(bytes).map(|(mesh, _)| mesh)
+}
+
+/// The same with what is doubtful in the file, in its order: one of each kind.
+pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
+    let text = without_mark(bytes);
     if let Some((vertices, triangles)) = plain_obj::parse(text)? {
-        return Ok(Mesh { vertices, triangles });
+        return Ok((Mesh { vertices, triangles }, vec![]));
     }
-    match with_continued_lines(text)? {
-        Some(text) => parse_obj_fully(&text),
-        None => parse_obj_fully(text),
+    let foreign = |format| MeshError { at: None, fault: MeshFault::Foreign(format) };
+    if let Some(format) = Format::of(bytes) {
+        return Err(foreign(format));
     }
+    obj_reader::read(text).map_err(|error| match (&error.fault, Format::of_no_mesh(text)) {
+        (MeshFault::NoFaces(_), Some(format)) => foreign(format),
+        _ => error,
+    })
 }
 
-/// As [`parse_obj`], but without the faster path for plain files.
-pub(super) fn parse_obj_fully(text: &[u8]) -> Result<Mesh, MeshError> {
-    let mesh = read_positions_and_faces(text)?;
-    if mesh.triangles.is_empty() {
-        return Err(MeshError::NoFaces);
-    }
-    if mesh.vertices.iter().all(|vertex| vertex.is_finite()) {
-        return Ok(mesh);
-    }
-    Err(MeshError::NotFinite { line: line_where(text, is_vertex_beyond_numbers) })
+/// The line of a mesh's file at this position, with a caret under it.
+pub fn excerpt(bytes: &[u8], at: Position) -> String {
+    let line = obj_lines::line(without_mark(bytes), at.line);
+    line_with_caret(&String::from_utf8_lossy(line), at)
 }
 
-fn read_positions_and_faces(text: &[u8]) -> Result<Mesh, MeshError> {
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
-    memory::ask(bytes_to_parse(text))?;
-    let line = Cell::new(0);
-    let mut relevant = RelevantLines::new(text, &line);
-    // The filter removes the references to material libraries, so this loader is never called.
-    let read = tobj::load_obj_buf(&mut relevant, &options, |_| Err(tobj::LoadError::OpenFileFailed));
-    if let Some(line) = relevant.few_corners {
-        return Err(MeshError::FewCorners { line });
-    }
-    let (models, _) = read.map_err(|error| explain(error, text, line.get()))?;
-    Ok(joined(&models)?)
-}
-
-/// An upper bound on the memory that the OBJ parser takes without asking, in bytes.
-fn bytes_to_parse(text: &[u8]) -> u64 {
-    /// A face with room for four corners, each of a position, a texture coordinate and a normal.
-    const FACE: usize = 112;
-    const CORNER: usize = 24;
-    /// An entry of the map from the file's vertices to the mesh's, of which an eighth stays empty.
-    const MAP_ENTRY: usize = 17;
-    let (mut vertices, mut faces, mut corners, mut long) = (0, 0, 0, 0);
-    for line in text.split(is_newline) {
-        match keyword(line) {
-            b"v" => vertices += 1,
-            b"f" => {
-                let count = words(line).skip(1).count();
-                (faces, corners) = (faces + 1, corners + count);
-                // More corners than four are in a list of their own.
-                long += if count > 4 { grown(count, CORNER) } else { 0 };
-            }
-            _ => {}
-        }
-    }
-    let positions = 2 * grown(3 * vertices, size_of::<f64>()) + grown(vertices + vertices / 7, MAP_ENTRY);
-    let indices = grown(3 * corners, size_of::<u32>()) + grown(faces, size_of::<u32>());
-    (positions + grown(faces, FACE) + long + indices) as u64
-}
-
-/// The bytes that a list of this number of elements takes at most while it grows: the old list stays until its
-/// elements are in one of twice the length.
-fn grown(count: usize, size: usize) -> usize {
-    count.next_power_of_two() / 2 * 3 * size
-}
-
-/// The models joined into one mesh. There is only one model, since the filter removes the lines that would
-/// start another, but this function does not rely on it.
-fn joined(models: &[tobj::Model]) -> Result<Mesh, NoMemory> {
-    let mut mesh = Mesh::default();
-    for model in models {
-        let first = mesh.vertices.len() as u32;
-        let (vertices, _) = model.mesh.positions.as_chunks();
-        make_room(&mut mesh.vertices, vertices.len())?;
-        mesh.vertices.extend(vertices.iter().map(|&vertex| DVec3::from_array(vertex)));
-        let (triangles, _) = model.mesh.indices.as_chunks();
-        make_room(&mut mesh.triangles, triangles.len())?;
-        mesh.triangles
-            .extend(triangles.iter().map(|corners: &[u32; 3]| corners.map(|corner| first + corner)));
-    }
-    Ok(mesh)
-}
-
-/// Converts an error of the OBJ parser, which stopped after `line`.
-fn explain(error: tobj::LoadError, text: &[u8], line: usize) -> MeshError {
-    use tobj::LoadError as E;
-    match error {
-        E::PositionParseError | E::ScalingByZeroError | E::ColorParseError => MeshError::BadVertex { line },
-        E::FaceParseError => MeshError::BadFace { line },
-        E::InvalidPolygon => MeshError::FewCorners { line },
-        E::ReadError => MeshError::NotText { line },
-        // The parser finds this error only at the end of the file, so the line has to be searched for.
-        E::FaceVertexOutOfBounds => no_such_vertex(text),
-        other => MeshError::Other { line, message: other.to_string() },
-    }
-}
-
-fn no_such_vertex(text: &[u8]) -> MeshError {
-    let vertices = text.split(is_newline).filter(|line| keyword(line) == b"v").count();
-    let mut so_far = 0;
-    let line = line_where(text, |line| {
-        so_far += usize::from(keyword(line) == b"v");
-        keyword(line) == b"f" && words(line).skip(1).any(|corner| !is_vertex(corner, so_far, vertices))
-    });
-    MeshError::NoSuchVertex { line, vertices }
-}
-
-/// Whether a face's `corner` names one of the `all` vertices, of which `so_far` precede the face.
-pub(super) fn is_vertex(corner: &[u8], so_far: usize, all: usize) -> bool {
-    let index = corner.split(|&byte| byte == b'/').next().unwrap_or_default();
-    match str::from_utf8(index).ok().and_then(|index| index.parse::<i64>().ok()) {
-        Some(index) if index < 0 => index.unsigned_abs() <= so_far as u64,
-        Some(index) => index > 0 && index as u64 <= all as u64,
-        None => false,
-    }
-}
-
-/// Whether a line is a vertex with a number that is not finite, before or after the division by its weight.
-fn is_vertex_beyond_numbers(line: &[u8]) -> bool {
-    let numbers: Vec<f64> =
-        words(line).skip(1).map_while(|word| str::from_utf8(word).ok()?.parse().ok()).collect();
-    let weight = if numbers.len() == 4 { numbers[3] } else { 1.0 };
-    keyword(line) == b"v" && numbers.iter().take(3).any(|number| !(number / weight).is_finite())
-}
-
-/// The number of the first line for which `is_wanted` holds, or else of the last line.
-fn line_where(text: &[u8], is_wanted: impl FnMut(&[u8]) -> bool) -> usize {
-    let lines = text.split(is_newline);
-    lines.clone().map(without_comment).position(is_wanted).map_or(lines.count(), |index| index + 1)
+/// A text without a byte order mark, and without the bytes that some systems put behind its end.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    const END_OF_FILE: u8 = 0x1a;
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let end = text.iter().rposition(|&byte| byte != 0 && byte != END_OF_FILE);
+    &text[..end.map_or(0, |last| last + 1)]
 }
 
 #[cfg(test)]
@@ -204,8 +95,8 @@ mod tests {
     }
 
     #[test]
-    fn polygons_become_fans() {
-        let mesh = read(&format!("{SQUARE}v 0 2 0\nf 1 2 3 4\nf 1 2 3 4 5\n"));
+    fn convex_polygons_become_fans() {
+        let mesh = read(&format!("{SQUARE}v -1 .5 0\nf 1 2 3 4\nf 1 2 3 4 5\n"));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]);
     }
 
@@ -223,8 +114,8 @@ mod tests {
     #[test]
     fn negative_indices_count_backwards_from_the_face() {
         let mesh = read(&format!("{SQUARE}f -4 -3 -2\nv 9 9 9\nf -1 -2 -3"));
-        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 2]]);
-        assert_eq!(mesh.vertices[3], DVec3::splat(9.0));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [4, 3, 2]]);
+        assert_eq!(mesh.vertices[4], DVec3::splat(9.0));
     }
 
     #[test]
@@ -252,46 +143,174 @@ mod tests {
 
     #[test]
     fn meshes_without_faces() {
-        for text in ["", "\n", "# nothing", SQUARE, "binary \0 rubbish"] {
-            assert_eq!(refuse(text), MeshError::NoFaces);
-        }
-    }
-
-    #[test]
-    fn errors_name_the_malformed_line() {
-        for (vertex, error) in [
-            ("v 1 2", MeshError::BadVertex { line: 5 }),
-            ("v 1 2 x", MeshError::BadVertex { line: 5 }),
-            ("v 1 2 3 0", MeshError::BadVertex { line: 5 }),
-            ("v 1 2 3 4 5", MeshError::BadVertex { line: 5 }),
-            ("f 1 2 x", MeshError::BadFace { line: 5 }),
-            ("f 1 2 3.5", MeshError::BadFace { line: 5 }),
-            ("f 1 2 99999999999999999999", MeshError::BadFace { line: 5 }),
-            ("f", MeshError::FewCorners { line: 5 }),
-            ("f 1 2", MeshError::FewCorners { line: 5 }),
-            ("f 1 2 0", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f 1 2 5", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f 1 2 -5", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f 1 2 9223372036854775807", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f 1 2 -9223372036854775808", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f / / /", MeshError::NoSuchVertex { line: 5, vertices: 4 }),
-            ("f 1 2 1/2/3/4", MeshError::BadFace { line: 5 }),
+        for (text, instead) in [
+            ("", Instead::Nothing),
+            ("\n", Instead::NoArea),
+            ("# nothing", Instead::NoArea),
+            (SQUARE, Instead::NoArea),
+            ("v 0 0 0\nv 1 0 0\nl 1 2\n", Instead::Lines),
+            ("surf 0 1 0 1 1 2 3 4", Instead::Surfaces),
+            ("nothing", Instead::Word("nothing".into())),
         ] {
-            assert_eq!(refuse(&format!("{SQUARE}{vertex}\n\nf 1 2 3\n")), error, "{vertex}");
+            assert_eq!(refuse(text).fault, MeshFault::NoFaces(instead), "{text}");
+        }
+        assert_eq!(refuse("binary \0 rubbish").fault, MeshFault::Foreign(Format::Binary));
+        assert_eq!(refuse("newmtl red\nKd 1 0 0\n").fault, MeshFault::Foreign(Format::Materials));
+    }
+
+    #[test]
+    fn other_formats_are_refused_by_their_names() {
+        let utf16: Vec<u8> = SQUARE.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let marked = [b"\xff\xfe", utf16.as_slice()].concat();
+        for (bytes, format) in [
+            (utf16.as_slice(), Format::WideText),
+            (&marked, Format::WideText),
+            (b"ply\nformat binary_little_endian 1.0\n", Format::Model("PLY")),
+            (b"glTF\x02\0\0\0", Format::Model("binary glTF")),
+        ] {
+            assert_eq!(parse_obj(bytes), Err(MeshError { at: None, fault: MeshFault::Foreign(format) }));
+        }
+    }
+
+    /// A statement with a fault, `@` where its caret stands, the fault, and the start of its hint.
+    fn faults() -> Vec<(&'static str, MeshFault, &'static str)> {
+        let word = |word: &str| MeshFault::BadVertex { word: Some(word.into()) };
+        let corner = |word: &str| MeshFault::BadFace { word: word.into() };
+        let missing = |index| MeshFault::NoSuchVertex { index, vertices: 4 };
+        let negative = "a negative index counts back";
+        vec![
+            ("v@", MeshFault::BadVertex { word: None }, ""),
+            ("v 1 2@", MeshFault::BadVertex { word: None }, ""),
+            ("v 1 2@ # 3", MeshFault::BadVertex { word: None }, ""),
+            ("v 1 2 @x", word("x"), ""),
+            ("v 1 @x", word("x"), ""),
+            ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
+            ("v @1,2,3", word("1,2,3"), "numbers are separated by blanks"),
+            ("v @1, 2, 3", word("1,"), "numbers are separated by blanks"),
+            ("v @1d-5 2 3", word("1d-5"), "an exponent is written with `e`"),
+            ("v 1 \\ @2 \\ 3", word("\\"), "a backslash continues"),
+            ("v 1 2 @3\0", word("3\0"), "the word has a zero byte"),
+            ("v 1 2 3 4 @5", MeshFault::SurplusNumbers { count: 5 }, ""),
+            ("v 1 2 3 4 5 6 7 @8", MeshFault::SurplusNumbers { count: 8 }, ""),
+            ("f 1 2 @x", corner("x"), ""),
+            ("f 1 2 @3.0", corner("3.0"), "indices are whole numbers"),
+            ("f @1,2,3", corner("1,2,3"), "indices are separated by blanks"),
+            ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
+            ("f @/ / /", corner("/"), "the index of the position comes first"),
+            ("f 1 2/@x 3", corner("2/x"), ""),
+            ("f@", MeshFault::FewCorners, "a line between two vertices is written"),
+            ("f 1 2@", MeshFault::FewCorners, "a line between"),
+            ("f 1 2@ # two", MeshFault::FewCorners, "a line between"),
+            ("  f 1 @0 2", missing(0), "indices start with 1"),
+            ("fo 1 @9 2", missing(9), ""),
+            ("f 1 2 @-5", missing(-5), negative),
+            ("f 1 2 @9223372036854775807", missing(i64::MAX), ""),
+            ("f 1 2 @99999999999999999999", missing(i64::MAX), ""),
+            ("f 1 2 @4294967297", missing(4_294_967_297), ""),
+            ("f 1 2 @-9223372036854775808", missing(i64::MIN), negative),
+        ]
+    }
+
+    #[test]
+    fn an_error_has_its_reason_its_place_and_a_hint() {
+        for end in ["\n", "\r", "\r\n"] {
+            for (marked, fault, hint) in faults() {
+                // The place of a part of a word is the word's.
+                let marked = marked.replace("2/@x", "@2/x").replace("\\ @2", "@\\ 2");
+                let (before, after) = marked.split_once('@').unwrap();
+                let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
+                let at = Position { line: 5, column: before.len() as u32 + 1 };
+                let error = refuse(&text);
+                assert_eq!(error, MeshError { at: Some(at), fault }, "{marked}");
+                assert_eq!(error.fault.hint().is_some(), !hint.is_empty(), "{marked}");
+                assert!(error.fault.hint().unwrap_or_default().starts_with(hint), "{marked}");
+                let line = format!("{before}{after}").replace('\0', "\u{fffd}");
+                assert!(excerpt(text.as_bytes(), at).starts_with(&format!("    5 | {line}\n")), "{marked}");
+            }
         }
     }
 
     #[test]
-    fn coordinates_must_be_finite() {
-        for vertex in ["nan 0 0", "0 inf 0", "0 0 -1e999", "1e300 0 0 1e-300"] {
-            let text = format!("{SQUARE}v {vertex}\nf 1 2 5\n");
-            assert_eq!(refuse(&text), MeshError::NotFinite { line: 5 }, "{vertex}");
+    fn vertices_that_faces_use_must_be_finite() {
+        let hint = Some("leave out the fourth number, or make it 1".to_owned());
+        for (marked, fault) in [
+            ("@nan 0 0", MeshFault::NotFinite),
+            ("0 @inf 0", MeshFault::NotFinite),
+            ("0 0 @-1e999", MeshFault::NotFinite),
+            ("0 0 0 @nan", MeshFault::NotFinite),
+            ("@1e300 0 0 1e-300", MeshFault::NotFinite),
+            ("@-nan(ind) 0 0", MeshFault::NotFinite),
+            ("0 @1.#IND 0", MeshFault::NotFinite),
+            ("0 0 @-1.#QNAN", MeshFault::NotFinite),
+            ("0 0 0 @0", MeshFault::ZeroWeight),
+            ("1 2 3 @-0", MeshFault::ZeroWeight),
+        ] {
+            let vertex = marked.replace('@', "");
+            let column = 3 + marked.find('@').unwrap() as u32;
+            let error = refuse(&format!("{SQUARE}v {vertex}\nf 1 2 5\n"));
+            assert_eq!(error, MeshError { at: Some(Position { line: 5, column }), fault }, "{vertex}");
+            let is_weight = error.fault == MeshFault::ZeroWeight;
+            assert_eq!(error.fault.hint(), hint.clone().filter(|_| is_weight), "{vertex}");
+            assert_eq!(read(&format!("{SQUARE}v {vertex}\nf 1 2 3\n")).vertices.len(), 3, "{vertex}");
         }
+    }
+
+    #[test]
+    fn what_other_programs_write_is_read() {
+        let plain = read(&format!("{SQUARE}f 1 2 3\nf 1 3 4\n"));
+        let utf8 = |text: &str| parse_obj(format!("\u{feff}{text}").as_bytes()).unwrap();
+        let faces = "f 1 2 3\nf 1 3 4\n";
+        for text in [
+            "v 0 0 0 1 0 0 1\nv 1 0 0 .1 .2 .3 0\nv 1 1 0 1 1 1 1\nv 0 1 0 0 0 0 0\nf 1 2 3\nf 1 3 4\n"
+                .to_owned(),
+            "v 0 0 0 1 0 0\nv 1. +0 -0\nv +1 1e0 0\nv 0. 10.0E-1 0 0 1 0\nf 1 2 3\nf 1 3 4\n".to_owned(),
+            format!("{SQUARE}fo 1 2 3\nfo 1 3 4\n"),
+            format!("{SQUARE}f 1/ 2/ 3/\nf 1// 3//9 4/9/9\n"),
+            format!("{SQUARE}f -4 +2 -2\nf 1\t3\x0b-1\n"),
+            format!("{SQUARE}usemtl C:\\wood\\\nf 1 2 3\ng a \\\nb\nmtllib x \\ \nf 1 3 4\n"),
+            format!("{SQUARE}vt 0 \\\n0\nf 1 2 \\ \n 3\nf \\\n1 3\\\n4 # \\\n"),
+            format!("g\no a b\ns off\ns 1\nvp 0 1\ncurv 0 1 1 2\np 1\nl 1 2\n{SQUARE}{faces}end\n"),
+            format!("{SQUARE}{faces}\0\0\x1a"),
+            format!("{SQUARE}# {}\n{faces}", "x".repeat(1 << 16)),
+            format!("{faces}{SQUARE}"),
+        ] {
+            for end in ["\n", "\r", "\r\n"] {
+                let text = text.replace('\n', end);
+                let (mesh, doubts) = read_obj(text.as_bytes()).unwrap();
+                assert_eq!((&mesh, doubts), (&plain, vec![]), "{text:.200}");
+                assert_eq!(utf8(&text), plain, "{text:.200}");
+            }
+        }
+        let mixed = format!("{SQUARE}{faces}").replacen('\n', "\r", 2).replacen('\n', "\r\n", 1);
+        assert_eq!(read(&mixed), plain);
+        assert_eq!(read(&format!("# one\r{mixed}")), plain);
+    }
+
+    #[test]
+    fn what_is_left_out_is_doubtful() {
+        let text =
+            format!("{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n");
+        let (mesh, doubts) = read_obj(text.as_bytes()).unwrap();
+        assert_eq!(mesh.triangles.len(), 1 + 4 + 4);
+        let said: Vec<_> = doubts.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            said,
+            [
+                "line 5: `F` is no keyword of OBJ, and its line is left out; so is another",
+                "line 8: a curved surface is left out",
+                "line 9: the outline of the polygon crosses itself; so does that of another",
+            ]
+        );
+        let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint().unwrap_or_default()).collect();
+        assert_eq!(hints[0], "did you mean `f`?");
     }
 
     #[test]
     fn lines_that_matter_must_be_text() {
-        assert_eq!(parse_obj(b"v 0 0 0\nv 0 \xff 0\n"), Err(MeshError::NotText { line: 2 }));
+        let text = b"v 0 0 0\nv 0 \xff 0\n";
+        let at = Position { line: 2, column: 5 };
+        assert_eq!(parse_obj(text), Err(MeshError { at: Some(at), fault: MeshFault::NotText }));
+        assert_eq!(excerpt(text, at), "    2 | v 0 \u{fffd} 0\n      |     ^");
     }
 
     #[test]
@@ -306,10 +325,16 @@ mod tests {
     fn the_error_names_the_first_face_with_a_missing_vertex() {
         for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
-            assert_eq!(refuse(&text), MeshError::NoSuchVertex { line, vertices: 5 }, "{corner}");
+            let error = refuse(&text);
+            assert!(matches!(error.fault, MeshFault::NoSuchVertex { vertices: 5, .. }), "{corner}");
+            assert_eq!(error.at.map(|at| at.line), Some(line), "{corner}");
         }
         // A negative index counts from its face, however many vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
-        assert_eq!(refuse(&text), MeshError::NoSuchVertex { line: 6, vertices: 5 });
+        let at = Some(Position { line: 6, column: 9 });
+        assert_eq!(
+            refuse(&text),
+            MeshError { at, fault: MeshFault::NoSuchVertex { index: -5, vertices: 5 } }
+        );
     }
 }

@@ -5,15 +5,16 @@
 //! thousand levels deep is built, traversed and dropped without recursion.
 
 pub mod error;
+mod foreign_format;
 mod keyword;
 pub mod lexer;
 pub mod limits;
 mod list;
 pub mod material;
 pub mod mesh;
-pub(crate) mod mesh_fault;
 mod mesh_error;
 mod obj_lines;
+mod obj_reader;
 mod open_object;
 mod parse_camera;
 mod parse_light;
@@ -22,6 +23,7 @@ mod parse_object;
 mod parse_primitive;
 pub mod parser;
 mod plain_obj;
+mod polygon;
 mod reader;
 pub(crate) mod recovery;
 pub(crate) mod excerpt;

@@ -1,163 +1,252 @@
-//! Filters the lines of an OBJ text: only vertex positions and faces are passed to the parser.
+//! Splits an OBJ text into statements and their words.
+//!
+//! Lines end with a line feed, a carriage return, or both. A statement is a line without its comment. A backslash at
+//! the end of a line, also before blanks, continues the statement on the next line, unless that starts with a keyword
+//! of its own: the backslash behind `usemtl wood\` belongs to the name.
 
-use crate::memory::{NoMemory, with_room};
-use std::cell::Cell;
-use std::io::{BufRead, Read};
+use super::Position;
 
-/// A byte stream that consists of the vertex and face lines of an OBJ text.
-pub struct RelevantLines<'a> {
-    /// The text after the current line.
+/// A keyword of OBJ ("Advanced Visualizer Manual", appendix B, Wavefront 1995), by what is done with its statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keyword {
+    /// A vertex.
+    Vertex,
+    /// A polygon. `fo` is its old name.
+    Face,
+    /// A curved surface or a patch, which is left out.
+    Surface,
+    /// Points, lines and curves, which have no area.
+    Line,
+    /// Whatever else does not change what a mesh covers.
+    Other,
+}
+
+const OTHERS: [&str; 33] = [
+    "vt",
+    "vn",
+    "vp",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "g",
+    "s",
+    "mg",
+    "o",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "res",
+    "t",
+    "vw",
+];
+
+/// Keywords for which others may have been meant.
+pub const COMMON: [&str; 10] = ["v", "f", "vt", "vn", "g", "o", "s", "usemtl", "mtllib", "l"];
+
+impl Keyword {
+    /// The keyword that this word is.
+    pub fn of(word: &[u8]) -> Option<Self> {
+        match word {
+            b"v" => Some(Self::Vertex),
+            b"f" | b"fo" => Some(Self::Face),
+            b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => Some(Self::Surface),
+            b"p" | b"l" | b"curv" | b"curv2" => Some(Self::Line),
+            _ => OTHERS.iter().any(|other| other.as_bytes() == word).then_some(Self::Other),
+        }
+    }
+}
+
+/// A statement: its words, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Statement<'a> {
+    /// From its first character to its last, without a comment. It may be of several lines.
+    pub content: &'a [u8],
+    /// What follows on its last line: nothing, or a comment.
+    pub comment: &'a [u8],
+}
+
+impl<'a> Statement<'a> {
+    /// The words.
+    pub fn words(self) -> impl Iterator<Item = &'a [u8]> {
+        let is_break = |byte: &u8| is_blank(byte) || is_line_end(byte);
+        let mut rest = self.content;
+        std::iter::from_fn(move || {
+            loop {
+                let start = rest.iter().position(|byte| !is_break(byte))?;
+                let length = rest[start..].iter().position(is_break).unwrap_or(rest.len() - start);
+                let (word, after) = rest[start..].split_at(length);
+                rest = after;
+                match word.strip_suffix(b"\\").filter(|_| is_at_line_end(after)) {
+                    None => return Some(word),
+                    Some([]) => {}
+                    Some(word) => return Some(word),
+                }
+            }
+        })
+    }
+}
+
+/// The statements of a text that are not empty, in its order.
+pub struct Statements<'a> {
     rest: &'a [u8],
-    /// The part of the current line that has not been consumed, without its line end.
-    current: &'a [u8],
-    /// Whether the line end of the current line has not been consumed.
-    owes_newline: bool,
-    /// The number of the current line, in a cell so that the caller can read it while the parser holds the
-    /// stream.
-    line: &'a Cell<usize>,
-    /// The line of the first face of one or two vertices. The parser would ignore it, so the stream ends
-    /// there.
-    pub few_corners: Option<usize>,
 }
 
-impl<'a> RelevantLines<'a> {
-    pub fn new(text: &'a [u8], line: &'a Cell<usize>) -> Self {
-        Self { rest: text, current: b"", owes_newline: false, line, few_corners: None }
-    }
+/// The statements of a text, or of the rest of it.
+pub fn statements(text: &[u8]) -> Statements<'_> {
+    Statements { rest: text }
+}
 
-    /// Advances to the next relevant line, or to the end.
-    fn next_line(&mut self) {
-        while !self.rest.is_empty() {
-            let end = self.rest.iter().position(is_newline).unwrap_or(self.rest.len());
-            let (line, behind) = self.rest.split_at(end);
-            self.rest = behind.get(1..).unwrap_or_default();
-            self.line.set(self.line.get() + 1);
-            if let Some(relevant) = self.relevant_part(without_comment(line)) {
-                self.current = relevant;
-                self.owes_newline = true;
-                return;
+impl<'a> Iterator for Statements<'a> {
+    type Item = Statement<'a>;
+
+    fn next(&mut self) -> Option<Statement<'a>> {
+        loop {
+            let start = self.rest.iter().position(|byte| !is_blank(byte) && !is_line_end(byte))?;
+            self.rest = &self.rest[start..];
+            let statement = self.take();
+            if !statement.content.is_empty() {
+                return Some(statement);
             }
         }
     }
+}
 
-    /// The part of a line that is passed to the parser; none for an irrelevant line.
-    fn relevant_part(&mut self, line: &'a [u8]) -> Option<&'a [u8]> {
-        match keyword(line) {
-            b"v" => Some(without_colour(line)),
-            b"f" if words(line).nth(3).is_none() => {
-                self.few_corners = Some(self.line.get());
-                self.rest = b"";
-                None
+impl<'a> Statements<'a> {
+    /// Takes the next statement, which starts here.
+    fn take(&mut self) -> Statement<'a> {
+        let text = self.rest;
+        let mut line = 0;
+        loop {
+            let is_end = |byte: &u8| is_line_end(byte) || *byte == b'#';
+            let end = line + text[line..].iter().position(is_end).unwrap_or(text.len() - line);
+            let (before, after) = text.split_at(end);
+            let comment = line_of(after);
+            self.rest = after_line_end(&after[comment.len()..]);
+            let goes_on = comment.is_empty()
+                && before[line..].trim_ascii_end().ends_with(b"\\")
+                && !self.rest.is_empty()
+                && !starts_with_keyword(self.rest);
+            if !goes_on {
+                return Statement { content: before, comment };
             }
-            b"f" => Some(line),
-            _ => None,
+            line = text.len() - self.rest.len();
         }
     }
 }
 
-/// A vertex line without the colour that some programs write after the position. The parser requires a colour
-/// for every vertex or for none.
-fn without_colour(line: &[u8]) -> &[u8] {
-    const WITH_COLOUR: usize = 1 + 3 + 3;
-    if words(line).count() != WITH_COLOUR {
-        return line;
-    }
-    let position = words(line).nth(3).unwrap_or_default();
-    // A word is a slice of its line, so the distance between their ends is the length of what follows the
-    // word.
-    let after = line.as_ptr_range().end as usize - position.as_ptr_range().end as usize;
-    &line[..line.len() - after]
+fn is_blank(byte: &u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\x0b' | b'\x0c')
 }
 
-impl Read for RelevantLines<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let available = self.fill_buf()?;
-        let length = available.len().min(buffer.len());
-        buffer[..length].copy_from_slice(&available[..length]);
-        self.consume(length);
-        Ok(length)
-    }
+fn is_line_end(byte: &u8) -> bool {
+    matches!(byte, b'\n' | b'\r')
 }
 
-impl BufRead for RelevantLines<'_> {
-    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        if self.current.is_empty() && !self.owes_newline {
-            self.next_line();
+/// Whether only blanks stand before the end of the line.
+fn is_at_line_end(text: &[u8]) -> bool {
+    text.iter().find(|byte| !is_blank(byte)).is_none_or(is_line_end)
+}
+
+/// A text up to the end of its first line.
+fn line_of(text: &[u8]) -> &[u8] {
+    &text[..text.iter().position(is_line_end).unwrap_or(text.len())]
+}
+
+/// The text after the line end that it starts with.
+fn after_line_end(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\r\n").unwrap_or(text.get(1..).unwrap_or_default())
+}
+
+fn starts_with_keyword(text: &[u8]) -> bool {
+    let line = Statement { content: line_of(text), comment: b"" };
+    line.words().next().is_some_and(|word| Keyword::of(word).is_some())
+}
+
+/// The position of a byte of a text.
+pub fn position(text: &[u8], offset: usize) -> Position {
+    let (mut line, mut rest) = (1_u32, text);
+    loop {
+        let passed = text.len() - rest.len();
+        let current = line_of(rest);
+        if passed + current.len() >= offset || current.len() == rest.len() {
+            let before = &current[..(offset - passed).min(current.len())];
+            let column = String::from_utf8_lossy(before).chars().count() as u32;
+            return Position { line, column: column.saturating_add(1) };
         }
-        Ok(if self.current.is_empty() && self.owes_newline { b"\n" } else { self.current })
-    }
-
-    fn consume(&mut self, amount: usize) {
-        if self.current.is_empty() {
-            self.owes_newline &= amount == 0;
-        } else {
-            self.current = self.current.get(amount..).unwrap_or_default();
-        }
+        rest = after_line_end(&rest[current.len()..]);
+        line = line.saturating_add(1);
     }
 }
 
-/// A text in which no line is continued by a backslash at its end; none if that is so already.
-///
-/// The parts of a continued line become one line, with empty lines after it, so that every other line keeps its
-/// number. A comment is not continued: its last word may well be the name of a folder.
-pub fn with_continued_lines(text: &[u8]) -> Result<Option<Vec<u8>>, NoMemory> {
-    if !text.split(is_newline).any(|line| unfinished(line).is_some()) {
-        return Ok(None);
+/// A line of a text, counted from 1, without its end.
+pub fn line(text: &[u8], number: u32) -> &[u8] {
+    let mut rest = text;
+    for _ in 1..number {
+        rest = after_line_end(&rest[line_of(rest).len()..]);
     }
-    let mut joined = with_room(text.len() + 1)?;
-    let mut owed = 0;
-    for line in text.split(is_newline) {
-        if let Some(part) = unfinished(line) {
-            joined.extend_from_slice(part);
-            joined.push(b' ');
-            owed += 1;
-        } else {
-            joined.extend_from_slice(line);
-            joined.extend(std::iter::repeat_n(b'\n', owed + 1));
-            owed = 0;
-        }
-    }
-    Ok(Some(joined))
-}
-
-/// A line that is continued on the next one, without its backslash.
-fn unfinished(line: &[u8]) -> Option<&[u8]> {
-    let part = line.strip_suffix(b"\r").unwrap_or(line).strip_suffix(b"\\")?;
-    (!part.contains(&b'#')).then_some(part)
-}
-
-/// Whether a byte ends a line.
-pub fn is_newline(byte: &u8) -> bool {
-    *byte == b'\n'
-}
-
-/// The words of a line.
-pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
-}
-
-/// The first word of a line, which tells its kind; empty for a blank line.
-pub fn keyword(line: &[u8]) -> &[u8] {
-    words(line).next().unwrap_or_default()
-}
-
-/// A line up to its comment.
-pub fn without_comment(line: &[u8]) -> &[u8] {
-    line.split(|&byte| byte == b'#').next().unwrap_or_default()
+    line_of(rest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The words of all statements, with `|` between statements.
+    fn split(text: &str) -> String {
+        let all = statements(text.as_bytes()).map(|statement| {
+            let words: Vec<_> = statement.words().map(String::from_utf8_lossy).collect();
+            words.join(" ")
+        });
+        all.collect::<Vec<_>>().join("|")
+    }
+
     #[test]
-    fn relevant_lines_are_the_same_read_by_bytes_and_by_lines() {
-        let text = b"# c\nv 1 2 3 # d\nvn 1 2 3\n\nf 1 2 3\nl 1 2\nv 4 5 6 .1 .2 .3";
-        let (line, mut bytes) = (Cell::new(0), vec![]);
-        RelevantLines::new(text, &line).read_to_end(&mut bytes).unwrap();
-        assert_eq!(bytes, b"v 1 2 3 \nf 1 2 3\nv 4 5 6\n");
-        assert_eq!(line.get(), 7);
-        let lines: Vec<_> = RelevantLines::new(text, &line).lines().map(Result::unwrap).collect();
-        assert_eq!(lines, ["v 1 2 3 ", "f 1 2 3", "v 4 5 6"]);
+    fn lines_end_with_a_line_feed_a_carriage_return_or_both() {
+        assert_eq!(split("v 1 2\nf\t3\r\n\r\r\n\n g\x0bx # c\rf 4#d\r#e\n  \nl"), "v 1 2|f 3|g x|f 4|l");
+        assert_eq!(split(" \n\r# only\n"), "");
+    }
+
+    #[test]
+    fn a_backslash_continues_a_statement_unless_a_keyword_follows() {
+        for end in ["\n", "\r", "\r\n", " \t\n"] {
+            assert_eq!(split(&format!("f 1 \\{end}2\\{end} 3 \\{end}4\nf 5")), "f 1 2 3 4|f 5", "{end:?}");
+            assert_eq!(split(&format!("usemtl a\\{end}f 1 2 3")), "usemtl a|f 1 2 3", "{end:?}");
+        }
+        assert_eq!(split("v 1 \\\n\nv 2"), "v 1|v 2");
+        assert_eq!(split("g a \\\nb\nf 1 # c \\\nf 2 \\"), "g a b|f 1|f 2");
+        assert_eq!(split("f 1 \\ 2"), "f 1 \\ 2");
+    }
+
+    #[test]
+    fn positions_count_lines_and_characters() {
+        let text = "a\r\nb\rä c\n\nd".as_bytes();
+        let at = |byte: u8| {
+            let offset = text.iter().position(|&other| other == byte).unwrap();
+            let Position { line, column } = position(text, offset);
+            (line, column)
+        };
+        assert_eq!([b'a', b'b', b'c', b'd'].map(at), [(1, 1), (2, 1), (3, 3), (5, 1)]);
+        assert_eq!(position(text, text.len()), Position { line: 5, column: 2 });
+        assert_eq!(
+            [1, 2, 3, 4, 5].map(|number| line(text, number)),
+            [&b"a"[..], b"b", "ä c".as_bytes(), b"", b"d"]
+        );
     }
 }

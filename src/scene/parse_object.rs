@@ -33,6 +33,9 @@ pub struct ObjectTree {
     current_material: Option<MaterialId>,
 }
 
+/// What a name may stand between, by mistake.
+const QUOTES: [char; 7] = ['"', '\'', '`', '\u{201c}', '\u{201d}', '\u{2018}', '\u{2019}'];
+
 /// The result of one step of reading.
 enum Step {
     /// The start of a group or transform.
@@ -265,10 +268,18 @@ impl ObjectTree {
         if word.is_end() || matches!(word.text, "{" | "}") {
             return Err(reader.unexpected("a file name for `obj_file`", &[]));
         }
-        if !word.text.ends_with(".obj") {
+        let opening = word.text.chars().next().filter(|first| QUOTES.contains(first));
+        if opening.is_some() {
+            let problem = bad_value(word, "obj_file", "must be a name without quotes");
+            reader.report(problem.with_hint("a name has neither quotes nor blanks"));
+        } else if !word.text.to_ascii_lowercase().ends_with(".obj") {
             reader.report(bad_value(word, "obj_file", "must end in `.obj`"));
         }
-        reader.take();
+        let mut last = reader.take();
+        // A name between quotes may be of several words.
+        while opening.is_some() && !last.text.ends_with(QUOTES) && !reader.is_at_any(&["{", "}", ""]) {
+            last = reader.take();
+        }
         Ok(self.mesh_index(word.text, word.at)?)
     }
 

@@ -21,8 +21,8 @@ fn parse_plain(text: &[u8]) -> Result<VerticesAndTriangles, Unread> {
     let chunks = chunks(text, chunk_size(text.len()));
     let parts = chunks.into_par_iter().map(scan).collect::<Result<_, _>>()?;
     let Part { mut vertices, mut faces } = joined(parts)?;
-    keep_used(&mut vertices, &mut faces)?;
-    if faces.is_empty() { Err(Unread::NotPlain) } else { Ok((vertices, faces)) }
+    let is_mesh = !faces.is_empty() && keep_used(&mut vertices, &mut faces)?;
+    if is_mesh { Ok((vertices, faces)) } else { Err(Unread::NotPlain) }
 }
 
 /// Why a text was not read.
@@ -84,7 +84,7 @@ fn scan(mut text: &[u8]) -> Result<Part, Unread> {
                 push(&mut part.faces, face)?;
                 rest
             }
-            b'#' => &rest[rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len())..],
+            b'#' => &rest[rest.iter().position(|&b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len())..],
             b'\n' | b'\r' => rest,
             _ => return Err(Unread::NotPlain),
         };
@@ -141,9 +141,9 @@ fn after_blanks(text: &[u8]) -> Option<&[u8]> {
 #[inline(always)]
 fn line_end(text: &[u8]) -> Option<&[u8]> {
     let rest = after_blanks(text).unwrap_or(text);
-    match rest.strip_prefix(b"\r").unwrap_or(rest) {
+    match rest {
         [] => Some(b""),
-        [b'\n', after @ ..] => Some(after),
+        [b'\n', after @ ..] | [b'\r', b'\n', after @ ..] | [b'\r', after @ ..] => Some(after),
         _ => None,
     }
 }
@@ -250,13 +250,15 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
     value.is_finite().then_some((value, &text[length..]))
 }
 
-/// Removes the vertices that no face uses, and converts the corners of faces to indices of the remaining
-/// ones. A corner that names a vertex which does not exist is not plain.
-fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Result<(), Unread> {
+/// Removes the vertices that no face uses, and converts the corners of faces, which count from 1, to indices of the
+/// remaining ones. False, with the lists in no particular state, if a corner names a vertex that does not exist.
+pub fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Result<bool, NoMemory> {
     let mut used = filled(false, vertices.len())?;
     for corner in faces.as_flattened_mut() {
-        *corner = corner.checked_sub(1).ok_or(Unread::NotPlain)?;
-        *used.get_mut(*corner as usize).ok_or(Unread::NotPlain)? = true;
+        // No vertex has the largest index.
+        *corner = corner.wrapping_sub(1);
+        let Some(used) = used.get_mut(*corner as usize) else { return Ok(false) };
+        *used = true;
     }
     if used.contains(&false) {
         let mut next = 0;
@@ -268,7 +270,7 @@ fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Result<(), Un
         let mut used = used.into_iter();
         vertices.retain(|_| used.next().unwrap_or(false));
     }
-    Ok(())
+    Ok(true)
 }
 
 #[cfg(test)]

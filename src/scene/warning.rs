@@ -1,6 +1,9 @@
 //! What a scene says without an error, but hardly on purpose.
 
+use super::excerpt;
+use super::mesh::{self, MeshDoubt};
 use super::{Color, Position};
+use crate::escape::quoted;
 use std::fmt;
 
 /// A doubtful place in a scene's text.
@@ -31,6 +34,15 @@ pub enum Doubt {
         /// How many further colours are above 1.
         others: usize,
     },
+    /// Something in a mesh file.
+    InMesh {
+        /// The file.
+        file: String,
+        /// What it is.
+        doubt: MeshDoubt,
+        /// The line of the file with a caret.
+        excerpt: String,
+    },
 }
 
 impl SceneWarning {
@@ -38,11 +50,27 @@ impl SceneWarning {
         Self { at, doubt: Doubt::AboveOne { field: field.to_owned(), color, others: 0 } }
     }
 
+    /// The warning about a mesh file with these contents, which the scene names at this position.
+    pub(crate) fn in_mesh(at: Position, file: String, doubt: MeshDoubt, bytes: &[u8]) -> Self {
+        let excerpt = mesh::excerpt(bytes, doubt.at);
+        Self { at, doubt: Doubt::InMesh { file, doubt, excerpt } }
+    }
+
+    /// The line of a mesh file that is meant, with a caret, after a line with the position; empty for a warning about
+    /// the scene's own text.
+    pub fn excerpt_of_mesh(&self) -> String {
+        match &self.doubt {
+            Doubt::InMesh { file, doubt, excerpt } => excerpt::of_file(file, doubt.at, excerpt),
+            Doubt::AboveOne { .. } | Doubt::Replaces { .. } => String::new(),
+        }
+    }
+
     /// Advice in one line, if there is any.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self.doubt {
-            Doubt::AboveOne { color, .. } if is_byte_like(color) => Some("is it meant as 0 to 255?"),
+    pub fn hint(&self) -> Option<String> {
+        match &self.doubt {
+            Doubt::AboveOne { color, .. } if is_byte_like(*color) => Some("is it meant as 0 to 255?".into()),
             Doubt::AboveOne { .. } | Doubt::Replaces { .. } => None,
+            Doubt::InMesh { doubt, .. } => doubt.hint(),
         }
     }
 }
@@ -55,6 +83,7 @@ pub(super) fn is_byte_like(color: Color) -> bool {
 impl fmt::Display for SceneWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.doubt {
+            Doubt::InMesh { file, doubt, .. } => write!(f, "in the mesh {}: {doubt}", quoted(file)),
             Doubt::Replaces { block, earlier } => {
                 write!(f, "a second {block}: it replaces the one in line {earlier}")
             }
@@ -77,7 +106,7 @@ pub(super) fn merged(all: Vec<SceneWarning>) -> Vec<SceneWarning> {
         let is_color = matches!(warning.doubt, Doubt::AboveOne { .. });
         let first = merged.iter_mut().find_map(|known| match &mut known.doubt {
             Doubt::AboveOne { others, .. } => Some(others),
-            Doubt::Replaces { .. } => None,
+            Doubt::Replaces { .. } | Doubt::InMesh { .. } => None,
         });
         match first {
             Some(others) if is_color => *others += 1,

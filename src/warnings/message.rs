@@ -38,7 +38,9 @@ impl Warning {
             None => format!("{}: {description}{hint}", severity.label()),
             Some(at) => {
                 let position = format!(":{}:{}", at.line, at.column);
-                let message = format!("{description}\n{}{hint}", with_caret(&source.text, at));
+                let in_mesh =
+                    if let Self::Text(warning) = self { warning.excerpt_of_mesh() } else { String::new() };
+                let message = format!("{description}\n{}{in_mesh}{hint}", with_caret(&source.text, at));
                 labelled(&source.path, &position, severity.label(), &message)
             }
         }
@@ -90,7 +92,7 @@ impl Warning {
 
     fn hint(&self) -> Option<String> {
         match self {
-            Self::Text(warning) => warning.hint().map(str::to_owned),
+            Self::Text(warning) => warning.hint(),
             Self::ManyRays { remedy, .. } => Some(remedy.to_string()),
             Self::NothingVisible { sight, .. } => sight.hint(),
             Self::FlatTriangles { .. } => Some("no ray hits a triangle whose corners lie on one line".into()),

@@ -1,0 +1,170 @@
+//! Cuts ears off an outline: triangles of three corners in a row that no other part of the outline enters (Meisters,
+//! "Polygons Have Ears", American Mathematical Monthly 82(6), 1975).
+//!
+//! An edge keeps every triangle from being cut off that has an edge which it crosses. So an outline that crosses itself
+//! is never used up, and one that is used up is covered. Corners may touch other corners and edges, and two edges may
+//! lie on each other, as where a hole is joined to the outside.
+
+use super::box_tree::{BoxTree, Rectangle};
+use super::outline::{Corner, Ring};
+use super::projection::Projection;
+use crate::memory::{NoMemory, collected, filled, with_room};
+use glam::DVec3;
+use std::collections::VecDeque;
+
+/// The ears, all with an area in the projection. None if the outline crosses itself.
+pub fn triangles(ring: &Ring, projection: Projection) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+    let turn = projection.turn(&ring.corners);
+    if turn == 0 {
+        return Ok(None);
+    }
+    let mut corners = collected(ring.corners.iter().copied())?;
+    if turn < 0 {
+        corners.reverse();
+    }
+    let Some(mut triangles) = Clipping::new(corners, projection)?.ears()? else { return Ok(None) };
+    if (turn < 0) != ring.is_backwards {
+        triangles.iter_mut().for_each(|triangle| triangle.reverse());
+    }
+    Ok(Some(triangles))
+}
+
+/// An outline that turns to the left, from which ears are cut.
+struct Clipping {
+    projection: Projection,
+    corners: Vec<Corner>,
+    /// The neighbours of each corner that is left.
+    before: Vec<usize>,
+    after: Vec<usize>,
+    is_left: Vec<bool>,
+    left: usize,
+    edges: BoxTree,
+    /// Corners to look at. Each is in it at most once.
+    waiting: VecDeque<usize>,
+    is_waiting: Vec<bool>,
+}
+
+/// What is to be done with a corner.
+enum Fate {
+    /// It stays for now.
+    Stays,
+    /// It goes with the triangle of its neighbours.
+    Ear,
+    /// It goes alone: there the outline turns back on itself.
+    Spike,
+}
+
+impl Clipping {
+    fn new(corners: Vec<Corner>, projection: Projection) -> Result<Self, NoMemory> {
+        let count = corners.len();
+        let mut waiting = VecDeque::new();
+        waiting.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<usize>(count))?;
+        let mut clipping = Self {
+            projection,
+            before: collected((0..count).map(|k| (k + count - 1) % count))?,
+            after: collected((0..count).map(|k| (k + 1) % count))?,
+            is_left: filled(true, count)?,
+            left: count,
+            edges: BoxTree::new(count)?,
+            waiting,
+            is_waiting: filled(false, count)?,
+            corners,
+        };
+        (0..count).for_each(|corner| clipping.put_edge(corner));
+        Ok(clipping)
+    }
+
+    fn point(&self, corner: usize) -> DVec3 {
+        self.corners[corner].point
+    }
+
+    /// Puts the edge that starts at this corner into the tree.
+    fn put_edge(&mut self, corner: usize) {
+        let ends = [corner, self.after[corner]].map(|end| self.projection.of(self.point(end)));
+        self.edges.put(corner, Rectangle::around(ends));
+    }
+
+    fn wait(&mut self, corner: usize) {
+        if !std::mem::replace(&mut self.is_waiting[corner], true) {
+            self.waiting.push_back(corner);
+        }
+    }
+
+    /// All ears, if they use up the outline.
+    fn ears(&mut self) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+        let mut ears = with_room(self.corners.len())?;
+        let mut left_before = usize::MAX;
+        // A corner is looked at again when a neighbour goes. That finds all ears of most outlines, and another round
+        // finds out for the others.
+        while self.left > 2 && self.left < left_before {
+            left_before = self.left;
+            (0..self.corners.len()).filter(|&k| self.is_left[k]).for_each(|k| {
+                self.is_waiting[k] = true;
+                self.waiting.push_back(k);
+            });
+            while let Some(corner) = self.waiting.pop_front()
+                && self.left > 2
+            {
+                self.is_waiting[corner] = false;
+                let fate = if self.is_left[corner] { self.fate(corner) } else { Fate::Stays };
+                if let Fate::Ear = fate {
+                    let triangle = [self.before[corner], corner, self.after[corner]];
+                    ears.push(triangle.map(|corner| self.corners[corner].index));
+                }
+                if let Fate::Ear | Fate::Spike = fate {
+                    self.remove(corner);
+                }
+            }
+        }
+        Ok((self.left <= 2).then_some(ears))
+    }
+
+    fn fate(&self, corner: usize) -> Fate {
+        let triangle = [self.before[corner], corner, self.after[corner]].map(|corner| self.point(corner));
+        let [a, b, c] = triangle;
+        match self.projection.orientation(triangle) {
+            0 if !self.projection.is_between(b, [a, c]) => Fate::Spike,
+            1 if !self.is_entered(triangle) => Fate::Ear,
+            _ => Fate::Stays,
+        }
+    }
+
+    fn remove(&mut self, corner: usize) {
+        let (before, after) = (self.before[corner], self.after[corner]);
+        self.after[before] = after;
+        self.before[after] = before;
+        self.is_left[corner] = false;
+        self.left -= 1;
+        self.edges.remove(corner);
+        self.put_edge(before);
+        self.wait(before);
+        self.wait(after);
+    }
+
+    /// Whether any edge enters the inside of a triangle, or has a corner on its third side, which is to become an edge.
+    fn is_entered(&self, triangle: [DVec3; 3]) -> bool {
+        let rectangle = Rectangle::around(triangle.map(|corner| self.projection.of(corner)));
+        self.edges.any(rectangle, &|corner| {
+            let edge = [corner, self.after[corner]].map(|end| self.point(end));
+            let side = [triangle[0], triangle[2]];
+            let is_on_side = self.projection.orientation([side[0], side[1], edge[0]]) == 0
+                && self.projection.is_between(edge[0], side);
+            is_on_side || self.enters(edge, triangle)
+        })
+    }
+
+    /// Whether an edge has a point inside of a triangle, that is, whether no line separates them: neither one along a
+    /// side of the triangle nor one along the edge.
+    fn enters(&self, [p, q]: [DVec3; 2], triangle: [DVec3; 3]) -> bool {
+        let [a, b, c] = triangle;
+        let orientation = |corners| self.projection.orientation(corners);
+        let is_outside = |[s, t]: [DVec3; 2]| orientation([s, t, p]) <= 0 && orientation([s, t, q]) <= 0;
+        if [[a, b], [b, c], [c, a]].into_iter().any(is_outside) {
+            return false;
+        }
+        // The two ends of an edge may be one point in the projection.
+        let sides = triangle.map(|corner| orientation([p, q, corner]));
+        let is_point = self.projection.of(p) == self.projection.of(q);
+        is_point || (sides.contains(&1) && sides.contains(&-1))
+    }
+}

@@ -1,0 +1,62 @@
+//! Triangles around the first corner of a polygon, where every point of it is seen from there.
+
+use super::outline::{Corner, Outline};
+use super::projection::Projection;
+use crate::math::predicate::area_vector;
+use crate::memory::{NoMemory, with_room};
+
+/// The triangles of a fan around the file's first corner, without those that have no area. None if the fan does not
+/// cover the polygon.
+pub fn triangles(outline: &Outline, projection: Projection) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+    if !covers(outline.in_file_order(), projection) {
+        return Ok(None);
+    }
+    let [first, others @ ..] = outline.in_file_order() else { return Ok(None) };
+    let mut triangles = with_room(others.len().saturating_sub(1))?;
+    for edge in others.windows(2) {
+        let corners = [*first, edge[0], edge[1]];
+        // One that is projected to a line may have an area in space, and then it closes a gap.
+        let has_area = projection.orientation(corners.map(|corner| corner.point)) != 0
+            || area_vector(corners.map(|corner| corner.point)).iter().any(|area| area.sign() != 0);
+        if has_area {
+            triangles.push(corners.map(|corner| corner.index));
+        }
+    }
+    Ok(Some(triangles))
+}
+
+/// Whether the corners go around the first one in one direction, and less than once.
+fn covers(corners: &[Corner], projection: Projection) -> bool {
+    let [first, second, ..] = corners else { return false };
+    let [x, y] = projection.of(first.point);
+    // The quadrant of a corner, seen from the first, without the axes' two half-lines being told apart.
+    let side = |corner: &Corner| {
+        let [a, b] = projection.of(corner.point);
+        [a.total_cmp(&x) as i32 * i32::from(a != x), b.total_cmp(&y) as i32 * i32::from(b != y)]
+    };
+    let is_opposite = |a: &Corner, b: &Corner| {
+        let ([ax, ay], [bx, by]) = (side(a), side(b));
+        ax * bx < 0 || ay * by < 0
+    };
+    let (mut direction, mut reached) = (0, 0);
+    for edge in corners[1..].windows(2) {
+        let [from, to] = edge else { continue };
+        let turn = projection.orientation([first.point, from.point, to.point]);
+        if turn * direction < 0 || side(to) == [0, 0] || (turn == 0 && is_opposite(from, to)) {
+            return false;
+        }
+        direction = if direction == 0 { turn } else { direction };
+        // How many quarters of a turn from the second corner, with those in between counted as odd.
+        let quarters = match direction * projection.orientation([first.point, second.point, to.point]) {
+            1 => 1,
+            0 if !is_opposite(second, to) => 0,
+            0 => 2,
+            _ => 3,
+        };
+        if quarters < reached {
+            return false;
+        }
+        reached = quarters;
+    }
+    direction != 0 && side(second) != [0, 0]
+}

@@ -1,0 +1,317 @@
+//! Covers what an outline goes around, also where it crosses itself: the plane is cut into strips at the height of
+//! every corner and every crossing. Within a strip the edges do not cross, and those from left to right tell how often
+//! the outline goes around what is between them.
+
+use super::Triangulation;
+use super::outline::{Corner, Ring};
+use super::projection::Projection;
+use crate::math::exact_sum::ExactSum;
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::memory::{NoMemory, collected, filled, make_room, push};
+use glam::DVec3;
+use std::cmp::Ordering;
+
+/// The number of edges in all strips, and of pairs of edges, after which an outline counts as too tangled: then a fan
+/// around its first corner stands for it. The time is a few seconds at most.
+const MOST_WORK: usize = 1 << 28;
+
+/// The trapezoids with a winding number other than zero, as triangles. New points are numbered from `corners`, the
+/// number of the polygon's corners, on.
+pub fn triangulation(ring: &Ring, projection: Projection, corners: usize) -> Result<Triangulation, NoMemory> {
+    let plane = Plane::new(&ring.corners, projection);
+    let edges = plane.edges(&ring.corners)?;
+    let Some(heights) = heights(&edges, projection)? else { return fan(&ring.corners) };
+    let (open, place_above) = (vec![], filled(None, edges.len())?);
+    let found = Triangulation::default();
+    let mut cover = Cover { plane, edges: &edges, ring, corners, open, place_above, found };
+    let mut wrong = Wrong::default();
+    let (mut active, mut coming, mut work) = (vec![], edges.iter().enumerate().peekable(), 0);
+    for strip in heights.windows(2) {
+        let strip = [strip[0], strip[1]];
+        active.retain(|&edge: &usize| edges[edge].high[1] > strip[0]);
+        while let Some((edge, _)) = coming.next_if(|(_, edge)| edge.low[1] <= strip[0]) {
+            push(&mut active, edge)?;
+        }
+        work += active.len();
+        if work > MOST_WORK {
+            return fan(&ring.corners);
+        }
+        let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
+        active.sort_by(|&a, &b| in_order(&edges[a], &edges[b], middle));
+        let inside = intervals(&active, &edges, strip, &mut wrong)?;
+        cover.go_on(inside, strip[0])?;
+    }
+    cover.go_on(vec![], heights.last().copied().unwrap_or(0.0))?;
+    let length: f64 =
+        edges.iter().map(|edge| edge.high[1] - edge.low[1] + (edge.high[0] - edge.low[0]).abs()).sum();
+    // Every corner may be off by half an ulp in each of two coordinates, whose magnitudes are below 1.
+    let rounding = 4.0 * UNIT_ROUNDOFF * length;
+    Ok(Triangulation { crosses_itself: wrong.area() > rounding, ..cover.found })
+}
+
+/// A fan around the first corner of an outline, for one that is too tangled.
+fn fan(corners: &[Corner]) -> Result<Triangulation, NoMemory> {
+    let count = corners.len().max(2) - 2;
+    let triangles = collected((0..count).map(|k| [0, k + 1, k + 2].map(|corner| corners[corner].index)))?;
+    Ok(Triangulation { triangles, new_points: vec![], crosses_itself: true })
+}
+
+/// An edge that is not level, from its lower to its higher end.
+struct Edge {
+    low: [f64; 2],
+    high: [f64; 2],
+    ends: [Corner; 2],
+    /// What crossing it from left to right adds to the winding number: 1 if the outline goes down along it.
+    winding: i32,
+}
+
+impl Edge {
+    /// Where between its ends, from 0 to 1, it has this height.
+    fn fraction(&self, height: f64) -> f64 {
+        (height - self.low[1]) / (self.high[1] - self.low[1])
+    }
+
+    fn at(&self, height: f64) -> f64 {
+        let t = self.fraction(height);
+        (1.0 - t) * self.low[0] + t * self.high[0]
+    }
+}
+
+/// The projection, scaled by a power of two so that all coordinates are below 1 and no product overflows.
+#[derive(Clone, Copy)]
+struct Plane {
+    projection: Projection,
+    exponent: i32,
+}
+
+impl Plane {
+    fn new(corners: &[Corner], projection: Projection) -> Self {
+        let sizes = corners.iter().flat_map(|corner| projection.of(corner.point)).map(f64::abs);
+        Self { projection, exponent: libm::frexp(sizes.fold(0.0, f64::max)).1 }
+    }
+
+    fn of(self, point: DVec3) -> [f64; 2] {
+        self.projection.of(point).map(|x| libm::ldexp(x, -self.exponent))
+    }
+
+    /// The edges of an outline by the height of their lower ends, and then in the order of the outline.
+    fn edges(self, corners: &[Corner]) -> Result<Vec<Edge>, NoMemory> {
+        let mut edges = vec![];
+        make_room(&mut edges, corners.len())?;
+        for (k, &from) in corners.iter().enumerate() {
+            let to = corners[(k + 1) % corners.len()];
+            let (p, q) = (self.of(from.point), self.of(to.point));
+            if p[1] < q[1] {
+                edges.push(Edge { low: p, high: q, ends: [from, to], winding: -1 });
+            } else if p[1] > q[1] {
+                edges.push(Edge { low: q, high: p, ends: [to, from], winding: 1 });
+            }
+        }
+        edges.sort_by(|a, b| a.low[1].total_cmp(&b.low[1]));
+        Ok(edges)
+    }
+}
+
+/// The heights of all corners and crossings, from the lowest to the highest. None if there are too many.
+fn heights(edges: &[Edge], projection: Projection) -> Result<Option<Vec<f64>>, NoMemory> {
+    let (mut heights, mut work) = (vec![], 0);
+    for (k, edge) in edges.iter().enumerate() {
+        push(&mut heights, edge.low[1])?;
+        push(&mut heights, edge.high[1])?;
+        for other in edges[k + 1..].iter().take_while(|other| other.low[1] < edge.high[1]) {
+            work += 1;
+            if let Some(height) = crossing(edge, other, projection) {
+                push(&mut heights, height)?;
+                // A strip more has as many edges as there are, at most.
+                work += edges.len() / 16;
+            }
+            if work > MOST_WORK {
+                return Ok(None);
+            }
+        }
+    }
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    Ok(Some(heights))
+}
+
+/// The height where two edges cross, rounded. None where they only touch.
+fn crossing(one: &Edge, other: &Edge, projection: Projection) -> Option<f64> {
+    let is_left_of = |a: &Edge, b: &Edge| a.low[0].max(a.high[0]) < b.low[0].min(b.high[0]);
+    if is_left_of(one, other) || is_left_of(other, one) {
+        return None;
+    }
+    let sides = |a: &Edge, b: &Edge| {
+        b.ends.map(|end| projection.orientation([a.ends[0].point, a.ends[1].point, end.point]))
+    };
+    let do_cross = |[a, b]: [i32; 2]| a * b < 0;
+    if !do_cross(sides(one, other)) || !do_cross(sides(other, one)) {
+        return None;
+    }
+    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let (along, across) = (minus(one.high, one.low), minus(other.high, other.low));
+    let t = cross(minus(other.low, one.low), across) / cross(along, across);
+    // A NaN, from edges that are nearly parallel, becomes the lower bound.
+    let height = one.low[1] + t * along[1];
+    Some(height.max(one.low[1]).max(other.low[1]).min(one.high[1]).min(other.high[1]))
+}
+
+/// The order of two edges from left to right at a height that both have. It is exact.
+fn in_order(a: &Edge, b: &Edge, height: f64) -> Ordering {
+    let size = |edge: &Edge| edge.low[0].abs().max(edge.high[0].abs());
+    // A rounding each for the difference of heights, that of ends, their quotient, its complement, two products and
+    // their sum, of numbers that are at most as large as the ends.
+    let bound = 16.0 * UNIT_ROUNDOFF * (size(a) + size(b)) + f64::MIN_POSITIVE;
+    let distance = a.at(height) - b.at(height);
+    if distance.abs() > bound {
+        return distance.total_cmp(&0.0);
+    }
+    let mut sum = ExactSum::default();
+    for (edge, other, sign) in [(a, b, 1.0), (b, a, -1.0)] {
+        for (end, other_end, side) in [(edge.low, edge.high, sign), (edge.high, edge.low, -sign)] {
+            for (top, height_sign) in [(other.high[1], 1.0), (other.low[1], -1.0)] {
+                sum.add_product([side * end[0], other_end[1], height_sign * top]);
+                sum.add_product([-side * end[0], height, height_sign * top]);
+            }
+        }
+    }
+    sum.value().sign().cmp(&0)
+}
+
+/// A part of a strip that the outline goes around.
+#[derive(Clone, Copy, PartialEq)]
+struct Interval {
+    left: usize,
+    right: usize,
+    is_positive: bool,
+}
+
+/// The areas that an outline goes around to the left, to the right, and more than once. Only one of the first two is
+/// not zero, and the third is zero, unless the outline crosses itself.
+#[derive(Default)]
+struct Wrong {
+    left: f64,
+    right: f64,
+    repeated: f64,
+}
+
+impl Wrong {
+    fn area(&self) -> f64 {
+        self.left.min(self.right) + self.repeated
+    }
+}
+
+/// The parts of a strip that the outline goes around, given the edges from left to right.
+fn intervals(
+    active: &[usize],
+    edges: &[Edge],
+    strip: [f64; 2],
+    wrong: &mut Wrong,
+) -> Result<Vec<Interval>, NoMemory> {
+    let (mut found, mut winding, mut start) = (vec![], 0, None);
+    let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
+    let is_same = |&a: &usize, &b: &usize| in_order(&edges[a], &edges[b], middle) == Ordering::Equal;
+    let mut groups = active.chunk_by(is_same).peekable();
+    while let Some(group) = groups.next() {
+        let before: i32 = winding;
+        winding += group.iter().map(|&edge| edges[edge].winding).sum::<i32>();
+        if let Some(left) = start
+            && before.signum() != winding.signum()
+        {
+            push(&mut found, Interval { left, right: group[0], is_positive: before > 0 })?;
+        }
+        start = match winding {
+            0 => None,
+            _ if before.signum() == winding.signum() => start,
+            _ => Some(group[0]),
+        };
+        if let Some(next) = groups.peek() {
+            let width = edges[next[0]].at(middle) - edges[group[0]].at(middle);
+            let area = width * (strip[1] - strip[0]);
+            match winding {
+                0 => {}
+                1.. => wrong.left += area,
+                _ => wrong.right += area,
+            }
+            wrong.repeated += if winding.abs() > 1 { area } else { 0.0 };
+        }
+    }
+    Ok(found)
+}
+
+/// The trapezoids as they grow from strip to strip.
+struct Cover<'a> {
+    plane: Plane,
+    edges: &'a [Edge],
+    ring: &'a Ring,
+    corners: usize,
+    /// The intervals of the strip below, and the heights where they began.
+    open: Vec<(Interval, f64)>,
+    /// By the left edge of an interval, its place in the strip above; none but while they are compared.
+    place_above: Vec<Option<usize>>,
+    found: Triangulation,
+}
+
+impl Cover<'_> {
+    /// Goes on with the strip above a height: intervals between the same edges as below grow, others end or begin.
+    fn go_on(&mut self, inside: Vec<Interval>, height: f64) -> Result<(), NoMemory> {
+        let below = std::mem::take(&mut self.open);
+        let mut above = vec![];
+        make_room(&mut above, inside.len())?;
+        above.extend(inside.into_iter().map(|interval| (interval, height)));
+        for (place, (interval, _)) in above.iter().enumerate() {
+            self.place_above[interval.left] = Some(place);
+        }
+        for (interval, start) in below {
+            let same = self.place_above[interval.left].filter(|&place| above[place].0 == interval);
+            match same {
+                Some(place) => above[place].1 = start,
+                None => self.end(interval, [start, height])?,
+            }
+        }
+        above.iter().for_each(|(interval, _)| self.place_above[interval.left] = None);
+        self.open = above;
+        Ok(())
+    }
+
+    /// Adds the triangles of a trapezoid between two heights.
+    fn end(
+        &mut self,
+        Interval { left, right, is_positive }: Interval,
+        [low, high]: [f64; 2],
+    ) -> Result<(), NoMemory> {
+        let [a, b] = [left, right].map(|edge| self.vertex(edge, low));
+        let [d, c] = [left, right].map(|edge| self.vertex(edge, high));
+        let quad = [a?, b?, c?, d?];
+        for corners in [[0, 1, 2], [0, 2, 3]].map(|places| places.map(|place: usize| quad[place])) {
+            if self.plane.projection.orientation(corners.map(|(_, point)| point)) > 0 {
+                let mut triangle = corners.map(|(index, _)| index);
+                if is_positive == self.ring.is_backwards {
+                    triangle.reverse();
+                }
+                push(&mut self.found.triangles, triangle)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The vertex of an edge at a height: one of its ends, or a new point.
+    fn vertex(&mut self, edge: usize, height: f64) -> Result<(usize, DVec3), NoMemory> {
+        let edge = &self.edges[edge];
+        let end = match height {
+            _ if height == edge.low[1] => Some(edge.ends[0]),
+            _ if height == edge.high[1] => Some(edge.ends[1]),
+            _ => None,
+        };
+        if let Some(Corner { index, point }) = end {
+            return Ok((index, point));
+        }
+        let t = edge.fraction(height);
+        let point = (1.0 - t) * edge.ends[0].point + t * edge.ends[1].point;
+        // All vertices of a strip's border are on one line.
+        let point = self.plane.projection.with_second(point, libm::ldexp(height, self.plane.exponent));
+        push(&mut self.found.new_points, point)?;
+        Ok((self.corners + self.found.new_points.len() - 1, point))
+    }
+}
