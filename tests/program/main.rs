@@ -32,6 +32,7 @@ mod live_scenes;
 mod live_server;
 mod malformed_scenes;
 mod markdown;
+mod meshes;
 mod partial_causes;
 mod pipes;
 mod pixel;

@@ -196,6 +196,8 @@ const OBJECTS: &[(&str, &str)] = &[
     ("Box { min 0 0 0 max 1 @-1 1 }", "`max` must not be below `min`, found `-1`"),
     ("TriangleMesh { @file a.obj }", "expected `obj_file`, found `file`"),
     ("TriangleMesh { obj_file @a.ply }", "`obj_file` must end in `.obj`, found `a.ply`"),
+    ("TriangleMesh { obj_file @\"a.obj\" }", "`obj_file` must be a name without quotes, found `\"a.obj\"`"),
+    ("TriangleMesh { obj_file @'my cube.obj' }", "`obj_file` must be a name without quotes, found `'my`"),
     ("TriangleMesh { obj_file @} }", "expected a file name for `obj_file`, found `}`"),
     ("TriangleMesh { obj_file a.obj @b.obj }", "expected `}` at the end of `TriangleMesh`"),
     ("Transform { Scale 1 1 1 @} }", "expected a transformation or an object, found `}`"),

@@ -151,7 +151,7 @@ fn every_mesh_with_an_error_shows_its_own_line() {
     folder.write("b.obj", "v 0 0 0\nf 1 1 9 # nine\n");
     folder.write("good.obj", "v 0 0 0\nf 1 1 1\n");
     let expected = "\
-s.txt:4:25: error: in the mesh `a.obj`: line 2: a vertex needs three numbers
+s.txt:4:25: error: in the mesh `a.obj`: line 2: a vertex needs three numbers, and `x` is none
     4 | TriangleMesh { obj_file a.obj }
       |                         ^
   a.obj:2:5:

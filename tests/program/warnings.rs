@@ -72,6 +72,24 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
             "2 of the 3 triangles of the mesh have no area\n  hint: no ray hits a triangle whose corners lie on one line",
         ),
         (
+            scene(1, "TriangleMesh { obj_file @bow.obj }"),
+            "",
+            "in the mesh `bow.obj`: line 5: the outline of the polygon crosses itself; so does that of another\n  \
+             bow.obj:5:1:\n  hint: it covers what its outline goes around, however often",
+        ),
+        (
+            scene(1, "TriangleMesh { obj_file @word.obj }"),
+            "",
+            "in the mesh `word.obj`: line 4: `face` is no keyword of OBJ, and its line is left out; so are 2 more\n  \
+             word.obj:4:1:",
+        ),
+        (
+            scene(1, "TriangleMesh { obj_file @surface.obj }"),
+            "",
+            "in the mesh `surface.obj`: line 5: a curved surface is left out\n  surface.obj:5:2:\n  \
+             hint: convert it to polygons when the mesh is exported",
+        ),
+        (
             with(&light("@DirectionalLight { direction 0 0 -1 color 0 0 0 }"), &white, BALL),
             "",
             "the light has no effect: its colour is 0 0 0",
@@ -149,6 +167,10 @@ fn view(camera: &str) -> String {
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 3 3 1\n");
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    folder.write("bow.obj", format!("{SQUARE}f 1 3 2 4\nf 1 2 3 4\nf 2 4 1 3\n"));
+    folder.write("word.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nface 1 2 3\nf 1 2 3\nface 1\n  V 1 2 3\n");
+    folder.write("surface.obj", format!("{SQUARE} surf 0 1 0 1 1 2 3 4\nf 1 2 3\n"));
     folder
 }
 
@@ -210,7 +232,7 @@ fn strict_takes_each_for_an_error_and_writes_nothing() {
         let line_of_flags = format!("-input s.txt -output o.tga -size 9 9 -strict {flags}");
         let message = folder.run(&line_of_flags).message(1);
         assert!(message.starts_with(&format!("s.txt:{line}:{column}: error: ")), "{message}");
-        assert_eq!(folder.names(), ["flat.obj", "s.txt"], "{marked}");
+        assert_eq!(folder.names(), ["bow.obj", "flat.obj", "s.txt", "surface.obj", "word.obj"], "{marked}");
     }
     folder.write("s.txt", sphere());
     let message = folder.run("-input s.txt -strict").message(1);

@@ -2,8 +2,8 @@
 //! "Polygons Have Ears", American Mathematical Monthly 82(6), 1975).
 //!
 //! An edge keeps every triangle from being cut off that has an edge which it crosses. So an outline that crosses itself
-//! is never used up, and one that is used up is covered. Corners may touch other corners and edges, and two edges may
-//! lie on each other, as where a hole is joined to the outside.
+//! is never used up, and one that is used up is covered. Corners may touch other corners and edges, and an edge may lie
+//! on one in the other direction, as where a hole is joined to the outside.
 
 use super::box_tree::{BoxTree, Rectangle};
 use super::outline::{Corner, Ring};
@@ -120,11 +120,12 @@ impl Clipping {
     }
 
     fn fate(&self, corner: usize) -> Fate {
-        let triangle = [self.before[corner], corner, self.after[corner]].map(|corner| self.point(corner));
+        let around = [self.before[corner], corner, self.after[corner]];
+        let triangle = around.map(|corner| self.point(corner));
         let [a, b, c] = triangle;
         match self.projection.orientation(triangle) {
             0 if !self.projection.is_between(b, [a, c]) => Fate::Spike,
-            1 if !self.is_entered(triangle) => Fate::Ear,
+            1 if !self.is_entered(around) => Fate::Ear,
             _ => Fate::Stays,
         }
     }
@@ -141,16 +142,32 @@ impl Clipping {
         self.wait(after);
     }
 
-    /// Whether any edge enters the inside of a triangle, or has a corner on its third side, which is to become an edge.
-    fn is_entered(&self, triangle: [DVec3; 3]) -> bool {
+    /// Whether any edge enters the inside of the triangle of three corners in a row, lies on one of its edges in the same
+    /// direction, or has a corner on its third side, which is to become an edge.
+    fn is_entered(&self, around: [usize; 3]) -> bool {
+        let triangle = around.map(|corner| self.point(corner));
         let rectangle = Rectangle::around(triangle.map(|corner| self.projection.of(corner)));
         self.edges.any(rectangle, &|corner| {
             let edge = [corner, self.after[corner]].map(|end| self.point(end));
             let side = [triangle[0], triangle[2]];
+            let goes_along = |place| self.goes_along(corner, [around[place], around[place + 1]]);
             let is_on_side = self.projection.orientation([side[0], side[1], edge[0]]) == 0
                 && self.projection.is_between(edge[0], side);
-            is_on_side || self.enters(edge, triangle)
+            is_on_side || self.enters(edge, triangle) || goes_along(0) || goes_along(1)
         })
+    }
+
+    /// Whether the edge from a corner lies on another edge, in the same direction. Then the outline goes around what is
+    /// beside them twice.
+    fn goes_along(&self, corner: usize, other: [usize; 2]) -> bool {
+        let [p, q] = [corner, self.after[corner]].map(|end| self.point(end));
+        let [s, t] = other.map(|end| self.point(end));
+        let [edge, along] = [[p, q], [s, t]].map(|[from, to]| self.projection.directions([from, to]));
+        corner != other[0]
+            && edge == along
+            && self.projection.orientation([s, t, p]) == 0
+            && self.projection.orientation([s, t, q]) == 0
+            && self.projection.overlap([p, q], [s, t])
     }
 
     /// Whether an edge has a point inside of a triangle, that is, whether no line separates them: neither one along a

@@ -56,6 +56,7 @@ pub fn triangulate(corners: &[DVec3]) -> Result<Triangulation, NoMemory> {
         Some(triangles) => Ok(triangles.into()),
         None => trapezoids::triangulation(&ring, projection, corners.len()),
     }
+    .and_then(|found| if found.triangles.is_empty() { whole_fan(corners.len()) } else { Ok(found) })
 }
 
 /// The triangles around the first corner, whether or not they have an area.

@@ -56,6 +56,25 @@ impl Projection {
         is_within(ax, p[0], bx) || is_within(ay, p[1], by)
     }
 
+    /// In which direction a projected edge goes along each of the two axes: -1, 0 or 1.
+    pub fn directions(self, edge: [DVec3; 2]) -> [i32; 2] {
+        let [from, to] = edge.map(|end| self.of(end));
+        [0, 1].map(|axis| i32::from(from[axis] < to[axis]) - i32::from(from[axis] > to[axis]))
+    }
+
+    /// Whether two edges on one projected line have more than a point in common.
+    pub fn overlap(self, one: [DVec3; 2], other: [DVec3; 2]) -> bool {
+        let [[a, b], [c, d]] = [one, other].map(|edge| edge.map(|end| self.of(end)));
+        let has_common = |axis: usize| {
+            let (lower, upper) = (
+                a[axis].min(b[axis]).max(c[axis].min(d[axis])),
+                a[axis].max(b[axis]).min(c[axis].max(d[axis])),
+            );
+            lower < upper
+        };
+        has_common(0) || has_common(1)
+    }
+
     /// The exact sign of the projected area that an outline goes around: 1 if it turns to the left on the whole.
     pub fn turn(self, corners: &[Corner]) -> i32 {
         let mut area = ExactSum::default();

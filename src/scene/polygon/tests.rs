@@ -261,6 +261,36 @@ fn an_outline_that_crosses_itself_covers_what_it_goes_around() {
 }
 
 #[test]
+fn an_outline_that_goes_around_twice_covers_once() {
+    let twice = |corners: &[[f64; 2]]| [corners, corners].concat();
+    check_area(&twice(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]), 2.0, true, "a triangle");
+    let dart = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.5, 2.0]];
+    check_area(&twice(&dart), 5.0, true, "a dart");
+    // The second time with one corner more.
+    let more = [
+        &[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]][..],
+        &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 2.0]],
+    ];
+    check_area(&more.concat(), 4.0, true, "a square and a half of it");
+}
+
+#[test]
+fn triangles_turn_as_the_outline_does() {
+    let pentagram = [[0.0, 0.0], [3.0, 2.0], [-1.0, 2.0], [2.0, 0.0], [1.0, 3.0]];
+    let dart = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.5, 2.0]];
+    for corners in [&pentagram[..], &dart] {
+        for order in all_orders(&flat(corners)) {
+            let turn = area_vector(&order).z.signum();
+            let (triangles, _) = triangles(&order);
+            assert!(triangles.iter().all(|triangle| area_vector(triangle).z * turn > 0.0), "{order:?}");
+        }
+    }
+    // Each half of an eight turns in its own direction.
+    let (halves, _) = triangles(&flat(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]));
+    assert!(halves.iter().all(|half| (area_vector(half).z > 0.0) == (half.iter().any(|p| p.x < 1.0))));
+}
+
+#[test]
 fn a_polygon_without_area_is_a_fan_without_area() {
     let [a, b, c] = [DVec3::ZERO, DVec3::new(0.125, 0.75, 0.375), DVec3::new(0.375, 2.25, 1.125)];
     assert!(predicate_is_zero([a, b, 3.0 * b]));

@@ -16,7 +16,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-empty.txt -output o.tga",
         1,
-        "m-empty.txt:5:25: error: in the mesh `empty.obj`: the mesh has no faces",
+        "m-empty.txt:5:25: error: in the mesh `empty.obj`: the mesh has no faces: the file is empty",
     ),
     (
         "r -input m-vertices.txt -output o.tga",
@@ -26,7 +26,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-word.txt -output o.tga",
         1,
-        "m-word.txt:5:25: error: in the mesh `word.obj`: line 1: a vertex needs three numbers",
+        "m-word.txt:5:25: error: in the mesh `word.obj`: line 1: a vertex needs three numbers, and `zero` is none",
     ),
     (
         "r -input m-short.txt -output o.tga",
@@ -56,12 +56,12 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-letters.txt -output o.tga",
         1,
-        "m-letters.txt:5:25: error: in the mesh `letters.obj`: line 4: a face needs vertex indices such as `1 2 3`",
+        "m-letters.txt:5:25: error: in the mesh `letters.obj`: line 4: a face needs vertex indices such as `1 2 3`, and `a` is none",
     ),
     (
         "r -input m-big-index.txt -output o.tga",
         1,
-        "m-big-index.txt:5:25: error: in the mesh `big-index.obj`: line 4: a face needs vertex indices such as `1 2 3`",
+        "m-big-index.txt:5:25: error: in the mesh `big-index.obj`: line 4: a face names a vertex that does not exist; the mesh has 3",
     ),
     (
         "r -input m-nan.txt -output o.tga",
@@ -81,7 +81,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-weightless.txt -output o.tga",
         1,
-        "m-weightless.txt:5:25: error: in the mesh `weightless.obj`: line 1: a vertex needs three numbers",
+        "m-weightless.txt:5:25: error: in the mesh `weightless.obj`: line 1: a vertex has the weight 0",
     ),
     (
         "r -input m-latin1.txt -output o.tga",
@@ -91,12 +91,12 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-binary.txt -output o.tga",
         1,
-        "m-binary.txt:5:25: error: in the mesh `binary.obj`: the mesh has no faces",
+        "m-binary.txt:5:25: error: in the mesh `binary.obj`: the file is binary, not OBJ",
     ),
     (
         "r -input m-continued-index.txt -output o.tga",
         1,
-        "m-continued-index.txt:5:25: error: in the mesh `continued-index.obj`: line 4: a face names",
+        "m-continued-index.txt:5:25: error: in the mesh `continued-index.obj`: line 5: a face names",
     ),
     (
         "r -input m-continued-later.txt -output o.tga",
@@ -121,6 +121,6 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-long-line.txt -output o.tga",
         1,
-        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs at least three vertices",
+        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs vertex indices such as `1 2 3`, and `xxx",
     ),
 ];

@@ -113,7 +113,7 @@ fn odd_meshes() -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("marked", [b"\xef\xbb\xbf".to_vec(), after("f 1 2 3\n")].concat()),
         ("no-end", after("f 1 2 3")),
-        ("polygon", after("v 2 2 0\nf 1 2 3 4\n")),
+        ("polygon", after("v -2 2 0\nf 1 2 3 4\n")),
         ("groups", after("g one\no two\ns off\nusemtl gone\nmtllib gone.mtl\nf -3 -2 -1\n")),
         ("curves", after("l 1 2\np 1\ncurv 0 1 1 2\nf 1 2 3\n")),
         ("long-line", after(&format!("f {}\n", "x".repeat(100_000)))),
