@@ -135,7 +135,7 @@ pub enum Problem {
         /// The file.
         file: String,
         /// The error in it.
-        error: MeshError,
+        error: Box<MeshError>,
         /// The line of the file with a caret; empty for an error of the whole file.
         excerpt: String,
     },
@@ -178,7 +178,7 @@ impl Problem {
             return Self::Memory(refused);
         }
         let excerpt = error.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default();
-        Self::BadMesh { file, error, excerpt }
+        Self::BadMesh { file, error: Box::new(error), excerpt }
     }
 
     /// Advice in one line on what is wrong in a mesh file, if there is any.

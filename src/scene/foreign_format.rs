@@ -162,7 +162,7 @@ mod tests {
         for (bytes, expected) in [
             (&b"\xff\xfev\0 \0"[..], Format::WideText),
             (b"\xfe\xff\0v\0 ", Format::WideText),
-            (b"v\0 \0001\0", Format::WideText),
+            (b"v\0 \0x\0", Format::WideText),
             (b"\0#\0 ", Format::WideText),
             (&stl, Format::Model("binary STL")),
             (b"solid cube\n facet normal 0 0 1\n", Format::Model("STL")),

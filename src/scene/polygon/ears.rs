@@ -93,27 +93,19 @@ impl Clipping {
     /// All ears, if they use up the outline.
     fn ears(&mut self) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
         let mut ears = with_room(self.corners.len())?;
-        let mut left_before = usize::MAX;
-        // A corner is looked at again when a neighbour goes. That finds all ears of most outlines, and another round
-        // finds out for the others.
-        while self.left > 2 && self.left < left_before {
-            left_before = self.left;
-            (0..self.corners.len()).filter(|&k| self.is_left[k]).for_each(|k| {
-                self.is_waiting[k] = true;
-                self.waiting.push_back(k);
-            });
-            while let Some(corner) = self.waiting.pop_front()
-                && self.left > 2
-            {
-                self.is_waiting[corner] = false;
-                let fate = if self.is_left[corner] { self.fate(corner) } else { Fate::Stays };
-                if let Fate::Ear = fate {
-                    let triangle = [self.before[corner], corner, self.after[corner]];
-                    ears.push(triangle.map(|corner| self.corners[corner].index));
-                }
-                if let Fate::Ear | Fate::Spike = fate {
-                    self.remove(corner);
-                }
+        (0..self.corners.len()).for_each(|corner| self.wait(corner));
+        // Whether a triangle can be cut off changes only when a neighbour goes.
+        while let Some(corner) = self.waiting.pop_front()
+            && self.left > 2
+        {
+            self.is_waiting[corner] = false;
+            let fate = if self.is_left[corner] { self.fate(corner) } else { Fate::Stays };
+            if let Fate::Ear = fate {
+                let triangle = [self.before[corner], corner, self.after[corner]];
+                ears.push(triangle.map(|corner| self.corners[corner].index));
+            }
+            if let Fate::Ear | Fate::Spike = fate {
+                self.remove(corner);
             }
         }
         Ok((self.left <= 2).then_some(ears))
@@ -142,7 +134,7 @@ impl Clipping {
         self.wait(after);
     }
 
-    /// Whether any edge enters the inside of the triangle of three corners in a row, lies on one of its edges in the same
+    /// Whether any edge enters the inside of the triangle of three corners in a row, lies on one of its sides in the same
     /// direction, or has a corner on its third side, which is to become an edge.
     fn is_entered(&self, around: [usize; 3]) -> bool {
         let triangle = around.map(|corner| self.point(corner));
@@ -150,10 +142,10 @@ impl Clipping {
         self.edges.any(rectangle, &|corner| {
             let edge = [corner, self.after[corner]].map(|end| self.point(end));
             let side = [triangle[0], triangle[2]];
-            let goes_along = |place| self.goes_along(corner, [around[place], around[place + 1]]);
+            let goes_along = |place: usize| self.goes_along(corner, [around[place], around[(place + 1) % 3]]);
             let is_on_side = self.projection.orientation([side[0], side[1], edge[0]]) == 0
                 && self.projection.is_between(edge[0], side);
-            is_on_side || self.enters(edge, triangle) || goes_along(0) || goes_along(1)
+            is_on_side || self.enters(edge, triangle) || (0..3).any(goes_along)
         })
     }
 
@@ -179,9 +171,7 @@ impl Clipping {
         if [[a, b], [b, c], [c, a]].into_iter().any(is_outside) {
             return false;
         }
-        // The two ends of an edge may be one point in the projection.
         let sides = triangle.map(|corner| orientation([p, q, corner]));
-        let is_point = self.projection.of(p) == self.projection.of(q);
-        is_point || (sides.contains(&1) && sides.contains(&-1))
+        sides.contains(&1) && sides.contains(&-1)
     }
 }

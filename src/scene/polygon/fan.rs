@@ -42,7 +42,7 @@ fn covers(corners: &[Corner], projection: Projection) -> bool {
     for edge in corners[1..].windows(2) {
         let [from, to] = edge else { continue };
         let turn = projection.orientation([first.point, from.point, to.point]);
-        if turn * direction < 0 || side(to) == [0, 0] || (turn == 0 && is_opposite(from, to)) {
+        if turn * direction < 0 {
             return false;
         }
         direction = if direction == 0 { turn } else { direction };

@@ -177,6 +177,12 @@ fn check_area(corners: &[[f64; 2]], area: f64, crosses: bool, what: &str) {
         bits.iter_mut().for_each(|triangle| triangle.sort_unstable());
         bits.sort_unstable();
         assert!(bits.windows(2).all(|pair| pair[0] != pair[1]), "{what}: a triangle twice: {order:?}");
+        assert!(crosses || found.new_points.is_empty(), "{what}: {order:?}");
+        for point in &found.new_points {
+            // No gap is between trapezoids one above the other.
+            let level = triangles.as_flattened().iter().filter(|p| p.y == point.y && p.x != point.x);
+            assert!(level.count() > 0, "{what}: {point}");
+        }
         if crosses {
             assert_eq!(known.get_or_insert_with(|| bits.clone()), &bits, "{what}: {order:?}");
         }
@@ -255,6 +261,9 @@ fn an_outline_that_crosses_itself_covers_what_it_goes_around() {
     let inner = libm::cos(TAU / 5.0) / libm::cos(TAU / 10.0);
     let star_area = 5.0 * inner * libm::sin(TAU / 10.0);
     check_area(&pentagram, star_area, true, "a pentagram");
+    let fan = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 0.0], [4.0, 1.0], [3.0, 4.0]];
+    // Two triangles of areas 6 and 13/2 have 52/15 in common.
+    check_area(&fan, 271.0 / 30.0, true, "two triangles with a corner in common");
     let overlapping =
         [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [1.0, 3.0], [1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [0.0, 2.0]];
     check_area(&overlapping, 9.0, true, "an outline that overlaps itself");
@@ -266,6 +275,8 @@ fn an_outline_that_goes_around_twice_covers_once() {
     check_area(&twice(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]), 2.0, true, "a triangle");
     let dart = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.5, 2.0]];
     check_area(&twice(&dart), 5.0, true, "a dart");
+    let one_edge = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 0.0], [2.0, 0.0], [1.0, 3.0]];
+    check_area(&one_edge, 3.0, true, "two triangles with an edge in common");
     // The second time with one corner more.
     let more = [
         &[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]][..],
@@ -288,6 +299,43 @@ fn triangles_turn_as_the_outline_does() {
     // Each half of an eight turns in its own direction.
     let (halves, _) = triangles(&flat(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]));
     assert!(halves.iter().all(|half| (area_vector(half).z > 0.0) == (half.iter().any(|p| p.x < 1.0))));
+}
+
+#[test]
+fn corners_within_edges_are_corners_of_triangles() {
+    let rng = &mut Rng(5);
+    let u = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let middle = |k: usize| [0, 1].map(|axis| (u[k][axis] + u[(k + 1) % 8][axis]) / 2.0);
+    let more: Vec<[f64; 2]> = (0..8).flat_map(|k| [u[k], middle(k)]).collect();
+    for order in all_orders(&flat(&more)).into_iter().chain(all_orders(&placed(rng, &more))) {
+        let (triangles, _) = triangles(&order);
+        assert_eq!(triangles.len(), order.len() - 2, "{order:?}");
+        assert!(order.iter().all(|corner| triangles.as_flattened().contains(corner)), "{order:?}");
+    }
+}
+
+/// A corner on an edge is off it by the rounding of a turned polygon, which is no crossing.
+#[test]
+fn rounding_makes_no_crossing() {
+    let corner = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [1.0, 0.0], [0.0, 4.0]];
+    let edge = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [3.0, 0.0], [1.0, 0.0], [0.0, 4.0]];
+    for (touching, area) in [(&corner[..], 8.0), (&edge, 4.0)] {
+        for k in 0..200 {
+            let turn = DMat3::from_rotation_z(f64::from(k));
+            let corners: Vec<DVec3> = flat(touching).into_iter().map(|corner| turn * corner).collect();
+            let (triangles, found) = triangles(&corners);
+            let [_, size] = areas(&triangles, DVec3::Z);
+            assert!(!found.crosses_itself && (size / 2.0 - area).abs() < 1e-13, "{k}: {size}");
+        }
+    }
+}
+
+#[test]
+fn the_smallest_crossing_has_triangles() {
+    let (one, next) = (1.0, 1.0_f64.next_up());
+    for order in all_orders(&flat(&[[one, one], [next, next], [next, one], [one, next]])) {
+        assert!(!triangulate(&order).unwrap().triangles.is_empty(), "{order:?}");
+    }
 }
 
 #[test]
@@ -360,6 +408,17 @@ fn a_fan_stays_where_it_is_right() {
     for order in all_orders(&hexagon) {
         assert_eq!(triangulate(&order).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
     }
+    // Its first corner is on an edge, so that the last is opposite to the second.
+    let flat_corner = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]]);
+    assert_eq!(triangulate(&flat_corner).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    // The second corner is behind the first, where no direction tells how far the others go around.
+    let around: Vec<DVec3> =
+        [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -0.5], [0.0, 1.0]]
+            .iter()
+            .enumerate()
+            .map(|(k, &[x, y])| DVec3::new(x, y, if k == 1 { 0.1 } else { 0.0 }))
+            .collect();
+    assert!(triangulate(&around).unwrap().crosses_itself);
     // A triangle of it without area is left out; one that is flat only in the projection is not.
     let square = |y: f64| {
         [DVec3::ZERO, DVec3::new(1.0, y, 0.0), 2.0 * DVec3::X, DVec3::new(2.0, 0.0, 2.0), 2.0 * DVec3::Z]

@@ -5,15 +5,13 @@
 use super::Triangulation;
 use super::outline::{Corner, Ring};
 use super::projection::Projection;
-use crate::math::exact_sum::ExactSum;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::memory::{NoMemory, collected, filled, make_room, push};
 use glam::DVec3;
-use std::cmp::Ordering;
 
 /// The number of edges in all strips, and of pairs of edges, after which an outline counts as too tangled: then a fan
-/// around its first corner stands for it. The time is a few seconds at most.
-const MOST_WORK: usize = 1 << 28;
+/// around its first corner stands for it. That bounds the time by a second or two.
+const MOST_WORK: usize = 1 << 25;
 
 /// The trapezoids with a winding number other than zero, as triangles. New points are numbered from `corners`, the
 /// number of the polygon's corners, on.
@@ -37,15 +35,15 @@ pub fn triangulation(ring: &Ring, projection: Projection, corners: usize) -> Res
             return fan(&ring.corners);
         }
         let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
-        active.sort_by(|&a, &b| in_order(&edges[a], &edges[b], middle));
+        active.sort_by(|&a, &b| edges[a].at(middle).total_cmp(&edges[b].at(middle)));
         let inside = intervals(&active, &edges, strip, &mut wrong)?;
         cover.go_on(inside, strip[0])?;
     }
     cover.go_on(vec![], heights.last().copied().unwrap_or(0.0))?;
     let length: f64 =
         edges.iter().map(|edge| edge.high[1] - edge.low[1] + (edge.high[0] - edge.low[0]).abs()).sum();
-    // Every corner may be off by half an ulp in each of two coordinates, whose magnitudes are below 1.
-    let rounding = 4.0 * UNIT_ROUNDOFF * length;
+    // A corner may be off by a rounding of each coordinate, and an edge within a strip by eleven, of magnitudes below 1.
+    let rounding = 32.0 * UNIT_ROUNDOFF * length;
     Ok(Triangulation { crosses_itself: wrong.area() > rounding, ..cover.found })
 }
 
@@ -122,8 +120,8 @@ fn heights(edges: &[Edge], projection: Projection) -> Result<Option<Vec<f64>>, N
             work += 1;
             if let Some(height) = crossing(edge, other, projection) {
                 push(&mut heights, height)?;
-                // A strip more has as many edges as there are, at most.
-                work += edges.len() / 16;
+                // Of one strip more.
+                work += edges.len() / 4;
             }
             if work > MOST_WORK {
                 return Ok(None);
@@ -155,28 +153,6 @@ fn crossing(one: &Edge, other: &Edge, projection: Projection) -> Option<f64> {
     // A NaN, from edges that are nearly parallel, becomes the lower bound.
     let height = one.low[1] + t * along[1];
     Some(height.max(one.low[1]).max(other.low[1]).min(one.high[1]).min(other.high[1]))
-}
-
-/// The order of two edges from left to right at a height that both have. It is exact.
-fn in_order(a: &Edge, b: &Edge, height: f64) -> Ordering {
-    let size = |edge: &Edge| edge.low[0].abs().max(edge.high[0].abs());
-    // A rounding each for the difference of heights, that of ends, their quotient, its complement, two products and
-    // their sum, of numbers that are at most as large as the ends.
-    let bound = 16.0 * UNIT_ROUNDOFF * (size(a) + size(b)) + f64::MIN_POSITIVE;
-    let distance = a.at(height) - b.at(height);
-    if distance.abs() > bound {
-        return distance.total_cmp(&0.0);
-    }
-    let mut sum = ExactSum::default();
-    for (edge, other, sign) in [(a, b, 1.0), (b, a, -1.0)] {
-        for (end, other_end, side) in [(edge.low, edge.high, sign), (edge.high, edge.low, -sign)] {
-            for (top, height_sign) in [(other.high[1], 1.0), (other.low[1], -1.0)] {
-                sum.add_product([side * end[0], other_end[1], height_sign * top]);
-                sum.add_product([-side * end[0], height, height_sign * top]);
-            }
-        }
-    }
-    sum.value().sign().cmp(&0)
 }
 
 /// A part of a strip that the outline goes around.
@@ -211,7 +187,7 @@ fn intervals(
 ) -> Result<Vec<Interval>, NoMemory> {
     let (mut found, mut winding, mut start) = (vec![], 0, None);
     let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
-    let is_same = |&a: &usize, &b: &usize| in_order(&edges[a], &edges[b], middle) == Ordering::Equal;
+    let is_same = |&a: &usize, &b: &usize| edges[a].at(middle) == edges[b].at(middle);
     let mut groups = active.chunk_by(is_same).peekable();
     while let Some(group) = groups.next() {
         let before: i32 = winding;
