@@ -409,7 +409,7 @@ fn a_fan_stays_where_it_is_right() {
         assert_eq!(triangulate(&order).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
     }
     // Its first corner is on an edge, so that the last is opposite to the second.
-    let flat_corner = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]]);
+    let flat_corner = flat(&[[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]);
     assert_eq!(triangulate(&flat_corner).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
     // The second corner is behind the first, where no direction tells how far the others go around.
     let around: Vec<DVec3> =
