@@ -4,6 +4,7 @@
 //!
 //! The relative error of every operation is below 2^-100.
 
+use super::exact_product::exact_product;
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
@@ -25,6 +26,12 @@ impl Dd {
     /// The two floats, the low part first.
     pub fn parts(self) -> [f64; 2] {
         [self.low, self.high]
+    }
+
+    /// The number times 2 to the power of `exponent`, without an error unless it overflows or underflows.
+    pub fn times_exp2(self, exponent: i32) -> Self {
+        let [low, high] = self.parts().map(|part| libm::ldexp(part, exponent));
+        Self { high, low }
     }
 
     /// The number rounded to the nearest float.
@@ -58,8 +65,7 @@ impl Sub for Dd {
 impl Mul for Dd {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let high = self.high * other.high;
-        let rounding = self.high.mul_add(other.high, -high);
+        let [high, rounding] = exact_product(self.high, other.high);
         renormalized(high, rounding + (self.high * other.low + self.low * other.high))
     }
 }
@@ -88,6 +94,7 @@ pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::exact_product::with_and_without_fused;
     use num_rational::BigRational;
     use num_traits::Signed;
 
@@ -120,12 +127,14 @@ mod tests {
 
     #[test]
     fn the_relative_error_of_operations_is_below_two_to_the_minus_100() {
-        for (x, y) in sums().zip(sums().skip(7)) {
-            let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
-            assert_accurate(x + y, &exact_x + &exact_y, "sum");
-            assert_accurate(x - y, &exact_x - &exact_y, "difference");
-            assert_accurate(x * y, &exact_x * &exact_y, "product");
-        }
+        with_and_without_fused(|| {
+            for (x, y) in sums().zip(sums().skip(7)) {
+                let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
+                assert_accurate(x + y, &exact_x + &exact_y, "sum");
+                assert_accurate(x - y, &exact_x - &exact_y, "difference");
+                assert_accurate(x * y, &exact_x * &exact_y, "product");
+            }
+        });
     }
 
     #[test]

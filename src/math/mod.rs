@@ -3,6 +3,7 @@
 
 pub mod aabb;
 pub mod double_double;
+pub mod exact_product;
 pub(crate) mod exact_sum;
 pub(crate) mod exp;
 pub mod extremes;

@@ -1,6 +1,7 @@
 //! Triangles without an area, which no ray hits.
 
 use super::{Warning, known};
+use crate::math::exact_product::exact_product;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
 use glam::DVec3;
@@ -63,19 +64,21 @@ fn has_no_normal(u: DVec3, v: DVec3) -> bool {
         && are_equal_products(u.z, v.x, u.x, v.z)
 }
 
-/// Whether a b = c d without rounding: a product is the sum of its rounded value and the error, which a fused
-/// multiply-add gives.
+/// Whether a b = c d without rounding.
 fn are_equal_products(a: f64, b: f64, c: f64, d: f64) -> bool {
-    let (p, q) = (a * b, c * d);
-    p == q && a.mul_add(b, -p) == c.mul_add(d, -q)
+    exact_product(a, b) == exact_product(c, d)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::exact_product::with_and_without_fused;
 
     fn flat(corners: [[f64; 3]; 3]) -> bool {
-        is_flat(corners.map(DVec3::from_array).each_ref())
+        let mut found = vec![];
+        with_and_without_fused(|| found.push(is_flat(corners.map(DVec3::from_array).each_ref())));
+        assert_eq!(found[0], found[1], "{corners:?}");
+        found[0]
     }
 
     #[test]

@@ -15,6 +15,7 @@ use raytracer::grid::Lattice;
 use raytracer::grid::budget::{Budget, TouchedCells};
 use raytracer::grid::voxelize::of_sphere;
 use raytracer::math::aabb::Aabb;
+use raytracer::math::exact_product::exact_product;
 use raytracer::math::ray::Ray;
 use raytracer::mode::Course;
 use raytracer::scene::mesh::Mesh;
@@ -193,7 +194,8 @@ fn flat_frame() -> Mesh {
 fn excess(cells: [usize; 3]) -> f64 {
     let lattice = lattice(&world_of_mesh(&flat_frame()), cells);
     let per_unit = cells[2] as f64 / lattice.bounds.extent().z;
-    lattice.cell_size.z.mul_add(per_unit, -1.0)
+    let [product, error] = exact_product(lattice.cell_size.z, per_unit);
+    (product - 1.0) + error
 }
 
 /// Just beyond each face of the flat cells, two triangles that cross a ray upwards: a level one that lies

@@ -4,6 +4,7 @@
 //! Arithmetic", ACM TOMS 44(2), 2017). Each operation is off by less than 2^-100 of its result.
 
 use glam::DVec3;
+use raytracer::math::exact_product::exact_product;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +27,8 @@ fn fast_two_sum(a: f64, b: f64) -> Dd {
 }
 
 fn two_product(a: f64, b: f64) -> Dd {
-    let hi = a * b;
-    Dd { hi, lo: a.mul_add(b, -hi) }
+    let [hi, lo] = exact_product(a, b);
+    Dd { hi, lo }
 }
 
 impl Dd {
