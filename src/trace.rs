@@ -28,6 +28,7 @@ mod side_by_side;
 
 pub use event::{End, Event, Observer, Secondary};
 use occluders::{Occluders, Side};
+pub(crate) use optics::refracted_between;
 pub use optics::{reflected, refracted, transmittance};
 use secondary::{Branch, Path};
 use side_by_side::Cast;

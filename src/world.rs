@@ -46,6 +46,8 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// The scene's materials.
     pub materials: Vec<Material>,
+    /// Vectors along the normals of the planes, before they are rounded to unit length.
+    plane_directions: Vec<DVec3>,
     /// The lights; the directions of directional ones are unit vectors.
     pub lights: Vec<Light>,
     /// The colour of a ray that hits nothing.
@@ -106,6 +108,7 @@ impl World {
             lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
+            plane_directions: vec![],
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,

@@ -11,7 +11,7 @@ use crate::scene::{Color, MaterialId};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
-use crate::trace::{Effects, Shadows, reflected, refracted, transmittance};
+use crate::trace::{Effects, Shadows, reflected, refracted_between, transmittance};
 use crate::world::SurfacePoint;
 use glam::DVec3;
 
@@ -197,7 +197,8 @@ impl<F: Finder> Textbook<'_, F> {
         let (d, n) = (path.ray.direction, surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.phong.index_of_refraction) } else { (-n, 1.0) };
-        let ray = self.leaving(surface, refracted(d, normal, path.index / index)?);
+        let precise_normal = || self.finder.world().precise_normal(surface);
+        let ray = self.leaving(surface, refracted_between(d, normal, [path.index, index], precise_normal)?);
         Some((tint, Path { ray, exclude: surface.triangle, weight, bounces: path.bounces + 1, index }))
     }
 

@@ -29,6 +29,8 @@ pub enum Kind {
     Cosine,
     /// The point lies in a boundary of a checkerboard's squares.
     Boundary,
+    /// The ray meets a surface at the critical angle of total internal reflection.
+    Critical,
 }
 
 /// A decision that a few roundings could turn.
@@ -169,6 +171,7 @@ impl fmt::Display for CloseCall {
             Kind::Start => "within roundings the ray starts in a surface",
             Kind::End => "within roundings the ray ends in a surface",
             Kind::Cosine => "the cosine between normal and direction is 0 within roundings",
+            Kind::Critical => "the angle is that of total internal reflection within roundings",
             Kind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
         })?;
         match &self.object {

@@ -172,7 +172,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let world = self.prepared.caster().world;
         let hit = node.visible.map(|visible| world.hit(&node.ray, visible));
         let sees = hit.map(|hit| (hit.primitive, hit.t));
-        node.close_calls = self.close_calls(&node.ray, Seen { leaves, sees });
+        node.close_calls.extend(self.close_calls(&node.ray, Seen { leaves, sees }));
         let (Some(surface), Some(hit)) = (&mut node.surface, hit) else { return };
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;

@@ -1,6 +1,6 @@
 //! The tree of rays behind one sample, recorded while the tracer follows them.
 
-use super::close_call::CloseCall;
+use super::close_call::{CloseCall, Kind};
 use super::objects::{ObjectPart, TextureWeight};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::scene::material::Phong;
@@ -239,6 +239,10 @@ impl Observer for Recorder {
             }
             Event::NotFollowed { kind, end } => {
                 self.rays[self.current].ends.push(NotFollowed { kind, end });
+            }
+            Event::Critical => {
+                let call = CloseCall { kind: Kind::Critical, object: None };
+                self.rays[self.current].close_calls.push(call);
             }
             Event::Ambient(color) => {
                 if let Some(surface) = self.surface() {

@@ -94,6 +94,8 @@ pub enum Event<'e> {
         /// Why it does not.
         end: End,
     },
+    /// A few roundings could turn refraction into total reflection, or the reverse.
+    Critical,
     /// The ambient light that the surface reflects.
     Ambient(Color),
     /// A ray is cast towards a light.

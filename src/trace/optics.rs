@@ -1,5 +1,7 @@
 //! The laws of reflection, refraction and absorption.
 
+use crate::math::double_double::{Dd, cross, dot};
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::Color;
 use glam::DVec3;
 
@@ -15,16 +17,50 @@ pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - 2.0 * direction.dot(normal) * normal).normalize()
 }
 
+/// The square of a refracted ray's normal component is decided exactly where it is below this times the ratio of the
+/// indices. It is off by twice the error of the normal times that ratio, since the ratio times the sine of the angle is
+/// about 1 there, and [`triangle::normal`](crate::primitive::triangle::normal) is off by 2^-20 at most. Directions and
+/// ratios are off by no more than a few roundings.
+const CRITICAL: f64 = 1.0 / (1u64 << 18) as f64;
+
+/// So many roundings, times the ratio of the indices, are a close call between refraction and total reflection.
+const CLOSE_ROUNDINGS: f64 = 32.0;
+
 /// The direction of a refracted ray, as a unit vector; none at total internal reflection. `ratio` is the
 /// index of refraction in front of the surface over the one behind it, and `normal` points against
 /// `direction`.
+pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
+    refracted_between(direction, normal, [ratio, 1.0], || normal.to_array().map(Dd::from))
+}
+
+/// The same between two media, whose `indices` of refraction are that in front of the surface and that behind it.
+/// `precise_normal` is the normal with less rounding, of any length and to either side.
 ///
 /// The direction is computed as the sum of its tangential and its normal component, because both are then
-/// accurate at grazing incidence, where a formula that subtracts cosines suffers from cancellation. The
-/// square of the normal component is 1 - |tangential|^2, or equivalently (1 - ratio^2) + (ratio * cosine)^2.
-/// Of these two the one that subtracts the smaller number has less cancellation.
+/// accurate at grazing incidence, where a formula that subtracts cosines suffers from cancellation.
 #[inline(always)]
-pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
+pub fn refracted_between(
+    direction: DVec3,
+    normal: DVec3,
+    indices: [f64; 2],
+    precise_normal: impl FnOnce() -> [Dd; 3],
+) -> Option<DVec3> {
+    let ratio = indices[0] / indices[1];
+    let (tangential, normal_squared) = components(direction, normal, ratio);
+    let is_refracted = if normal_squared.abs() > CRITICAL * ratio {
+        normal_squared > 0.0
+    } else {
+        is_refracted_precisely(direction, precise_normal(), indices)
+    };
+    is_refracted.then(|| (tangential - normal_squared.max(0.0).sqrt() * normal).normalize())
+}
+
+/// The tangential component of a refracted ray's direction, and the square of the normal component.
+///
+/// The square is 1 - |tangential|^2, or equivalently (1 - ratio^2) + (ratio * cosine)^2. Of these two the one that
+/// subtracts the smaller number has less cancellation.
+#[inline(always)]
+fn components(direction: DVec3, normal: DVec3, ratio: f64) -> (DVec3, f64) {
     let cosine = direction.dot(normal);
     let tangential = ratio * (direction - cosine * normal);
     let normal_squared = if ratio * ratio < 1.5 {
@@ -32,5 +68,30 @@ pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
     } else {
         1.0 - tangential.length_squared()
     };
-    (normal_squared >= 0.0).then(|| (tangential - normal_squared.sqrt() * normal).normalize())
+    (tangential, normal_squared)
+}
+
+/// Whether the sine of the angle times the index in front is at most the index behind: by their squares, multiplied by
+/// those of both vectors' lengths, in double-double arithmetic. So it is decided to within 2^-96 of itself, and exactly
+/// where the products have few digits.
+#[cold]
+fn is_refracted_precisely(direction: DVec3, normal: [Dd; 3], indices: [f64; 2]) -> bool {
+    let direction = direction.to_array().map(Dd::from);
+    let across = cross(direction, normal);
+    // A common factor keeps the squares of extreme indices in range.
+    let largest = indices[0].max(indices[1]);
+    let exponent = libm::frexp(largest).1;
+    let [front, behind] = indices.map(|index| {
+        let index = Dd::from(libm::ldexp(index, -exponent));
+        index * index
+    });
+    let lengths = dot(direction, direction) * dot(normal, normal);
+    (behind * lengths - front * dot(across, across)).value() >= 0.0
+}
+
+/// Whether a few roundings could turn refraction into total reflection, or the reverse.
+pub fn is_critical(direction: DVec3, normal: DVec3, [front, behind]: [f64; 2]) -> bool {
+    let ratio = front / behind;
+    let (_, normal_squared) = components(direction, normal, ratio);
+    normal_squared.abs() <= CLOSE_ROUNDINGS * UNIT_ROUNDOFF * ratio
 }

@@ -1,7 +1,7 @@
 //! Secondary rays: which ones leave a surface, and where the last of them end.
 
 use super::event::{End, Event, Observer, Secondary};
-use super::optics::{reflected, refracted};
+use super::optics::{is_critical, reflected, refracted_between};
 use super::{Lit, Tracer};
 use crate::math::ray::Ray;
 use crate::math::robust::offset_origin;
@@ -92,7 +92,12 @@ impl<M: Mode> Tracer<'_, M> {
         let (d, n) = (lit.direction, lit.surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
-        let Some(direction) = refracted(d, normal, path.index / index) else {
+        let indices = [path.index, index];
+        if P::OBSERVES && is_critical(d, normal, indices) {
+            probe.observe(Event::Critical);
+        }
+        let precise_normal = || self.world().precise_normal(&lit.surface);
+        let Some(direction) = refracted_between(d, normal, indices, precise_normal) else {
             if P::OBSERVES {
                 probe.observe(Secondary::Refracted.ends(End::TotalReflection));
             }

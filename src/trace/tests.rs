@@ -293,9 +293,13 @@ fn snell() {
 }
 
 #[test]
-fn at_the_critical_angle_light_is_refracted_along_the_surface() {
-    let incoming = DVec3::new(0.5, -0.75f64.sqrt(), 0.0);
-    assert_eq!(refracted(incoming, DVec3::Y, 2.0), Some(DVec3::X));
+fn the_critical_angle_is_that_of_the_direction_as_it_stands() {
+    // The root is rounded down, so that the direction is flatter than 30 degrees from the surface's normal.
+    let flatter = DVec3::new(0.5, -0.75f64.sqrt(), 0.0);
+    assert_eq!(refracted(flatter, DVec3::Y, 2.0), None);
+    let steeper = flatter.with_y(flatter.y.next_down());
+    let refracted = refracted(steeper, DVec3::Y, 2.0).unwrap();
+    assert!((refracted - DVec3::X).length() < 1e-7, "{refracted}");
 }
 
 #[test]

@@ -189,14 +189,14 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        let normal = robust::unit(normal);
         push_run(&mut self.materials[3], self.world.planes.len(), material)?;
-        let plane = match placement.transform {
-            None => Plane { normal, offset },
+        let (plane, direction) = match placement.transform {
+            None => (Plane { normal: robust::unit(normal), offset }, robust::rescaled(normal)),
             Some(_) => transformed_plane(normal, offset, placement)?,
         };
         memory::push(&mut self.world.planes, plane)?;
         if !plane.normal.is_finite() {
+        memory::push(&mut self.world.plane_directions, direction)?;
             return Err(placement.error(Problem::NoNormal));
         }
         let is_in_range = plane.offset.abs() <= LARGEST;
@@ -228,14 +228,20 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A plane under the transforms around it.
-fn transformed_plane(normal: DVec3, offset: f64, placement: &Placement) -> Result<Plane, SceneError> {
+/// A plane under the transforms around it, and a vector along its normal.
+fn transformed_plane(
+    normal: DVec3,
+    offset: f64,
+    placement: &Placement,
+) -> Result<(Plane, DVec3), SceneError> {
     let linear = placement.matrix.matrix3;
     if robust::is_singular(linear) {
         return Err(placement.error(Problem::SingularTransform));
     }
-    let transformed = robust::unit(robust::transformed_normal(linear, normal));
-    Ok(Plane { normal: transformed, offset: transformed.dot(placement.world_point(offset * normal)) })
+    let unit = robust::unit(normal);
+    let transformed = robust::unit(robust::transformed_normal(linear, unit));
+    let plane = Plane { normal: transformed, offset: transformed.dot(placement.world_point(offset * unit)) };
+    Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal))))
 }
 
 /// The box of an object whose coordinates overflowed.

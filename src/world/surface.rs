@@ -1,6 +1,7 @@
 //! The surface at a hit.
 
 use super::{Primitive, World};
+use crate::math::double_double::{Dd, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::primitive::triangle;
 use crate::scene::MaterialId;
@@ -44,6 +45,23 @@ impl World {
         self.surface_with(ray, hit.t, hit.primitive, hit.weights)
     }
 
+    /// A vector along the normal of a surface, of any length and with less rounding than the unit normal: that of a
+    /// triangle follows from its corners, and that of a plane is the one before it is scaled to unit length.
+    #[cold]
+    pub(crate) fn precise_normal(&self, surface: &SurfacePoint) -> [Dd; 3] {
+        let rounded = surface.normal.to_array().map(Dd::from);
+        match surface.primitive.map(|primitive| self.primitive(primitive)) {
+            Some(Primitive::Triangle(i)) => {
+                let [a, b, c] = self.corners(i);
+                cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
+            }
+            Some(Primitive::Plane(i)) => {
+                self.plane_directions.get(i).map_or(rounded, |direction| direction.to_array().map(Dd::from))
+            }
+            _ => rounded,
+        }
+    }
+
     /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
     #[inline(always)]
     fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
@@ -66,4 +84,11 @@ impl World {
         let corners = self.corners(i);
         (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
     }
+}
+
+/// A vector times a power of two such that its largest coordinate is from 0.5 to 1.
+fn rescaled(v: [Dd; 3]) -> [Dd; 3] {
+    let largest = v.iter().map(|x| x.value().abs()).fold(0.0, f64::max);
+    let exponent = libm::frexp(largest).1;
+    v.map(|x| x.times_exp2(-exponent))
 }
