@@ -6,6 +6,7 @@
 mod builder;
 mod crossing;
 mod placement;
+mod resting_lights;
 mod solids;
 mod surface;
 pub(crate) mod surfaces;
@@ -22,6 +23,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
+use resting_lights::RestingLights;
 pub(crate) use solids::Solids;
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -44,10 +46,10 @@ pub struct World {
     pub ellipsoids: Vec<Ellipsoid>,
     /// The planes, which have the last ids.
     pub planes: Vec<Plane>,
-    /// The scene's materials.
-    pub materials: Vec<Material>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
     plane_directions: Vec<DVec3>,
+    /// The scene's materials.
+    pub materials: Vec<Material>,
     /// The lights; the directions of directional ones are unit vectors.
     pub lights: Vec<Light>,
     /// The colour of a ray that hits nothing.
@@ -64,6 +66,8 @@ pub struct World {
     material_runs: Vec<(u32, u32)>,
     /// What is known about the inside of transparent objects.
     pub(crate) solids: Arc<Solids>,
+    /// The point lights that lie on triangles.
+    resting_lights: RestingLights,
 }
 
 /// A primitive by its kind and its index in the world's list of that kind.
@@ -104,22 +108,29 @@ impl World {
             spheres: vec![],
             ellipsoids: vec![],
             planes: vec![],
+            plane_directions: vec![],
             materials: memory::copied(&scene.materials)?,
             lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
-            plane_directions: vec![],
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
             material_runs: vec![],
             solids: Arc::default(),
+            resting_lights: RestingLights::default(),
         })
     }
 
     /// The number of primitives with finite bounds: all but the planes.
     pub fn finite_count(&self) -> usize {
         self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+    }
+
+    /// The triangles that the light with this index lies on: in their inside, on an edge or at a corner.
+    #[inline(always)]
+    pub fn triangles_at_light(&self, light: usize) -> &[u32] {
+        self.resting_lights.triangles(light)
     }
 
     /// The primitive with this id.

@@ -6,13 +6,14 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// The sections of the table: the titles and the numbers of the cases.
-const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 6] = [
+const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 7] = [
     ("Triangles: watertightness and decisions", 1..=20),
     ("Grid", 21..=32),
     ("Spheres and planes", 33..=39),
     ("Secondary rays", 40..=46),
     ("Transforms and invariance of the scene", 47..=52),
     ("Shading, textures, output", 53..=64),
+    ("Exact coincidences", 65..=66),
 ];
 
 const INTRO: &str = include_str!("introduction.md");

@@ -109,11 +109,11 @@ impl<F: Finder> Textbook<'_, F> {
         let normal = if from_within { -surface.normal } else { surface.normal };
         let world = self.finder.world();
         let mut color = self.number(self.number(world.ambient) * self.number(material.phong.diffuse));
-        for light in &world.lights {
+        for (index, light) in world.lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
             if cosine > 0.0 {
-                let passed = self.light_passed(surface, &light);
+                let passed = self.light_passed(surface, &light, index);
                 let light = Incident { color: self.number(light.color), ..light };
                 let lit = self.number(passed * material.reflect(&light, cosine, normal, -path.ray.direction));
                 color = self.number(color + self.clamped_by(Rule::LightsClamped, lit));
@@ -122,7 +122,7 @@ impl<F: Finder> Textbook<'_, F> {
         color
     }
 
-    fn light_passed(&self, surface: &SurfacePoint, light: &Incident) -> Color {
+    fn light_passed(&self, surface: &SurfacePoint, light: &Incident, index: usize) -> Color {
         let ends = !self.breaks(Rule::ShadowsFromBehindLight);
         let t_max = if ends { light.distance } else { f64::INFINITY };
         let ray = Ray { t_max, ..self.leaving(surface, light.direction) };
@@ -130,7 +130,8 @@ impl<F: Finder> Textbook<'_, F> {
             Shadows::None => Color::ONE,
             Shadows::Transparent => self.filtered(ray),
             Shadows::Opaque => {
-                let is_blocked = self.finder.is_blocked(&ray, surface.triangle);
+                let is_at_triangle = !self.finder.world().triangles_at_light(index).is_empty();
+                let is_blocked = is_at_triangle || self.finder.is_blocked(&ray, surface.triangle);
                 if is_blocked { Color::ZERO } else { Color::ONE }
             }
         }

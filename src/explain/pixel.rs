@@ -184,9 +184,9 @@ impl<'p, 'r> Explainer<'p, 'r> {
         if self.is_in_boundary(surface) {
             node.close_calls.push(CloseCall { kind: Kind::Boundary, object: None });
         }
-        for light in &mut surface.lights {
+        for (index, light) in surface.lights.iter_mut().enumerate() {
             let Some(shadow) = &mut light.shadow else { continue };
-            self.annotate_shadow(shadow, hit.primitive);
+            self.annotate_shadow(shadow, index, hit.primitive);
             if is_about_zero(light.cosine) {
                 shadow.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
             }
@@ -202,7 +202,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         })
     }
 
-    fn annotate_shadow(&self, shadow: &mut Shadow, leaves: u32) {
+    fn annotate_shadow(&self, shadow: &mut Shadow, light: usize, leaves: u32) {
         let caster: &Caster<Course> = self.prepared.caster();
         let world = caster.world;
         for crossing in &mut shadow.crossed {
@@ -217,7 +217,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, Seen { leaves: Some(leaves), sees });
         if shadow.crossed.is_empty() {
-            shadow.blocker = sees.map(|(primitive, t)| Blocker { object: self.objects.of(primitive), t });
+            // A light on a triangle is behind it, whether or not the ray's roundings let it meet the triangle.
+            let at_light =
+                world.triangles_at_light(light).first().map(|&triangle| (triangle, shadow.ray.t_max));
+            let blocker = sees.or(at_light);
+            shadow.blocker = blocker.map(|(primitive, t)| Blocker { object: self.objects.of(primitive), t });
         }
     }
 

@@ -4,13 +4,15 @@ use super::event::{Event, Observer};
 use super::occluders::{Occluders, Side};
 use super::optics::transmittance;
 use super::{Lit, Shadows, Tracer};
+use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::mode::Mode;
 use crate::raster::Blocker;
-use crate::scene::Color;
 use crate::scene::limits::LARGEST;
+use crate::scene::{Color, Light};
 use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
+use crate::shading::texture::material_at;
 use crate::world::SurfacePoint;
 
 impl<M: Mode> Tracer<'_, M> {
@@ -27,6 +29,12 @@ impl<M: Mode> Tracer<'_, M> {
             return Color::ONE;
         }
         probe.shadow_ray();
+        // A ray to a light that lies on a triangle ends there, so that roundings would decide whether it is blocked.
+        let at_light = self.world().triangles_at_light(index);
+        let is_shadowed = !at_light.is_empty() && self.any_is_opaque(at_light, index);
+        if is_shadowed && !M::AS_COURSE && !P::OBSERVES {
+            return Color::ZERO;
+        }
         let blocker = self.blocker(&lit.surface, index, side);
         // The ray leaves the only plane.
         if blocker == Blocker::Nothing && self.caster.has_no_plane_but(lit.surface.primitive) {
@@ -39,7 +47,8 @@ impl<M: Mode> Tracer<'_, M> {
             probe.observe(Event::ShadowRay(ray));
         }
         if self.effects.shadows == Shadows::Transparent {
-            return self.filtered(ray, probe);
+            let passed = self.filtered(ray, lit, (at_light, index), probe);
+            return if is_shadowed { Color::ZERO } else { passed };
         }
         let leaves = lit.surface.primitive;
         let is_blocked = match blocker {
@@ -54,7 +63,27 @@ impl<M: Mode> Tracer<'_, M> {
             }
             Blocker::Nothing => self.caster.meets_plane(&ray, leaves, probe),
         };
-        if is_blocked { Color::ZERO } else { Color::ONE }
+        if is_blocked || is_shadowed { Color::ZERO } else { Color::ONE }
+    }
+
+    /// Whether one of the triangles that the light with this index lies on lets nothing of it through. Shadows that are
+    /// not tinted take all of them to be opaque.
+    #[cold]
+    fn any_is_opaque(&self, at_light: &[u32], index: usize) -> bool {
+        self.effects.shadows == Shadows::Opaque
+            || at_light.iter().any(|&triangle| self.tint_at_light(triangle, index) == Color::ZERO)
+    }
+
+    /// The transparent colour of a triangle where the light with this index lies on it.
+    fn tint_at_light(&self, triangle: u32, index: usize) -> Color {
+        let Caster { world, instructions, .. } = *self.caster;
+        let (Some(&Light::Point { position, .. }), material) =
+            (world.lights.get(index), world.material_of(triangle))
+        else {
+            return Color::ZERO;
+        };
+        let mut mixture = Mixture::default();
+        material_at(&world.materials, material, position, instructions, &mut mixture).phong.transparent
     }
 
     /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere.
@@ -70,10 +99,27 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
     /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
-    fn filtered<P: Observer>(&self, mut ray: Ray, probe: &mut P) -> Color {
+    ///
+    /// The triangles that the light lies on are left behind at the light if the ray was within an object before. So it
+    /// does not matter which of them the ray meets by its roundings.
+    fn filtered<P: Observer>(
+        &self,
+        mut ray: Ray,
+        lit: &Lit,
+        (at_light, index): (&[u32], usize),
+        probe: &mut P,
+    ) -> Color {
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
+        let mut is_within = lit.surface.normal.dot(ray.direction) < 0.0;
+        // The way since the last surface, up to where the ray starts now.
+        let mut way = 0.0;
         while let Some(hit) = self.caster.closest(&ray, probe) {
             let surface = self.world().surface(&ray, &hit);
+            if at_light.contains(&hit.primitive) {
+                way += hit.t;
+                ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
+                continue;
+            }
             let tint = self.material(&surface, &mut mixture).phong.transparent;
             let leaves = surface.normal.dot(ray.direction) >= 0.0;
             if P::OBSERVES {
@@ -82,11 +128,20 @@ impl<M: Mode> Tracer<'_, M> {
             if tint == Color::ZERO {
                 return Color::ZERO;
             }
+            is_within = !leaves;
             if leaves {
-                passed = (passed * transmittance(tint, hit.t)).min(Color::splat(LARGEST));
+                passed = (passed * transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
             }
+            way = 0.0;
             ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
         }
-        passed
+        match at_light {
+            [triangle, ..] if is_within => {
+                let tint = self.tint_at_light(*triangle, index);
+                let way = way + ray.t_max.max(0.0);
+                (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
+            }
+            _ => passed,
+        }
     }
 }

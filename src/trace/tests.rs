@@ -324,3 +324,40 @@ fn the_normal_component_is_accurate_near_the_critical_angle() {
         assert!((inward - rest).abs() <= error_bound, "{ratio}: {inward} {rest}");
     }
 }
+
+/// The light lies on a face, an edge or a corner of a glass box. Its way to the floor is tinted by its length within the
+/// box, whichever faces the ray meets by its roundings.
+#[test]
+fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
+    for light in [[1.0, 0.3, 1.0], [0.2, 0.3, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [0.0, -1.0, -1.0]] {
+        let [x, y, z] = light;
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 size 1 }}
+             Lights {{ numLights 1 PointLight {{ position {x} {y} {z} color 1 1 1 }} }} Group {{ numObjects 2
+             Material {{ diffuseColor 1 1 1 }} Plane {{ normal 0 0 1 offset -3 }}
+             Material {{ transparentColor .5 .25 .75 indexOfRefraction 1 }} Box {{ min -1 -1 -1 max 1 1 1 }} }}"
+        );
+        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+        let caster = Caster::new(&world, None).unwrap();
+        let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
+        let tracer = Tracer { caster: &caster, effects, shadow_maps: None };
+        let (light, mut within) = (DVec3::from_array(light), 0);
+        for i in 0..400 {
+            let turn = f64::from(i);
+            let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
+            let ray = Ray::new(target + 0.5 * DVec3::Z, -DVec3::Z);
+            let hit = caster.closest(&ray, &mut Quiet).unwrap();
+            let surface = world.surface(&ray, &hit);
+            let color = tracer.color(&ray, Some(&surface), &mut Memory::default(), &mut Quiet);
+            // The part of the way from 0 at the floor to 1 at the light that lies between the box's sides.
+            let way = light - target;
+            let [a, b] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - target) / way);
+            let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element().min(1.0));
+            let length = (leaves - enters).max(0.0) * way.length();
+            within += usize::from(length > 0.1);
+            let expected = transmittance(DVec3::new(0.5, 0.25, 0.75), length) * (way.z / way.length());
+            assert!((color - expected).length() < 1e-9, "{light} {target}: {color} {expected}");
+        }
+        assert_eq!(within > 50, light.z > 0.0, "{within}");
+    }
+}

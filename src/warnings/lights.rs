@@ -19,6 +19,8 @@ pub enum Reason {
     NegativeAttenuation,
     /// Its attenuation leaves less than a quarter of a level at the nearest object.
     TooFar,
+    /// It lies on a triangle, which shadows everything.
+    OnSurface,
     /// It stands inside a sphere that shadows everything else.
     Enclosed {
         /// The line of the sphere, if known.
@@ -34,6 +36,7 @@ impl fmt::Display for Reason {
             Self::TooFar => {
                 f.write_str("its attenuation leaves less than a quarter of a level at the nearest object")
             }
+            Self::OnSurface => f.write_str("it lies on a surface, which shadows everything from it"),
             Self::Enclosed { line: Some(line) } => {
                 write!(f, "it stands inside the sphere in line {line}, and nothing else is lit with shadows")
             }
@@ -48,7 +51,11 @@ impl fmt::Display for Reason {
 pub fn without_effect(scene: &Scene, world: &World, places: &Places, effects: &Effects) -> Vec<Warning> {
     let lights = scene.lights.iter().enumerate();
     let warning = |(index, light): (usize, &Light)| {
-        let reason = reason(light, scene, world, effects)?;
+        let lies_on_surface = !world.triangles_at_light(index).is_empty();
+        let reason = match reason(light, scene, world, effects) {
+            None if lies_on_surface && effects.shadows == Shadows::Opaque => Reason::OnSurface,
+            reason => reason?,
+        };
         Some(Warning::IdleLight { at: known(places.lights.get(index)), reason })
     };
     lights.filter_map(warning).collect()

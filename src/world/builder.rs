@@ -3,6 +3,7 @@
 
 use super::World;
 use super::placement::{Placement, course_sphere_box};
+use super::resting_lights::RestingLights;
 use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
 use crate::math::robust;
@@ -195,8 +196,8 @@ impl<'a> Builder<'a> {
             Some(_) => transformed_plane(normal, offset, placement)?,
         };
         memory::push(&mut self.world.planes, plane)?;
-        if !plane.normal.is_finite() {
         memory::push(&mut self.world.plane_directions, direction)?;
+        if !plane.normal.is_finite() {
             return Err(placement.error(Problem::NoNormal));
         }
         let is_in_range = plane.offset.abs() <= LARGEST;
@@ -223,6 +224,7 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
+        world.resting_lights = RestingLights::of(&world)?;
         world.solids = Arc::new(Solids::of(&world, &self.transparent, &self.transparent_meshes)?);
         Ok(world)
     }

@@ -13,6 +13,7 @@ mod grid_dda;
 mod grid_scenes;
 mod hostile_input;
 mod invariance;
+mod lights_on_triangles;
 mod near_lights;
 mod offsets;
 mod planes;

@@ -20,7 +20,7 @@ impl Basis {
 
 /// The measurements of a case.
 pub struct Record<'a> {
-    /// Its number in the table of hard cases, 1 to 64.
+    /// Its number in the table of hard cases, 1 to 66.
     pub case: u32,
     pub basis: Basis,
     pub name: &'a str,
