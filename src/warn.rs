@@ -1,6 +1,7 @@
 //! Says what is doubtful, or ends the run for it as `-strict` asks.
 
-use raytracer::cli::Options;
+use raytracer::cli::{Comparison, Options};
+use raytracer::render::Layer;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::warnings::{self, Severity, Warning};
 
@@ -27,12 +28,31 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
         found.push(Warning::NoPicture);
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
+    let request = options.request();
+    if !shows_colors(options) {
+        found.extend(warnings::colors_not_asked_for(&request));
+        return found;
+    }
     // Where the cells of the grid are drawn no ray bounces.
     if !options.visualize_grid {
-        found.extend(warnings::bounces_without_effect(scene, effects));
+        found.extend(warnings::rays_without_effect(scene, effects, options.says_no_bounces));
+        found.extend(warnings::rays_not_followed(scene, effects, options.says_no_bounces));
         found.extend(warnings::too_many_rays(scene, effects));
     }
+    found.extend(warnings::sampling_without_effect(&request));
+    found.extend(warnings::narrow_filter(&request));
     found
+}
+
+/// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.
+fn shows_colors(options: &Options) -> bool {
+    let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
+    options.outputs.iter().any(|output| has_layer(&output.layer))
+        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.stats
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.outputs.is_empty()
 }
 
 /// Whether a run would leave nothing behind.

@@ -35,6 +35,9 @@ pub struct Options {
     pub region: Option<Window>,
     /// What is modelled.
     pub effects: Effects,
+    /// Whether `-bounces 0` is given, which is the default: whoever says it means it.
+    #[serde(skip)]
+    pub says_no_bounces: bool,
     /// The positions of the samples in a pixel.
     pub sampler: Sampler,
     /// Whether a pixel gets more samples where its first four disagree.
@@ -120,9 +123,10 @@ impl Options {
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
-                bounces: wholes(raw, &flags::BOUNCES, (0, MAX_INT))?.map_or(0, |[n]| n),
+                bounces: bounces(raw)?.unwrap_or(0),
                 min_weight: weight(raw)?,
             },
+            says_no_bounces: bounces(raw)? == Some(0),
             sampler: sampler(raw)?,
             adaptive: adaptive(raw)?,
             filter: filter(raw)?,
@@ -227,6 +231,10 @@ fn shadows(raw: &Raw) -> Shadows {
         (false, true) => Shadows::Opaque,
         (false, false) => Shadows::None,
     }
+}
+
+fn bounces(raw: &Raw) -> Result<Option<u32>, CliError> {
+    Ok(wholes(raw, &flags::BOUNCES, (0, MAX_INT))?.map(|[n]| n))
 }
 
 fn weight(raw: &Raw) -> Result<f64, CliError> {

@@ -31,7 +31,10 @@ pub(super) fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
         }
     }
     // The first samples of each pixel.
-    Ok(if raw.given(&flags::ADAPTIVE_SAMPLES) { Sampler::first_of_adaptive(rng) } else { Sampler::CENTER })
+    Ok(match raw.given(&flags::ADAPTIVE_SAMPLES) {
+        true => Sampler::first_of_adaptive(rng),
+        false => Sampler::new(Pattern::Uniform, 1, rng),
+    })
 }
 
 pub(super) fn adaptive(raw: &Raw) -> Result<Option<Adaptive>, CliError> {

@@ -37,6 +37,24 @@ impl Filter {
     /// The filter that averages just the pixel's own samples.
     pub const PIXEL: Self = Self::Box { radius: 0.5 };
 
+    /// The radius, or the standard deviation.
+    pub fn size(&self) -> f64 {
+        match *self {
+            Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
+            Self::Gaussian { sigma } => sigma,
+        }
+    }
+
+    /// The same kind of filter with another radius or standard deviation.
+    pub fn with_size(&self, size: f64) -> Self {
+        match *self {
+            Self::Box { .. } => Self::Box { radius: size },
+            Self::Tent { .. } => Self::Tent { radius: size },
+            Self::Gaussian { .. } => Self::Gaussian { sigma: size },
+            Self::Mitchell { .. } => Self::Mitchell { radius: size },
+        }
+    }
+
     /// The weight of a sample at `position`, relative to the pixel's centre.
     pub fn weight(&self, position: DVec2) -> f64 {
         match *self {

@@ -66,6 +66,11 @@ impl Sampler {
         self.count
     }
 
+    /// The numbers of columns and rows of strata in a pixel.
+    pub fn strata(&self) -> [u32; 2] {
+        [self.columns, self.count / self.columns]
+    }
+
     /// Whether the only sample of a pixel is at its centre.
     pub fn is_center(&self) -> bool {
         self.pattern == Pattern::Uniform && self.count == 1
@@ -87,8 +92,7 @@ impl Sampler {
     /// The same of several pixels: that with the index `first`, and then each that is `step` pixels after the last one.
     pub fn pixels(self, first: u64, step: u64) -> Pixels {
         let draws = |pixels: u64| 2 * pixels * u64::from(self.count);
-        let rows = self.count / self.columns;
-        let strata = DVec2::new(self.columns as f64, rows as f64);
+        let strata = DVec2::from_array(self.strata().map(f64::from));
         let rng = self.rng.jumped(draws(first));
         let Self { pattern, count, .. } = self;
         let offsets = Offsets { pattern, rng, strata, corner: DVec2::ZERO, left: count };

@@ -1,6 +1,7 @@
 //! The words of warnings.
 
 use super::Warning;
+use super::filter::flag_of;
 use crate::scene::Position;
 use crate::scene::error::labelled;
 use crate::scene::excerpt::with_caret;
@@ -52,8 +53,9 @@ impl Warning {
             Self::FlatTriangles { at, .. }
             | Self::IdleLight { at, .. }
             | Self::ManyRays { at, .. }
+            | Self::NoBounces { at, .. }
             | Self::NothingVisible { at, .. } => *at,
-            Self::NoLights | Self::NoPicture | Self::IdleBounces { .. } => None,
+            Self::NoLights | Self::NoPicture | Self::IdleFlags { .. } | Self::NarrowFilter { .. } => None,
             Self::NotNumbers { .. } | Self::NanInFile { .. } | Self::BeyondSingle { .. } => None,
         }
     }
@@ -71,8 +73,16 @@ impl Warning {
                 format!("{count} triangles have no area; this is the first")
             }
             Self::IdleLight { reason, .. } => format!("the light has no effect: {reason}"),
-            Self::IdleBounces { bounces } => {
-                format!("`-bounces {bounces}` has no effect: no object reflects or transmits light")
+            Self::IdleFlags { flags, reason } => {
+                let flags: Vec<String> = flags.iter().map(|flag| format!("`{flag}`")).collect();
+                format!("{} {} no {reason}", flags.join(", "), have(flags.len() as u64))
+            }
+            Self::NarrowFilter { filter, lost, .. } => {
+                format!("`{}` is too narrow for the samples: {lost}", flag_of(filter))
+            }
+            Self::NoBounces { transmits, .. } => {
+                let way = if *transmits { "transmits" } else { "reflects" };
+                format!("the material {way} light, but without `-bounces` no ray is followed")
             }
             Self::ManyRays { bounces, .. } => format!(
                 "`-bounces {bounces}` allows more than a million rays for each sample of a pixel, \
@@ -94,6 +104,10 @@ impl Warning {
         match self {
             Self::Text(warning) => warning.hint(),
             Self::ManyRays { remedy, .. } => Some(remedy.to_string()),
+            Self::NarrowFilter { smallest, .. } => {
+                Some(format!("`{}` is the smallest that is wide enough", flag_of(smallest)))
+            }
+            Self::NoBounces { .. } => Some("add `-bounces 5`, or `-bounces 0` if that is meant".into()),
             Self::NothingVisible { sight, .. } => sight.hint(),
             Self::FlatTriangles { .. } => Some("no ray hits a triangle whose corners lie on one line".into()),
             _ => None,

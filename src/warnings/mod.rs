@@ -3,21 +3,28 @@
 //! Everything here follows from the scene, its meshes and the flags, except for [`nothing_visible`], which
 //! looks once more at a picture that shows nothing but its background.
 
+mod filter;
+mod idle;
 mod lights;
 mod message;
 mod rays;
 mod triangles;
 mod view;
 
+pub use filter::too_narrow as narrow_filter;
+pub use idle::{colors_not_asked_for, sampling_without_effect};
 pub use lights::without_effect as lights_without_effect;
 pub use message::Severity;
 pub use rays::too_many as too_many_rays;
-pub use rays::without_effect as bounces_without_effect;
+pub use rays::{not_followed as rays_not_followed, without_effect as rays_without_effect};
 pub use triangles::without_area as triangles_without_area;
 pub use view::nothing_visible;
 
+use crate::sampling::filter::Filter;
 use crate::scene::Position;
 use crate::scene::warning::SceneWarning;
+use filter::Lost;
+use idle::Idle;
 use lights::Reason;
 use rays::Remedy;
 use view::Sight;
@@ -47,10 +54,28 @@ pub enum Warning {
         /// Why it lights nothing.
         reason: Reason,
     },
-    /// `-bounces` in a scene where nothing reflects or transmits.
-    IdleBounces {
-        /// The value of the flag.
-        bounces: u32,
+    /// Flags that change nothing.
+    IdleFlags {
+        /// The flags with their values.
+        flags: Vec<String>,
+        /// Why they change nothing.
+        reason: Idle,
+    },
+    /// A filter so narrow that pixels get no samples.
+    NarrowFilter {
+        /// The filter.
+        filter: Filter,
+        /// The pixels that get none.
+        lost: Lost,
+        /// The smallest filter of its kind with which each gets one.
+        smallest: Filter,
+    },
+    /// A material that reflects or transmits light, where no ray bounces.
+    NoBounces {
+        /// The material.
+        at: Option<Position>,
+        /// Whether it transmits light, or else reflects it.
+        transmits: bool,
     },
     /// So many bounces that the rays of a pixel may never end.
     ManyRays {

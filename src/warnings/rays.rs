@@ -1,9 +1,10 @@
 //! What `-bounces` and `-weight` make of the materials of a scene.
 
+use super::idle::Idle;
 use super::{Warning, known};
 use crate::scene::material::{Material, Pattern};
 use crate::scene::{MaterialId, Object, Scene};
-use crate::trace::Effects;
+use crate::trace::{Effects, Shadows};
 use std::fmt;
 
 /// The number of rays that are too many for a sample of a pixel.
@@ -41,11 +42,37 @@ struct Secondary {
     both: bool,
 }
 
-/// A warning if rays may bounce, but nothing lets them.
-pub fn without_effect(scene: &Scene, effects: &Effects) -> Option<Warning> {
-    let bounces = effects.bounces;
-    let is_idle = || used(scene).all(|(_, it)| it.reflected == 0.0 && it.refracted == 0.0);
-    (bounces > 0 && is_idle()).then_some(Warning::IdleBounces { bounces })
+/// Warnings about `-bounces` and `-weight` where they decide about no ray, and about shadows that nothing tints.
+/// `says_no_bounces` tells that there is a `-bounces 0`, which is meant: the course's commands have it with a `-weight`.
+pub fn without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Warning> {
+    let Effects { bounces, min_weight, shadows, .. } = *effects;
+    let heaviest = used(scene).map(|(_, it)| it.reflected.max(it.refracted)).fold(0.0, f64::max);
+    let idle = |flag: String, reason: Idle| Warning::IdleFlags { flags: vec![flag], reason };
+    let of_bounces = match bounces {
+        0 if min_weight > 0.0 && !says_no_bounces => {
+            Some(idle(format!("-weight {min_weight}"), Idle::NoBounces))
+        }
+        0 => None,
+        _ if heaviest == 0.0 => Some(idle(format!("-bounces {bounces}"), Idle::NothingBounces)),
+        _ if heaviest <= min_weight => {
+            Some(idle(format!("-bounces {bounces}"), Idle::EndedByWeight(min_weight)))
+        }
+        _ => None,
+    };
+    let nothing_transmits = used(scene).all(|(_, it)| it.refracted == 0.0);
+    let of_shadows = (shadows == Shadows::Transparent && nothing_transmits)
+        .then(|| idle("-transparent_shadows".into(), Idle::NothingTransmits));
+    of_bounces.into_iter().chain(of_shadows).collect()
+}
+
+/// A warning for the first material that reflects or transmits light where no ray is followed, as there is no
+/// `-bounces`.
+pub fn not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Option<Warning> {
+    let is_lost = effects.bounces == 0 && !says_no_bounces;
+    let (id, secondary) =
+        used(scene).filter(|_| is_lost).find(|(_, it)| it.reflected > 0.0 || it.refracted > 0.0)?;
+    let at = known(scene.material_positions.get(id));
+    Some(Warning::NoBounces { at, transmits: secondary.refracted > 0.0 })
 }
 
 /// A warning if the rays of one sample may be 2^20 or more.

@@ -40,6 +40,7 @@ fn plain() -> Options {
         size: [100, 100],
         region: None,
         effects: none(),
+        says_no_bounces: false,
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
         adaptive: None,

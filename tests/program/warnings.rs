@@ -126,6 +126,28 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
              reflects and transmits\n  hint: `-bounces 19` allows fewer, and so does `-weight 0.001`",
         ),
         (
+            with(LIGHT, &materials("@Material { diffuseColor .1 .1 .1 transparentColor .9 .9 .9 }"), BALL),
+            "-shadows",
+            "the material transmits light, but without `-bounces` no ray is followed\n  hint: add `-bounces 5`, or \
+             `-bounces 0` if that is meant",
+        ),
+        (
+            with(LIGHT, &materials("@Material { diffuseColor 0 0 0 reflectiveColor 1 1 1 }"), BALL),
+            "-jittered_samples 4",
+            "the material reflects light, but without `-bounces` no ray is followed\n  hint: add `-bounces 5`, or \
+             `-bounces 0` if that is meant",
+        ),
+        (
+            with(
+                "Lights { numLights 1 @PointLight { position 0 -1 0 color 1 1 1 } }\n",
+                &white,
+                "Triangle { \
+                  vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }",
+            ),
+            "-shadows",
+            "the light has no effect: it lies on a surface, which shadows everything from it",
+        ),
+        (
             format!("@{}", view("PerspectiveCamera { center 0 0 9 direction 0 0 1 up 0 1 0 angle 30 }")),
             "",
             "no ray hits anything: the scene is behind the camera\n  hint: `direction 0 0 -1` looks at the middle of the scene",
@@ -218,8 +240,102 @@ fn warnings_about_flags_are_one_line() {
             "-output o.tga -bounces 3",
             "warning: `-bounces 3` has no effect: no object reflects or transmits light\n",
         ),
+        ("-output o.tga -weight 0.01", "warning: `-weight 0.01` has no effect without `-bounces`\n"),
+        (
+            "-output o.tga -seed 7",
+            "warning: `-seed 7` has no effect: no samples are random, jittered or adaptive\n",
+        ),
+        (
+            "-output o.tga -uniform_samples 9 -seed 0",
+            "warning: `-seed 0` has no effect: no samples are random, jittered or adaptive\n",
+        ),
+        (
+            "-output o.tga -tent_filter 0.7",
+            "warning: `-tent_filter 0.7` has no effect: it weighs only the sample at the pixel's centre\n",
+        ),
+        (
+            "-output o.tga -gaussian_filter 0.1 -uniform_samples 1",
+            "warning: `-gaussian_filter 0.1` has no effect: it weighs only the sample at the pixel's centre\n",
+        ),
+        (
+            "-output o.tga -transparent_shadows",
+            "warning: `-transparent_shadows` has no more effect than `-shadows`: no object transmits light\n",
+        ),
+        (
+            "-normals n.tga -shadows -bounces 4 -jittered_samples 4",
+            "warning: `-shadows`, `-bounces 4`, `-jittered_samples 4` have no effect: no picture of colours is asked for\n",
+        ),
+        (
+            "-output o.tga -uniform_samples 4 -tent_filter 0.1",
+            "warning: `-tent_filter 0.1` is too narrow for the samples: no sample is within the filter, and every \
+             pixel is black\n  hint: `-tent_filter 0.35355339059327384` is the smallest that is wide enough\n",
+        ),
+        (
+            "-output o.tga -jittered_samples 8 -box_filter 0.3",
+            "warning: `-box_filter 0.3` is too narrow for the samples: a pixel may have no sample within the \
+             filter, and is black then\n  hint: `-box_filter 0.5` is the smallest that is wide enough\n",
+        ),
     ] {
         assert_eq!(folder.run(&format!("-input s.txt {flags}")).ok().stderr, expected, "{flags}");
+    }
+}
+
+#[test]
+fn rays_that_nothing_lets_through_are_a_warning() {
+    let glass = materials("Material { diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }");
+    let folder = Folder::with_scene(&with(LIGHT, &glass, BALL));
+    let run = |flags: &str| folder.run(&format!("-input s.txt -output o.tga -size 9 9 {flags}")).ok().stderr;
+    assert_eq!(
+        run("-bounces 5 -weight 2"),
+        "warning: `-bounces 5` has no effect: `-weight 2` ends all rays that are reflected or transmitted\n"
+    );
+    // Whoever says 0 means it.
+    for flags in ["-bounces 5 -weight 0.01", "-bounces 0", "-bounces 0 -weight 0.01 -transparent_shadows"] {
+        assert_eq!(run(flags), "", "{flags}");
+    }
+}
+
+/// The smallest filter that the hint of a warning names.
+fn named(stderr: &str) -> Option<&str> {
+    Some(stderr.split_once("hint: `")?.1.split_once('`')?.0)
+}
+
+#[test]
+fn the_smallest_filter_that_is_named_loses_no_pixel_and_a_smaller_one_warns() {
+    let folder = Folder::with_scene(&scene(1, "Plane { normal 0 0 1 offset 0 }"));
+    let run =
+        |flags: &str| folder.run(&format!("-input s.txt -output o.tga -size 40 30 {flags}")).ok().stderr;
+    let warning = run("-random_samples 2 -box_filter 0.3");
+    let black = folder.tga("o.tga").pixels.iter().filter(|&&pixel| pixel == [0; 3]).count();
+    let expected = format!("samples: {black} pixels have no sample within the filter, and are black\n");
+    assert!(warning.contains(&expected), "{warning} {black}");
+    for samples in [
+        "-uniform_samples 2",
+        "-uniform_samples 4",
+        "-uniform_samples 8",
+        "-jittered_samples 1",
+        "-jittered_samples 4",
+        "-jittered_samples 6",
+        "-jittered_samples 9",
+        "-random_samples 1",
+        "-random_samples 2",
+        "-random_samples 16",
+        "-adaptive_samples 16 2",
+    ] {
+        for filter in ["-box_filter", "-tent_filter", "-mitchell_filter", "-gaussian_filter"] {
+            let narrow = if filter == "-gaussian_filter" { "0.001" } else { "0.02" };
+            let warning = run(&format!("{samples} {filter} {narrow}"));
+            let smallest = named(&warning).unwrap_or_else(|| panic!("{samples} {filter}: {warning}"));
+            assert!(folder.tga("o.tga").pixels.contains(&[0; 3]), "{samples} {filter}");
+            assert_eq!(run(&format!("{samples} {smallest} -strict")), "", "{samples}");
+            assert!(
+                folder.tga("o.tga").pixels.iter().all(|&pixel| pixel == [255; 3]),
+                "{samples} {smallest}"
+            );
+            let size: f64 = smallest.split_once(' ').expect("a size").1.parse().expect("a number");
+            let less = run(&format!("{samples} {filter} {}", 0.999 * size));
+            assert_eq!(named(&less), Some(smallest), "{samples} {less}");
+        }
     }
 }
 
@@ -290,7 +406,9 @@ fn the_project_s_own_scenes_are_silent() {
     for scene in scenes {
         let path = root.join("scenes").join(scene);
         let path = if path.is_file() { path } else { root.join(scene) };
-        let line = ["-input".into(), path.into_os_string(), "-output".into(), "o.tga".into()];
+        // What a mirror shows depends on the bounces.
+        let flags = ["-output", "o.tga", "-bounces", "0"].map(Into::into);
+        let line = ["-input".into(), path.into_os_string()].into_iter().chain(flags);
         let run = crate::support::finish(&mut crate::support::program(folder.path(), line)).ok();
         // The first assignment has no lights.
         assert_eq!(run.stderr.replace("WARNING:  No lights specified\n", ""), "", "{scene}");

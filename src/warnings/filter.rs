@@ -1,0 +1,225 @@
+//! Filters so narrow that pixels get no samples, and are black.
+//!
+//! What counts are a pixel's own samples: those of its neighbours are farther away. Uniform samples lie at the same places
+//! in every pixel. Of jittered and adaptive samples it is certain in which stratum they lie, so that the farthest point of
+//! the strata around the centre decides. Random samples lie anywhere, but at the same places in each run, so that they
+//! are looked at one by one; that takes a small part of the time in which they are traced.
+
+use super::Warning;
+use crate::render::Request;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::{Pattern, Sampler};
+use glam::DVec2;
+use std::fmt;
+
+/// The pixels that get no sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lost {
+    /// All of them.
+    All,
+    /// Some, as the random numbers fall.
+    Some,
+    /// This number of them.
+    Number(usize),
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::All => f.write_str("no sample is within the filter, and every pixel is black"),
+            Self::Some => f.write_str("a pixel may have no sample within the filter, and is black then"),
+            Self::Number(1) => f.write_str("1 pixel has no sample within the filter, and is black"),
+            Self::Number(pixels) => {
+                write!(f, "{pixels} pixels have no sample within the filter, and are black")
+            }
+        }
+    }
+}
+
+/// The flag that asks for a filter.
+pub(super) fn flag_of(filter: &Filter) -> String {
+    let name = match filter {
+        Filter::Box { .. } => "-box_filter",
+        Filter::Tent { .. } => "-tent_filter",
+        Filter::Gaussian { .. } => "-gaussian_filter",
+        Filter::Mitchell { .. } => "-mitchell_filter",
+    };
+    format!("{name} {}", filter.size())
+}
+
+/// A warning if the filter is too narrow for the samples.
+pub fn too_narrow(request: &Request) -> Option<Warning> {
+    let Request { filter, sampler, .. } = *request;
+    let (farthest, lost) = match sampler.pattern() {
+        Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
+        Pattern::Jittered => (surely_within(&sampler), Lost::Some),
+        // It reaches the corners of the pixel, and so all samples.
+        Pattern::Random if reaches(filter, DVec2::splat(0.5)) => return None,
+        Pattern::Random => farthest_of_random(request)?,
+    };
+    let warning = || {
+        let smallest = filter.with_size(smallest(filter, farthest));
+        Warning::NarrowFilter { filter, lost, smallest }
+    };
+    (!reaches(filter, farthest)).then(warning)
+}
+
+/// The smallest size of the filter that reaches a position within the pixel, where the size that it has does not.
+fn smallest(filter: Filter, position: DVec2) -> f64 {
+    // A pixel lies within each filter of its own width, and within much narrower Gaussians.
+    let (mut too_small, mut enough) = (filter.size().to_bits(), 1.0_f64.to_bits());
+    // The floats above zero are in the order of their bits.
+    while too_small + 1 < enough {
+        let middle = too_small + (enough - too_small) / 2;
+        if reaches(filter.with_size(f64::from_bits(middle)), position) {
+            enough = middle;
+        } else {
+            too_small = middle;
+        }
+    }
+    f64::from_bits(enough)
+}
+
+/// Whether a sample at this position counts. The weights of a Gaussian end where they are no longer normal numbers.
+fn reaches(filter: Filter, position: DVec2) -> bool {
+    filter.weight(position).abs() >= f64::MIN_POSITIVE
+}
+
+/// The sample that the narrowest filter of this kind reaches.
+fn nearest(filter: Filter, offsets: impl Iterator<Item = DVec2>) -> Option<DVec2> {
+    offsets.min_by(|a, b| distance(filter, *a).total_cmp(&distance(filter, *b)))
+}
+
+/// How far a sample is from the centre, as the filter measures it.
+fn distance(filter: Filter, offset: DVec2) -> f64 {
+    match filter {
+        Filter::Box { .. } | Filter::Mitchell { .. } => offset.abs().max_element(),
+        Filter::Tent { .. } | Filter::Gaussian { .. } => offset.length_squared(),
+    }
+}
+
+/// How far along each axis the nearest jittered sample is from the centre at most.
+fn surely_within(sampler: &Sampler) -> DVec2 {
+    let farthest = |strata: u32| {
+        // An odd number of strata has one in the middle.
+        let halves = if strata.is_multiple_of(2) { 2.0 } else { 1.0 };
+        halves / (2.0 * f64::from(strata))
+    };
+    DVec2::from_array(sampler.strata().map(farthest))
+}
+
+/// The farthest of the nearest samples of all pixels, and the number of pixels that the filter gives none.
+fn farthest_of_random(request: &Request) -> Option<(DVec2, Lost)> {
+    let Request { filter, sampler, size: [_, height], .. } = *request;
+    let (mut farthest, mut lost): (Option<DVec2>, usize) = (None, 0);
+    for column in request.columns() {
+        let rows = request.rows();
+        let mut pixels = sampler.pixels((column * height + rows.start) as u64, 1);
+        for _ in rows {
+            let nearest = nearest(filter, pixels.next_offsets())?;
+            lost += usize::from(!reaches(filter, nearest));
+            if farthest.is_none_or(|farthest| distance(filter, nearest) > distance(filter, farthest)) {
+                farthest = Some(nearest);
+            }
+        }
+    }
+    Some((farthest?, Lost::Number(lost)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Window;
+    use crate::sampling::drand48::Drand48;
+
+    const FILTERS: [fn(f64) -> Filter; 4] = [
+        |radius| Filter::Box { radius },
+        |radius| Filter::Tent { radius },
+        |sigma| Filter::Gaussian { sigma },
+        |radius| Filter::Mitchell { radius },
+    ];
+
+    fn request(pattern: Pattern, count: u32, filter: Filter) -> Request {
+        let sampler = Sampler::new(pattern, count, Drand48::UNSEEDED);
+        Request { sampler, filter, ..Request::new([40, 30]) }
+    }
+
+    /// The size that is named for a filter that is far too narrow.
+    fn named(pattern: Pattern, count: u32, filter: fn(f64) -> Filter) -> f64 {
+        match too_narrow(&request(pattern, count, filter(1e-5))) {
+            Some(Warning::NarrowFilter { smallest, .. }) => smallest.size(),
+            other => unreachable!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_named_size_is_the_smallest_without_a_warning() {
+        for (filter, count) in
+            FILTERS.into_iter().flat_map(|filter| [2, 4, 7, 8, 16, 64].map(|n| (filter, n)))
+        {
+            for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
+                // An odd number of uniform samples has one at the centre.
+                if pattern == Pattern::Uniform && count == 7 {
+                    continue;
+                }
+                let size = named(pattern, count, filter);
+                let warns = |size: f64| too_narrow(&request(pattern, count, filter(size))).is_some();
+                assert!(
+                    !warns(size) && warns(size.next_down()) && warns(0.99 * size),
+                    "{pattern:?} {count} {size}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_for_uniform_and_jittered_samples_by_geometry() {
+        // Four uniform samples lie a quarter of a pixel from the centre along both axes.
+        let [square, disk, _, cubic] = FILTERS.map(|filter| named(Pattern::Uniform, 4, filter));
+        assert_eq!([square, cubic], [0.25, 0.25_f64.next_up()]);
+        assert_eq!(disk, (2.0 * 0.25_f64 * 0.25).sqrt().next_up());
+        // One of four jittered samples is at most at a corner of the pixel.
+        let [square, disk, _, cubic] = FILTERS.map(|filter| named(Pattern::Jittered, 4, filter));
+        assert_eq!([square, cubic], [0.5, 0.5_f64.next_up()]);
+        assert!((disk - 0.5_f64.sqrt()).abs() < 1e-15);
+        // Nine have one in the stratum in the middle, eight have none there along one axis.
+        assert_eq!(named(Pattern::Jittered, 9, FILTERS[0]), 1.0 / 6.0);
+        assert_eq!(named(Pattern::Jittered, 8, FILTERS[0]), 0.5);
+        assert!(too_narrow(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })).is_none());
+    }
+
+    #[test]
+    fn the_default_filter_is_wide_enough_for_any_samples() {
+        for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
+            assert!((1..70).all(|count| too_narrow(&request(pattern, count, Filter::PIXEL)).is_none()));
+        }
+        let adaptive = Sampler::first_of_adaptive(Drand48::UNSEEDED);
+        assert!(too_narrow(&Request { sampler: adaptive, ..Request::new([9, 9]) }).is_none());
+    }
+
+    #[test]
+    fn random_pixels_are_counted_whose_samples_have_no_weight() {
+        for filter in
+            [Filter::Box { radius: 0.3 }, Filter::Tent { radius: 0.6 }, Filter::Gaussian { sigma: 0.01 }]
+        {
+            let request = request(Pattern::Random, 2, filter);
+            let is_lost = |pixel: &u64| {
+                request.sampler.offsets(*pixel).all(|offset| filter.weight(offset) < f64::MIN_POSITIVE)
+            };
+            let expected = (0..1200).filter(is_lost).count();
+            let Some(Warning::NarrowFilter { lost, .. }) = too_narrow(&request) else {
+                unreachable!("a narrow filter")
+            };
+            assert_eq!(lost, Lost::Number(expected));
+            // Those of one column and five rows.
+            let window = Some(Window { x: 7, y: 3, width: 1, height: 5 });
+            let expected = (7 * 30 + 22..7 * 30 + 27).filter(is_lost).count();
+            let warning = too_narrow(&Request { window, ..request });
+            let lost = warning.map(|warning| match warning {
+                Warning::NarrowFilter { lost, .. } => lost,
+                other => unreachable!("{other:?}"),
+            });
+            assert_eq!(lost, (expected > 0).then_some(Lost::Number(expected)));
+        }
+    }
+}
