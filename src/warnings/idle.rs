@@ -36,7 +36,9 @@ impl fmt::Display for Idle {
                 write!(f, "effect: `-weight {weight}` ends all rays that are reflected or transmitted")
             }
             Self::NoBounces => f.write_str("effect without `-bounces`"),
-            Self::NothingTransmits => f.write_str("more effect than `-shadows`: no object transmits light"),
+            Self::NothingTransmits => {
+                f.write_str("effect beyond that of `-shadows`: no object transmits light")
+            }
             Self::NothingRandom => f.write_str("effect: no samples are random, jittered or adaptive"),
             Self::OneSample => f.write_str("effect: it weighs only the sample at the pixel's centre"),
             Self::NoColors => f.write_str("effect: no picture of colours is asked for"),

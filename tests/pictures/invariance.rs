@@ -51,7 +51,7 @@ fn same_pictures_with(flags: &str) {
 
 #[test]
 fn plain_pictures_stay_the_same() {
-    same_pictures_with("");
+    same_pictures_with("-bounces 0");
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn pictures_with_shadows_and_secondary_rays_stay_the_same() {
 
 #[test]
 fn pictures_with_random_samples_stay_the_same() {
-    same_pictures_with("-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows");
+    same_pictures_with("-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0");
 }
 
 #[test]

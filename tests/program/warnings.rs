@@ -259,7 +259,7 @@ fn warnings_about_flags_are_one_line() {
         ),
         (
             "-output o.tga -transparent_shadows",
-            "warning: `-transparent_shadows` has no more effect than `-shadows`: no object transmits light\n",
+            "warning: `-transparent_shadows` has no effect beyond that of `-shadows`: no object transmits light\n",
         ),
         (
             "-normals n.tga -shadows -bounces 4 -jittered_samples 4",
