@@ -1,6 +1,7 @@
 //! The edges of an outline in a binary tree of boxes, to find those near a triangle. Neighbouring edges are close to
 //! each other, so that the order along the outline serves as the tree's.
 
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::memory::{NoMemory, filled};
 
 /// A rectangle: its smallest and its largest coordinates.
@@ -26,8 +27,41 @@ impl Rectangle {
         }
     }
 
+    /// Whether every point is certainly to the right of the line from one point to another.
+    fn is_beyond(self, [from, to]: [[f64; 2]; 2]) -> bool {
+        let along = [to[0] - from[0], to[1] - from[1]];
+        // The corner that is the farthest to the left.
+        let x = if along[1] > 0.0 { self.min[0] } else { self.max[0] };
+        let y = if along[0] > 0.0 { self.max[1] } else { self.min[1] };
+        let (left, right) = (along[0] * (y - from[1]), along[1] * (x - from[0]));
+        // Three roundings for each product and one for their difference, without underflow.
+        const ROUNDINGS: f64 = 8.0 * UNIT_ROUNDOFF;
+        let size = left.abs() + right.abs();
+        size > 1e-290 && left - right < -ROUNDINGS * size
+    }
+
     fn meets(self, other: Self) -> bool {
         (0..2).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
+    }
+}
+
+/// A triangle whose corners turn to the left, with the rectangle around it.
+pub struct Triangle {
+    corners: [[f64; 2]; 3],
+    around: Rectangle,
+}
+
+impl Triangle {
+    /// With these corners.
+    pub fn new(corners: [[f64; 2]; 3]) -> Self {
+        Self { corners, around: Rectangle::around(corners) }
+    }
+
+    /// Whether the rectangle may have a point in common with the triangle.
+    fn may_meet(&self, rectangle: Rectangle) -> bool {
+        let [a, b, c] = self.corners;
+        rectangle.meets(self.around)
+            && ![[a, b], [b, c], [c, a]].into_iter().any(|side| rectangle.is_beyond(side))
     }
 }
 
@@ -62,19 +96,19 @@ impl BoxTree {
         self.put(edge, Rectangle::EMPTY);
     }
 
-    /// Whether `is_wanted` holds for any edge whose rectangle meets this one.
-    pub fn any(&self, rectangle: Rectangle, is_wanted: &impl Fn(usize) -> bool) -> bool {
-        self.any_below(1, rectangle, is_wanted)
+    /// Whether `is_wanted` holds for any edge that may have a point in common with a triangle. It may be asked of others.
+    pub fn any(&self, triangle: &Triangle, is_wanted: &impl Fn(usize) -> bool) -> bool {
+        self.any_below(1, triangle, is_wanted)
     }
 
     /// The recursion is as deep as the tree: the logarithm of the number of edges.
-    fn any_below(&self, node: usize, rectangle: Rectangle, is_wanted: &impl Fn(usize) -> bool) -> bool {
-        if !self.nodes[node].meets(rectangle) {
+    fn any_below(&self, node: usize, triangle: &Triangle, is_wanted: &impl Fn(usize) -> bool) -> bool {
+        if !triangle.may_meet(self.nodes[node]) {
             return false;
         }
         match node.checked_sub(self.leaves()) {
             Some(edge) => is_wanted(edge),
-            None => (2 * node..2 * node + 2).any(|child| self.any_below(child, rectangle, is_wanted)),
+            None => (2 * node..2 * node + 2).any(|child| self.any_below(child, triangle, is_wanted)),
         }
     }
 }
@@ -84,17 +118,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_edges_that_meet_a_rectangle_are_found() {
+    fn the_edges_that_meet_a_triangle_are_found() {
         for count in [1, 2, 5, 16] {
             let mut tree = BoxTree::new(count).unwrap();
-            let square = |k: usize| Rectangle::around([[k as f64, 0.0], [k as f64 + 0.5, 1.0]]);
-            (0..count).for_each(|k| tree.put(k, square(k)));
+            let at = |k: usize| k as f64;
+            (0..count)
+                .for_each(|k| tree.put(k, Rectangle::around([[at(k), at(k)], [at(k) + 0.5, at(k) + 0.5]])));
             for k in 0..count {
-                assert!(tree.any(square(k), &|edge| edge == k));
-                assert!(!tree.any(square(k), &|edge| edge != k));
+                let upper = Triangle::new([[at(k), at(k)], [at(k) + 0.5, at(k) + 0.5], [at(k), at(k) + 0.5]]);
+                assert!(tree.any(&upper, &|edge| edge == k));
+                assert!(!tree.any(&upper, &|edge| edge != k));
             }
+            // The rectangle around it meets all others, from which its longest side separates it.
+            let below = Triangle::new([[0.0, -1.0], [20.0, -1.0], [20.0, 19.0]]);
+            assert!(!tree.any(&below, &|_| true));
+            // Its corner touches the first.
+            assert!(tree.any(&Triangle::new([[-1.0, 1.0], [0.0, 0.0], [-1.0, 2.0]]), &|edge| edge == 0));
             tree.remove(0);
-            assert!(!tree.any(square(0), &|_| true));
+            assert!(!tree.any(&Triangle::new([[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]]), &|_| true));
         }
     }
 }

@@ -5,7 +5,7 @@
 //! is never used up, and one that is used up is covered. Corners may touch other corners and edges, and an edge may lie
 //! on one in the other direction, as where a hole is joined to the outside.
 
-use super::box_tree::{BoxTree, Rectangle};
+use super::box_tree::{BoxTree, Rectangle, Triangle};
 use super::outline::{Corner, Ring};
 use super::projection::Projection;
 use crate::memory::{NoMemory, collected, filled, with_room};
@@ -138,8 +138,8 @@ impl Clipping {
     /// direction, or has a corner on its third side, which is to become an edge.
     fn is_entered(&self, around: [usize; 3]) -> bool {
         let triangle = around.map(|corner| self.point(corner));
-        let rectangle = Rectangle::around(triangle.map(|corner| self.projection.of(corner)));
-        self.edges.any(rectangle, &|corner| {
+        let shape = Triangle::new(triangle.map(|corner| self.projection.of(corner)));
+        self.edges.any(&shape, &|corner| {
             let edge = [corner, self.after[corner]].map(|end| self.point(end));
             let side = [triangle[0], triangle[2]];
             let goes_along = |place: usize| self.goes_along(corner, [around[place], around[(place + 1) % 3]]);

@@ -8,6 +8,10 @@
 //! 1. a fan around the first corner, as for every convex polygon;
 //! 2. ears, cut off one by one: every polygon whose outline does not cross itself;
 //! 3. trapezoids between the heights of the corners: what an outline that crosses itself goes around.
+//!
+//! A fan takes linear time. Ears take time nearly linear in the number of corners where edges near each other follow each
+//! other along the outline, as in a comb, and quadratic where they do not, as in a star of needles: a second for 20,000
+//! corners, half a minute for 100,000. The time of trapezoids is bounded.
 
 mod box_tree;
 mod ears;
