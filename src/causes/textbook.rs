@@ -198,7 +198,7 @@ impl<F: Finder> Textbook<'_, F> {
         let (d, n) = (path.ray.direction, surface.normal);
         let entering = d.dot(n) < 0.0;
         let (normal, index) = if entering { (n, material.phong.index_of_refraction) } else { (-n, 1.0) };
-        let precise_normal = || self.finder.world().precise_normal(surface);
+        let precise_normal = || self.finder.world().precise_normal(surface.primitive, n);
         let ray = self.leaving(surface, refracted_between(d, normal, [path.index, index], precise_normal)?);
         Some((tint, Path { ray, exclude: surface.triangle, weight, bounces: path.bounces + 1, index }))
     }

@@ -96,7 +96,8 @@ impl<M: Mode> Tracer<'_, M> {
         if P::OBSERVES && is_critical(d, normal, indices) {
             probe.observe(Event::Critical);
         }
-        let precise_normal = || self.world().precise_normal(&lit.surface);
+        let primitive = lit.surface.primitive;
+        let precise_normal = || self.world().precise_normal(primitive, n);
         let Some(direction) = refracted_between(d, normal, indices, precise_normal) else {
             if P::OBSERVES {
                 probe.observe(Secondary::Refracted.ends(End::TotalReflection));

@@ -30,9 +30,9 @@ impl<M: Mode> Tracer<'_, M> {
         }
         probe.shadow_ray();
         // A ray to a light that lies on a triangle ends there, so that roundings would decide whether it is blocked.
-        let at_light = self.world().triangles_at_light(index);
-        let is_shadowed = !at_light.is_empty() && self.any_is_opaque(at_light, index);
-        if is_shadowed && !M::AS_COURSE && !P::OBSERVES {
+        let is_at_rest = !self.world().triangles_at_light(index).is_empty();
+        let is_cast = M::AS_COURSE || P::OBSERVES;
+        if is_at_rest && !is_cast && self.effects.shadows == Shadows::Opaque {
             return Color::ZERO;
         }
         let blocker = self.blocker(&lit.surface, index, side);
@@ -47,8 +47,9 @@ impl<M: Mode> Tracer<'_, M> {
             probe.observe(Event::ShadowRay(ray));
         }
         if self.effects.shadows == Shadows::Transparent {
-            let passed = self.filtered(ray, lit, (at_light, index), probe);
-            return if is_shadowed { Color::ZERO } else { passed };
+            // Only numbers of the hit are passed on, so that it can stay in registers.
+            let starts_within = lit.surface.normal.dot(light.direction) < 0.0;
+            return self.filtered(ray, index, starts_within, probe);
         }
         let leaves = lit.surface.primitive;
         let is_blocked = match blocker {
@@ -63,15 +64,7 @@ impl<M: Mode> Tracer<'_, M> {
             }
             Blocker::Nothing => self.caster.meets_plane(&ray, leaves, probe),
         };
-        if is_blocked || is_shadowed { Color::ZERO } else { Color::ONE }
-    }
-
-    /// Whether one of the triangles that the light with this index lies on lets nothing of it through. Shadows that are
-    /// not tinted take all of them to be opaque.
-    #[cold]
-    fn any_is_opaque(&self, at_light: &[u32], index: usize) -> bool {
-        self.effects.shadows == Shadows::Opaque
-            || at_light.iter().any(|&triangle| self.tint_at_light(triangle, index) == Color::ZERO)
+        if is_blocked || is_cast && is_at_rest { Color::ZERO } else { Color::ONE }
     }
 
     /// The transparent colour of a triangle where the light with this index lies on it.
@@ -101,16 +94,11 @@ impl<M: Mode> Tracer<'_, M> {
     /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
     ///
     /// The triangles that the light lies on are left behind at the light if the ray was within an object before. So it
-    /// does not matter which of them the ray meets by its roundings.
-    fn filtered<P: Observer>(
-        &self,
-        mut ray: Ray,
-        lit: &Lit,
-        (at_light, index): (&[u32], usize),
-        probe: &mut P,
-    ) -> Color {
+    /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
+    fn filtered<P: Observer>(&self, mut ray: Ray, light: usize, starts_within: bool, probe: &mut P) -> Color {
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
-        let mut is_within = lit.surface.normal.dot(ray.direction) < 0.0;
+        let at_light = self.world().triangles_at_light(light);
+        let mut is_within = starts_within;
         // The way since the last surface, up to where the ray starts now.
         let mut way = 0.0;
         while let Some(hit) = self.caster.closest(&ray, probe) {
@@ -135,9 +123,10 @@ impl<M: Mode> Tracer<'_, M> {
             way = 0.0;
             ray = Ray { t_max: ray.t_max - hit.t, ..self.secondary(&surface, ray.direction) };
         }
-        match at_light {
-            [triangle, ..] if is_within => {
-                let tint = self.tint_at_light(*triangle, index);
+        let tints = at_light.iter().map(|&triangle| self.tint_at_light(triangle, light));
+        match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
+            Some(Color::ZERO) => Color::ZERO,
+            Some(tint) if is_within => {
                 let way = way + ray.t_max.max(0.0);
                 (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
             }

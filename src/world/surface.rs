@@ -45,12 +45,12 @@ impl World {
         self.surface_with(ray, hit.t, hit.primitive, hit.weights)
     }
 
-    /// A vector along the normal of a surface, of any length and with less rounding than the unit normal: that of a
+    /// A vector along the unit normal of a primitive's surface, of any length and with less rounding than the unit normal: that of a
     /// triangle follows from its corners, and that of a plane is the one before it is scaled to unit length.
     #[cold]
-    pub(crate) fn precise_normal(&self, surface: &SurfacePoint) -> [Dd; 3] {
-        let rounded = surface.normal.to_array().map(Dd::from);
-        match surface.primitive.map(|primitive| self.primitive(primitive)) {
+    pub(crate) fn precise_normal(&self, primitive: Option<u32>, unit_normal: DVec3) -> [Dd; 3] {
+        let rounded = unit_normal.to_array().map(Dd::from);
+        match primitive.map(|primitive| self.primitive(primitive)) {
             Some(Primitive::Triangle(i)) => {
                 let [a, b, c] = self.corners(i);
                 cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
