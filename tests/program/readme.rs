@@ -22,5 +22,5 @@ fn the_test_command_is_the_one_that_ci_runs() {
     let ci = include_str!("../../.ci/run");
     let mut commands = README.lines().filter_map(|line| line.strip_prefix("    cargo "));
     let test = commands.find(|line| line.starts_with("test")).expect("a command to test");
-    assert!(ci.lines().any(|line| line.strip_prefix("cargo ") == Some(test)), "{test}");
+    assert!(ci.lines().any(|line| line.strip_prefix("step tests cargo ") == Some(test)), "{test}");
 }
