@@ -3,8 +3,8 @@
 //! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much
 //! cheaper to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
 //! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error bounds of
-//! an eye's rays are proved in `proofs/raster_*.g`; those of parallel rays are said in [`parallel_view`] and
-//! [`flat_triangle`].
+//! an eye's rays are proved in `proofs/raster_*.g`; those of parallel rays are said in `parallel_view` and
+//! `flat_triangle`.
 //!
 //! If rays go through other points of the pixels, the functions of a pixel's centre get the amount by which they
 //! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,

@@ -38,7 +38,7 @@ pub trait RenderMode: Mode {
     /// Counts the rays of a picture, and in the course's mode whatever else the course's program counts.
     type Counter: Observer;
 
-    /// Renders as [`render`] does.
+    /// Renders the layers of a request row by row, and returns what was counted.
     fn render(
         camera: &Camera,
         caster: &Caster<Self>,
