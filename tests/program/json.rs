@@ -47,7 +47,8 @@ fn what_json_has_no_number_for_is_null() {
 #[test]
 fn a_dash_puts_it_in_place_of_the_text() {
     let folder = Folder::with_scene(&sphere());
-    let flags = "-input s.txt -stats -pixel 50 50 -cost_map rays c.png -gui";
+    // How many threads help depends on the time unless it is said.
+    let flags = "-input s.txt -stats -pixel 50 50 -cost_map rays c.png -gui -threads 2";
     let alone = folder.run(&format!("{flags} -json -")).ok();
     let printed: Value = serde_json::from_str(only_line(&alone.stdout)).expect("a document and nothing else");
     let (run, written) = both(&folder, flags);
