@@ -281,6 +281,6 @@ fn the_faces_order_and_faces_that_add_nothing_leave_the_picture() {
     same_pictures(changes, |scene, change| {
         let meshes = scene.meshes.iter().map(|m| change.apply(m)).collect();
         let changed = Named { meshes, ..scene.clone() };
-        render(&changed, &changed.world(), Some([9, 8, 7]), 0)
+        render(&changed, &changed.world(), Some([40, 36, 32]), 0)
     });
 }

@@ -220,7 +220,7 @@ fn textbook_is_lit(world: &World, from: DVec3, light: DVec3) -> bool {
 
 #[test]
 fn case_65_lights_on_triangles() {
-    let inputs = rays(2_000, 200_000);
+    let inputs = rays(800, 200_000);
     let failures = Failures::default();
     let (counts, []) = measure(inputs, |index| one(index, &failures));
     let [lights, points, wrongly_lit, speckled, wrong_away] = counts;

@@ -26,7 +26,7 @@ use raytracer::world::World;
 #[test]
 fn case_20_a_sphere_of_many_sizes_in_a_grid() {
     const SEED: u64 = 1020;
-    let n = rays(17_000, 1_000_000);
+    let n = rays(6_000, 1_000_000);
     let failures = Failures::default();
     let unit = icosphere(3, 1.0, DVec3::new(0.25, 0.5, -0.125));
     let mut sums = [0; 2];

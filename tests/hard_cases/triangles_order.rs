@@ -96,7 +96,7 @@ fn case_17_every_triangle_twice() {
     const SEED: u64 = 1017;
     let plain = Closed::new(bunny("5k"));
     let cells = Some([40; 3]);
-    let n = rays(20_000, 10_000_000);
+    let n = rays(8_000, 10_000_000);
     let twice = world_of_mesh(&doubled(&plain.mesh, SEED));
     let caster = Caster::new(&twice, cells).expect("a small grid");
     let of_mesh = count_other_hits(SEED, n, &twice, &caster, |rng, index| plain.ray_at(rng, index));
