@@ -12,6 +12,7 @@ use crate::math::ray::Ray;
 use crate::mode::{Fast, Mode};
 use crate::raster::ShadowMaps;
 use crate::scene::Color;
+use crate::scene::material::Material;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
@@ -109,7 +110,12 @@ impl<M: Mode> Tracer<'_, M> {
     #[inline(always)]
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let Caster { world, instructions, .. } = *self.caster;
-        material_at(&world.materials, surface.material, surface.position, instructions, mixture)
+        if let Material::Phong(phong) = &world.materials[surface.material] {
+            return phong.into();
+        }
+        world.with_rounded_point(surface, |point| {
+            material_at(&world.materials, surface.material, point, instructions, mixture)
+        })
     }
 
     /// The colour along a camera ray, given the surface that it hits.

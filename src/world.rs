@@ -4,8 +4,10 @@
 //! range of ids, in the order triangles, spheres, ellipsoids, planes.
 
 mod builder;
+mod coincidence;
 mod crossing;
 mod placement;
+mod point_error;
 mod resting_lights;
 mod solids;
 mod surface;
@@ -23,6 +25,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
+use point_error::{BoundaryWidth, FlatteningErrors};
 use resting_lights::RestingLights;
 pub(crate) use solids::Solids;
 use std::borrow::Cow;
@@ -48,6 +51,10 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
     plane_directions: Vec<DVec3>,
+    flattening_errors: FlatteningErrors,
+    boundary_width: BoundaryWidth,
+    /// The part of [`World::coincidence_reach`] that does not depend on t.
+    coincidence_margin: f64,
     /// The scene's materials.
     pub materials: Vec<Material>,
     /// The lights; the directions of directional ones are unit vectors.
@@ -109,6 +116,9 @@ impl World {
             ellipsoids: vec![],
             planes: vec![],
             plane_directions: vec![],
+            flattening_errors: FlatteningErrors::default(),
+            boundary_width: BoundaryWidth::default(),
+            coincidence_margin: 0.0,
             materials: memory::copied(&scene.materials)?,
             lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
             background: scene.background.color,
@@ -205,7 +215,7 @@ impl World {
     /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same
     /// vertices, are ordered by their ids.
     #[cold]
-    fn comes_first(&self, one: u32, other: u32) -> bool {
+    pub fn comes_first(&self, one: u32, other: u32) -> bool {
         let by_coordinates = match (self.primitive(one), self.primitive(other)) {
             (Primitive::Triangle(i), Primitive::Triangle(j)) => {
                 let coordinates = |k| self.corners(k).into_iter().flat_map(|v| v.to_array());

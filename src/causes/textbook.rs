@@ -88,17 +88,21 @@ impl<F: Finder> Textbook<'_, F> {
     }
 
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
-        let (materials, point) = (&self.finder.world().materials, surface.position);
+        let world = self.finder.world();
+        let materials = &world.materials;
         // The bytes are the same with all of them.
         let instructions = Instructions::Portable;
-        match &materials[surface.material] {
-            Material::Texture(texture)
-                if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
-            {
-                material_at(materials, child_by_cutting(texture, point), point, instructions, mixture)
-            }
-            _ => material_at(materials, surface.material, point, instructions, mixture),
-        }
+        world.with_rounded_point(surface, |point| {
+            let material = match &materials[surface.material] {
+                Material::Texture(texture)
+                    if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
+                {
+                    child_by_cutting(texture, point.position)
+                }
+                _ => surface.material,
+            };
+            material_at(materials, material, point, instructions, mixture)
+        })
     }
 
     fn shade(&self, path: &Path, surface: &SurfacePoint, material: &PointMaterial) -> Color {
@@ -212,7 +216,7 @@ impl<F: Finder> Textbook<'_, F> {
 
 /// The child of a checkerboard where coordinates are cut to whole numbers, towards zero.
 fn child_by_cutting(texture: &Texture, point: DVec3) -> MaterialId {
-    let cells = texture.world_to_texture.transform_point3(point).to_array().map(|q| q as i64);
+    let cells = texture.world_to_texture.map.transform_point3(point).to_array().map(|q| q as i64);
     let is_odd = cells.iter().fold(false, |is_odd, cell| is_odd ^ (cell % 2 != 0));
     texture.children[usize::from(is_odd)]
 }

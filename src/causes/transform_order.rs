@@ -1,9 +1,9 @@
 //! Transformations multiplied in the other order.
 
+use crate::math::rounded_affine::RoundedAffine;
 use crate::scene::lexer::Lexer;
 use crate::scene::parser::parse;
 use crate::scene::{Object, ObjectId, Scene, TRANSFORMATIONS};
-use glam::DAffine3;
 
 /// The scene of a text in which the transformations of each list are written in the opposite order; none where no
 /// list has two.
@@ -53,7 +53,7 @@ fn values(words: &[&str]) -> usize {
 pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
     let mut objects = Vec::new();
     let (mut children, mut is_nested) = (Vec::new(), false);
-    let mut stack: Vec<(ObjectId, Option<DAffine3>)> = vec![(scene.root, None)];
+    let mut stack: Vec<(ObjectId, Option<RoundedAffine>)> = vec![(scene.root, None)];
     while let Some((id, outer)) = stack.pop() {
         match &scene.objects[id] {
             Object::Group(members) => stack.extend(members.iter().rev().map(|&member| (member, outer))),
@@ -82,6 +82,7 @@ pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
 mod tests {
     use super::*;
     use crate::world::placements;
+    use glam::DAffine3;
 
     fn scene(objects: &str) -> String {
         format!(

@@ -2,13 +2,13 @@
 
 use crate::escape::escape;
 use crate::math::instructions::Instructions;
+use crate::math::rounded_point::RoundedPoint;
 use crate::renderer::Renderer;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::first_weight;
 use crate::world::World;
-use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
 
@@ -89,7 +89,7 @@ impl<'r> Objects<'r> {
     }
 
     /// The textures that have weight in a material at a point, the outermost first.
-    pub fn textures(&self, material: MaterialId, point: DVec3) -> Vec<TextureWeight> {
+    pub fn textures(&self, material: MaterialId, point: &RoundedPoint) -> Vec<TextureWeight> {
         let mut weights = vec![0.0; material + 1];
         weights[material] = 1.0;
         let mut textures = vec![];

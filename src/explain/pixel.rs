@@ -19,6 +19,7 @@ use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::{Counts, Probe};
 use crate::trace::{Event, Memory, Observer, Tracer};
+use crate::world::World;
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -177,11 +178,12 @@ impl<'p, 'r> Explainer<'p, 'r> {
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
         surface.material_at = self.objects.material_position(surface.point.material);
-        surface.textures = self.objects.textures(surface.point.material, surface.point.position);
+        surface.textures = world
+            .with_rounded_point(&surface.point, |point| self.objects.textures(surface.point.material, point));
         if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
             node.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
         }
-        if self.is_in_boundary(surface) {
+        if self.is_in_boundary(surface, world) {
             node.close_calls.push(CloseCall { kind: Kind::Boundary, object: None });
         }
         for (index, light) in surface.lights.iter_mut().enumerate() {
@@ -194,10 +196,12 @@ impl<'p, 'r> Explainer<'p, 'r> {
     }
 
     /// Whether a checkerboard decides by roundings which material the surface has.
-    fn is_in_boundary(&self, surface: &Surface) -> bool {
+    fn is_in_boundary(&self, surface: &Surface, world: &World) -> bool {
         let materials = &self.prepared.renderer().scene.materials;
         surface.textures.iter().any(|texture| match materials.get(texture.material) {
-            Some(Material::Texture(texture)) => is_in_boundary(texture, surface.point.position),
+            Some(Material::Texture(texture)) => {
+                world.with_rounded_point(&surface.point, |point| is_in_boundary(texture, point))
+            }
             _ => false,
         })
     }

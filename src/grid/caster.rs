@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// The primitive that a ray leaves.
 #[derive(Clone, Copy)]
-struct Left {
+pub(super) struct Left {
     /// Its id, or [`triangle8::NONE`].
     primitive: u32,
     /// Whether it is a sphere or an ellipsoid that the ray may hit again.
@@ -30,6 +30,11 @@ struct Left {
 }
 
 impl Left {
+    /// A primitive that the ray is known not to hit again, or [`triangle8::NONE`].
+    pub fn for_good(primitive: u32) -> Self {
+        Self { primitive, may_return: false }
+    }
+
     #[inline(always)]
     fn of<M: Mode>(caster: &Caster<M>, primitive: Option<u32>) -> Self {
         let primitive = primitive.unwrap_or(triangle8::NONE);
@@ -130,7 +135,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     fn nearest_from_alone<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
         probe.intersections(1);
         let Some(t_bound) = self.world.crossing(ray, left) else {
-            return self.run::<P, false>(ray, Left { primitive: left, may_return: false }, probe);
+            return self.run::<P, false>(ray, Left::for_good(left), probe);
         };
         // On its way through the inside the ray hits the far side or a plane.
         let far_side = Visible { primitive: left, t_bound };
@@ -221,11 +226,26 @@ impl<'w, M: Mode> Caster<'w, M> {
                 // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
                 unsafe { run_avx2::<M, P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
             }
-            Instructions::Portable => self.run_with::<_, P, ANY>(Portable, *ray, leaves, probe),
+            Instructions::Portable => self.run_portable::<P, ANY>(ray, leaves, triangle8::NONE, probe),
         };
         (best.primitive != triangle8::NONE).then_some(best)
     }
 
+    /// The same without special instructions.
+    #[inline(never)]
+    fn run_portable<P: Probe, const ANY: bool>(
+        &self,
+        ray: &Ray,
+        leaves: Left,
+        coincides_with: u32,
+        probe: &mut P,
+    ) -> Visible {
+        self.run_with::<_, P, ANY>(Portable, *ray, leaves, coincides_with, probe)
+    }
+
+    /// Looks for the nearest primitive or, if `coincides_with` is the id of one, for the first of those that coincide with
+    /// that.
+    ///
     /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
     /// not.
     #[inline(always)]
@@ -234,6 +254,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         kernel: K,
         ray: Ray,
         leaves: Left,
+        coincides_with: u32,
         probe: &mut P,
     ) -> Visible {
         let structure = self.structure.as_deref();
@@ -246,6 +267,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = RayQuery::new(self.world, &stored, leaves.primitive);
+        query.look_for_coincident(coincides_with);
         query.test_planes(&ray, probe);
         if leaves.may_return {
             query.leave_round::<M, P>(probe);
@@ -256,7 +278,36 @@ impl<'w, M: Mode> Caster<'w, M> {
         if let Some(structure) = structure {
             structure.run::<K, M, P, ANY>(kernel, &ray_entry, &mut query, probe);
         }
+        if !ANY && query.is_undecided() {
+            return self.foremost::<P>(&stored, leaves, query.best);
+        }
         query.best
+    }
+
+    /// What a ray sees after its query.
+    #[inline(always)]
+    pub(super) fn seen<P: Probe>(&self, query: &RayQuery, leaves: Left) -> Option<Visible> {
+        if query.is_undecided() {
+            return Some(self.foremost::<P>(query.ray, leaves, query.best));
+        }
+        query.visible()
+    }
+
+    /// What a ray sees of the primitives that coincide with the nearest one. They are looked for by another query, since
+    /// those that the ray hits before it finds the nearest one may coincide with it, too.
+    #[cold]
+    #[inline(never)]
+    fn foremost<P: Probe>(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
+        let t = self.world.hit(ray, nearest).t;
+        let end = t + 2.0 * self.world.coincidence_reach(t);
+        let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
+        // These rays are so few that the portable instructions will do.
+        let probe = &mut P::default();
+        let first = self.run_portable::<P, false>(&ray_to_there, leaves, nearest.primitive, probe).primitive;
+        if first == triangle8::NONE || first == nearest.primitive {
+            return nearest;
+        }
+        Visible { primitive: first, t_bound: self.world.crossing(ray, first).unwrap_or(t) }
     }
 }
 
@@ -276,7 +327,7 @@ fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
     leaves: Left,
     probe: &mut P,
 ) -> Visible {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, probe)
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, triangle8::NONE, probe)
 }
 
 #[cfg(test)]

@@ -147,7 +147,7 @@ impl AccelerationStructure {
         let small = &self.trees.small[index as usize];
         let before = query.best;
         let Small { branch, simd_bounds, frame, max_origin_distance, .. } = small;
-        let (ray, last) = (query.ray, before.t_bound);
+        let (ray, last) = (query.ray, query.end::<ANY>());
         match ray_entry::<K::F64x4>(kernel, simd_bounds, frame, *max_origin_distance, ray, last) {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
@@ -156,7 +156,7 @@ impl AccelerationStructure {
             }
             Entry::TooFar => self.test_leaves::<P, ANY>(small, query, probe),
         }
-        outer.shorten(query.best.t_bound);
+        outer.shorten(query.end::<ANY>());
         query.best != before
     }
 

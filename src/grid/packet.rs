@@ -3,7 +3,7 @@
 //! work for the others.
 
 use super::build::AccelerationStructure;
-use super::caster::Caster;
+use super::caster::{Caster, Left};
 use super::cell_contents::{CellContents, TREE};
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
@@ -132,10 +132,10 @@ impl<M: Mode> Caster<'_, M> {
             let mut query = RayQuery::new(self.world, ray, NONE);
             query.test_planes(ray, probe);
             if let Some(cursor) = cursors[i] {
-                let filter_state = setups[i / LANES].filter_state(i % LANES, query.best.t_bound);
+                let filter_state = setups[i / LANES].filter_state(i % LANES, query.end::<false>());
                 grid.traverse_cells::<K, M, P, false>(kernel, cursor, filter_state, &mut query, probe);
             }
-            let visible = query.visible();
+            let visible = self.seen::<P>(&query, Left::for_good(NONE));
             rays[i].set_visible(visible);
         }
     }
@@ -163,7 +163,7 @@ impl<M: Mode> Caster<'_, M> {
             let mut query = RayQuery::new(self.world, ray.ray(), ray.leaves().unwrap_or(NONE));
             query.test_planes(ray.ray(), probe);
             if setup.passing >> i & 1 != 0 {
-                let filter_state = setup.filter_state(i, query.best.t_bound);
+                let filter_state = setup.filter_state(i, query.end::<false>());
                 // A cursor that is passed on would be written to memory and read again in other parts.
                 grid.traverse_cells::<K, M, P, false>(
                     kernel,
@@ -173,7 +173,8 @@ impl<M: Mode> Caster<'_, M> {
                     probe,
                 );
             }
-            let visible = query.visible();
+            let left = Left::for_good(ray.leaves().unwrap_or(NONE));
+            let visible = self.seen::<P>(&query, left);
             ray.set_visible(visible);
         }
     }

@@ -31,6 +31,12 @@ pub struct RayQuery<'a> {
     /// in each of them.
     tested: [u32; MAX_TESTED],
     next: usize,
+    /// Whether a primitive other than the best one was hit so close to the best one of then that both may lie in the same
+    /// place.
+    is_close: bool,
+    /// If not [`NONE`], all primitives that coincide with this one are looked for, and the best of them is the one that
+    /// comes first.
+    coincides_with: u32,
 }
 
 /// The number of primitives in [`RayQuery::tested`].
@@ -98,7 +104,32 @@ impl<'a> RayQuery<'a> {
     pub fn new(world: &'a World, ray: &'a Ray, leaves: u32) -> Self {
         let best = Visible { primitive: NONE, t_bound: ray.t_max };
         let (t_lower_bound, tested) = (best.t_bound, [NONE; MAX_TESTED]);
-        Self { world, ray, shear: None, best, t_lower_bound, leaves, tested, next: 0 }
+        let (next, is_close, coincides_with) = (0, false, NONE);
+        Self { world, ray, shear: None, best, t_lower_bound, leaves, tested, next, is_close, coincides_with }
+    }
+
+    /// Looks for the primitives that coincide with this one, unless it is [`NONE`].
+    #[inline(always)]
+    pub fn look_for_coincident(&mut self, primitive: u32) {
+        if primitive != NONE {
+            self.coincides_with = primitive;
+            // No bounds suffice to decide.
+            self.t_lower_bound = f64::NEG_INFINITY;
+        }
+    }
+
+    /// Whether it is still to be decided which of several primitives in the same place the ray sees.
+    #[inline(always)]
+    pub fn is_undecided(&self) -> bool {
+        self.is_close && self.coincides_with == NONE
+    }
+
+    /// The t up to which primitives are looked for: behind the best one there may be others in the same place. Any hit
+    /// has to be before the ray's end.
+    #[inline(always)]
+    pub fn end<const ANY: bool>(&self) -> f64 {
+        let t = self.best.t_bound;
+        if ANY { t } else { t + self.world.coincidence_reach(t) }
     }
 
     /// The nearest primitive found, if there is one.
@@ -159,13 +190,13 @@ impl<'a> RayQuery<'a> {
                     }
                 } else if self.decide_nearest::<M>(block, &verdict, filter_state) {
                     changed = true;
-                    filter_state.shorten(self.best.t_bound);
+                    filter_state.shorten(self.end::<ANY>());
                 }
             }
         }
         if cells.has_non_triangles() && self.test_non_triangles(cells, blocks, probe) {
             changed = true;
-            filter_state.shorten(self.best.t_bound);
+            filter_state.shorten(self.end::<ANY>());
         }
         changed
     }
@@ -243,7 +274,7 @@ impl<'a> RayQuery<'a> {
             let id = block.index.ids[lane];
             if certain >> lane & 1 != 0 {
                 let [lower, upper] = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
-                if upper < self.t_lower_bound {
+                if upper + self.world.coincidence_reach(upper) < self.t_lower_bound {
                     self.best = Visible { primitive: id, t_bound: upper };
                     self.t_lower_bound = lower;
                     changed = true;
@@ -277,10 +308,14 @@ impl<'a> RayQuery<'a> {
         }
     }
 
-    /// Keeps a primitive that the ray hits at `t` if it precedes the best one.
+    /// Keeps a primitive that the ray hits at `t` if it precedes the best one, and returns whether it does.
     #[inline(always)]
     fn offer(&mut self, t: f64, primitive: u32) -> bool {
-        let better = t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive));
+        let reach = self.world.coincidence_reach(t);
+        if t - reach > self.best.t_bound {
+            return false;
+        }
+        let better = t + reach < self.t_lower_bound || self.offer_close(t, primitive);
         if better {
             self.best = Visible { primitive, t_bound: t };
             self.t_lower_bound = t;
@@ -288,8 +323,27 @@ impl<'a> RayQuery<'a> {
         better
     }
 
-    /// Whether a primitive precedes the best one, for a t within the bounds on the latter's t.
+    /// Whether a primitive precedes the best one, where both may lie in the same place.
     #[cold]
+    fn offer_close(&mut self, t: f64, primitive: u32) -> bool {
+        if self.coincides_with != NONE {
+            self.offer_coincident(primitive);
+            return false;
+        }
+        self.is_close |= self.best.primitive != NONE;
+        t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive))
+    }
+
+    /// Keeps a primitive that coincides with the one that is looked for, if it comes before the best one.
+    fn offer_coincident(&mut self, primitive: u32) {
+        let (world, other) = (self.world, self.coincides_with);
+        let is_first = self.best.primitive == NONE || world.comes_first(primitive, self.best.primitive);
+        if is_first && (primitive == other || world.coincide(primitive, other)) {
+            self.best.primitive = primitive;
+        }
+    }
+
+    /// Whether a primitive precedes the best one, for a t within the bounds on the latter's t.
     fn precedes_best(&mut self, t: f64, primitive: u32) -> bool {
         if self.t_lower_bound < self.best.t_bound {
             self.best.t_bound = self.world.hit(self.ray, self.best).t;

@@ -29,7 +29,7 @@ impl AccelerationStructure {
     ) {
         let interval = match ray_entry {
             Entry::TooFar => return self.run_all::<P, ANY>(query, probe),
-            Entry::Passes(interval) if interval.entry <= query.best.t_bound => *interval,
+            Entry::Passes(interval) if interval.entry <= query.end::<ANY>() => *interval,
             _ => {
                 // The course's program tests every primitive. A ray that misses their bounds misses them all.
                 let untested =
@@ -37,7 +37,7 @@ impl AccelerationStructure {
                 return probe.intersections(untested);
             }
         };
-        let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.best.t_bound);
+        let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.end::<ANY>());
         match &self.table {
             Some(table) => {
                 self.traverse_cells::<K, M, P, ANY>(

@@ -15,6 +15,8 @@ pub mod predicate;
 pub(crate) mod prefetch;
 pub mod ray;
 pub mod robust;
+pub mod rounded_affine;
+pub mod rounded_point;
 pub mod scaled;
 pub(crate) mod vectors4;
 #[cfg(target_arch = "x86_64")]

@@ -97,6 +97,37 @@ fn cofactor(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
+/// The largest error of [`transformed_normal`] relative to its length, for a matrix whose numbers have errors of at most
+/// `error`.
+pub fn transformed_normal_error(m: DMat3, error: DMat3, normal: DVec3) -> f64 {
+    /// Of the cofactors two roundings, of the products with the normal three, and of the unit normal's numbers and of
+    /// this bound's own arithmetic the rest.
+    const ROUNDINGS: f64 = 9.0;
+    let scaled = |m: DMat3, [i, j, k]: [i32; 3]| {
+        let scale = |v: DVec3, exponent| DVec3::from_array(v.to_array().map(|x| libm::ldexp(x, exponent)));
+        DMat3::from_cols(scale(m.x_axis, i), scale(m.y_axis, j), scale(m.z_axis, k))
+    };
+    let (m, exponents) = with_unit_columns(m);
+    let (sizes, error) = (m.abs(), scaled(error, exponents));
+    let largest = exponents.into_iter().max().unwrap_or(0);
+    let normal = rescaled(normal);
+    let normal = DVec3::from_array(std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest)));
+    let moved = (unsigned_cofactor(sizes, error) + unsigned_cofactor(error, sizes + error)) * normal.abs();
+    let rounded = ROUNDINGS * UNIT_ROUNDOFF * (unsigned_cofactor(sizes, sizes) * normal.abs());
+    (moved + rounded).length() / (cofactor(m) * normal).length()
+}
+
+/// The cofactor matrix with sums in place of differences, of products of one matrix's numbers with another's.
+fn unsigned_cofactor(one: DMat3, other: DMat3) -> DMat3 {
+    let cross =
+        |p: DVec3, q: DVec3| DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+    DMat3::from_cols(
+        cross(one.y_axis, other.z_axis),
+        cross(one.z_axis, other.x_axis),
+        cross(one.x_axis, other.y_axis),
+    )
+}
+
 /// Whether a matrix reverses orientation, that is, has a negative determinant.
 pub fn is_mirroring(m: DMat3) -> bool {
     with_unit_columns(m).0.determinant() < 0.0

@@ -54,6 +54,11 @@ impl Ellipsoid {
         self.center
     }
 
+    /// The linear part of the map from the unit sphere.
+    pub fn linear(&self) -> DMat3 {
+        self.linear
+    }
+
     /// The linear part of the map to the unit sphere.
     pub fn inverse(&self) -> DMat3 {
         self.inverse

@@ -27,6 +27,11 @@ impl Plane {
         self.offset - self.normal.dot(point)
     }
 
+    /// The same points, with the normal to the other side.
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
+
     /// The point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
     /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
     pub fn project(&self, point: DVec3) -> DVec3 {

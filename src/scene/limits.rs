@@ -77,9 +77,9 @@ fn is_phong(phong: &Phong) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::rounded_affine::RoundedAffine;
     use crate::scene::material::Pattern;
     use crate::scene::parser::parse;
-    use glam::DAffine3;
 
     /// A scene of both kinds of lights and materials.
     fn scene(camera: &str) -> Scene {
@@ -192,8 +192,8 @@ mod tests {
         let change = |scene: &mut Scene, x: f64| change_phong(scene, |phong| phong.index_of_refraction = x);
         check_number(change, &[LARGEST.next_up(), 0.0, -1.0, f64::NAN], &[5e-324, LARGEST]);
         let change = |scene: &mut Scene, x: f64| {
-            let mut world_to_texture = DAffine3::IDENTITY;
-            world_to_texture.translation.z = x;
+            let mut world_to_texture = RoundedAffine::IDENTITY;
+            world_to_texture.map.translation.z = x;
             let (pattern, children) = (Pattern::Checkerboard, [0; 2]);
             scene.materials[1] = Material::Texture(Texture { pattern, world_to_texture, children });
         };

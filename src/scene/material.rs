@@ -1,7 +1,7 @@
 //! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
 use super::{Color, MaterialId};
-use glam::DAffine3;
+use crate::math::rounded_affine::RoundedAffine;
 use serde::Serialize;
 
 /// The material of a surface.
@@ -59,7 +59,7 @@ pub struct Texture {
     /// The pattern that determines the weights of the materials.
     pub pattern: Pattern,
     /// The map from world space to the texture's space.
-    pub world_to_texture: DAffine3,
+    pub world_to_texture: RoundedAffine,
     /// The two materials; each index is below the texture's own.
     pub children: [MaterialId; 2],
 }

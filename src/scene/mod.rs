@@ -30,7 +30,8 @@ pub(crate) mod excerpt;
 mod transform;
 pub mod warning;
 
-use glam::{DAffine3, DVec3};
+use crate::math::rounded_affine::RoundedAffine;
+use glam::DVec3;
 use material::Material;
 use serde::Serialize;
 pub(crate) use transform::TRANSFORMATIONS;
@@ -156,7 +157,7 @@ pub enum Object {
     /// A transformed object.
     Transform {
         /// The map from the child's space to the parent's. It may be singular.
-        matrix: DAffine3,
+        matrix: RoundedAffine,
         /// The object that is transformed.
         child: ObjectId,
         /// The position of the `Transform` in the text.

@@ -4,8 +4,8 @@ use super::list::Announced;
 use super::reader::{Parsed, Reader};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{ObjectId, Position};
+use crate::math::rounded_affine::RoundedAffine;
 use crate::memory::{self, NoMemory};
-use glam::DAffine3;
 
 /// The keywords of objects.
 pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
@@ -13,7 +13,7 @@ pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triang
 /// A group or transform whose closing brace has not been read yet.
 pub enum Open {
     Group { announced: Announced, children: Vec<ObjectId>, at: Position },
-    Transform { matrix: DAffine3, at: Position, child: Option<ObjectId> },
+    Transform { matrix: RoundedAffine, at: Position, child: Option<ObjectId> },
 }
 
 impl Open {

@@ -6,7 +6,9 @@ use super::material::{Material, Pattern, Phong, Texture};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, Position};
-use glam::{DAffine3, DVec3};
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::rounded_affine::RoundedAffine;
+use glam::{DAffine3, DMat3, DVec3};
 
 /// The keywords that start a Phong material. They have the same meaning.
 pub const PHONG_KINDS: [&str; 2] = ["Material", "PhongMaterial"];
@@ -100,9 +102,9 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
 
 /// Reads the optional `Transform` of a texture. As written, without an inversion, it maps world space to
 /// texture space.
-fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     if !reader.is_at("Transform") {
-        return Ok(DAffine3::IDENTITY);
+        return Ok(RoundedAffine::IDENTITY);
     }
     reader.open()?;
     let map = parse_transformations(reader)?;
@@ -130,14 +132,16 @@ fn earlier_material(index: u64, own: MaterialId) -> Option<MaterialId> {
 
 /// Reads the optional `size` of a checkerboard's squares from the 2003 edition, and returns the scale that
 /// maps such squares to unit squares.
-fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     if !reader.accept("size") {
-        return Ok(DAffine3::IDENTITY);
+        return Ok(RoundedAffine::IDENTITY);
     }
     // The reciprocal of the smallest numbers overflows, so it is checked as well.
     let size =
         reader.number_that("size", "must be positive", |size| size > 0.0 && (1.0 / size).is_finite())?;
-    Ok(DAffine3::from_scale(DVec3::splat(1.0 / size)))
+    let scale = DVec3::splat(1.0 / size);
+    let error = DAffine3::from_mat3(DMat3::from_diagonal(scale * UNIT_ROUNDOFF));
+    Ok(RoundedAffine { map: DAffine3::from_scale(scale), error })
 }
 
 fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
@@ -203,7 +207,7 @@ mod tests {
                 |material| if let Material::Texture(texture) = material { Some(texture) } else { None },
             )
             .map(|texture| {
-                (texture.pattern, texture.children, texture.world_to_texture.transform_point3(DVec3::X).x)
+                (texture.pattern, texture.children, texture.world_to_texture.map.transform_point3(DVec3::X).x)
             })
             .collect();
         let expected = [
@@ -220,6 +224,6 @@ mod tests {
         let text = "Materials { numMaterials 2 Material { }
             Checkerboard { Transform { Translate 1 0 0 } materialIndex 0 materialIndex 0 size .5 } }";
         let Material::Texture(texture) = &read(text)[1] else { panic!("not a texture") };
-        assert_eq!(texture.world_to_texture.transform_point3(DVec3::ONE), DVec3::new(4.0, 2.0, 2.0));
+        assert_eq!(texture.world_to_texture.map.transform_point3(DVec3::ONE), DVec3::new(4.0, 2.0, 2.0));
     }
 }

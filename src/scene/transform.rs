@@ -2,6 +2,8 @@
 
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::rounded_affine::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The keywords that start a transformation.
@@ -14,8 +16,8 @@ pub const TRANSFORMATIONS: [&str; 8] =
 /// Each transformation is multiplied from the right to the product so far, so that the last one acts first,
 /// except that a `Matrix` is multiplied from the left. Errors: malformed transformations. A product that
 /// overflows is recorded.
-pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
-    let mut product = DAffine3::IDENTITY;
+pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
+    let mut product = RoundedAffine::IDENTITY;
     while reader.is_at_any(&TRANSFORMATIONS) {
         let at = reader.peek().at;
         product = if reader.is_at("Matrix") {
@@ -25,7 +27,7 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
         };
         if !product.is_finite() {
             reader.report(SceneError::new(at, Problem::TransformOverflow));
-            product = DAffine3::IDENTITY;
+            product = RoundedAffine::IDENTITY;
         }
     }
     Ok(product)
@@ -33,16 +35,16 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
 
 /// Reads any transformation except `Matrix`. The 2003 edition has braces around the values of all
 /// transformations, the 2004 edition only around those of `Rotate`. Both are accepted.
-fn parse_factor(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     if reader.is_at("Rotate") {
         return parse_axis_rotation(reader);
     }
     let name = reader.take().text;
     let braced = reader.accept("{");
     let factor = match name {
-        "Translate" => DAffine3::from_translation(reader.vector(name)?),
-        "Scale" => DAffine3::from_scale(reader.vector(name)?),
-        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number(name)?)),
+        "Translate" => DAffine3::from_translation(reader.vector(name)?).into(),
+        "Scale" => DAffine3::from_scale(reader.vector(name)?).into(),
+        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number(name)?)).into(),
         "XRotate" => rotation(DVec3::X, reader.number(name)?),
         "YRotate" => rotation(DVec3::Y, reader.number(name)?),
         "ZRotate" => rotation(DVec3::Z, reader.number(name)?),
@@ -54,7 +56,7 @@ fn parse_factor(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
     Ok(factor)
 }
 
-fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     reader.open()?;
     let axis = reader.nonzero_vector("Rotate")?;
     let angle = reader.number("Rotate")?;
@@ -63,7 +65,7 @@ fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
 }
 
 /// Reads `Matrix { ... }`: sixteen numbers, row after row.
-fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
+fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     reader.open()?;
     let mut rows = [[0.0; 4]; 3];
     for number in rows.as_flattened_mut() {
@@ -80,22 +82,37 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<DAffine3> {
         reader.report(SceneError::new(at, Problem::NotAffine));
     }
     reader.close("Matrix")?;
-    Ok(from_rows(rows))
+    Ok(from_rows(rows).into())
 }
 
 /// The right-handed rotation around `axis` by `degrees`.
 ///
 /// As in the course's program the axis is not normalised, so that one of another length than 1 distorts the
 /// object.
-fn rotation(axis: DVec3, degrees: f64) -> DAffine3 {
+fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
     let (sine, cosine) = sine_and_cosine(degrees);
     let DVec3 { x, y, z } = axis;
     let rest = 1.0 - cosine;
-    from_rows([
+    let map = from_rows([
         [rest * x * x + cosine, rest * x * y - sine * z, rest * x * z + sine * y, 0.0],
         [rest * x * y + sine * z, rest * y * y + cosine, rest * y * z - sine * x, 0.0],
         [rest * x * z - sine * y, rest * y * z + sine * x, rest * z * z + cosine, 0.0],
-    ])
+    ]);
+    let is_exact = degrees % 90.0 == 0.0 && [DVec3::X, DVec3::Y, DVec3::Z].contains(&axis.abs());
+    if is_exact { map.into() } else { RoundedAffine { map, error: rotation_error(axis.abs()) } }
+}
+
+/// The error bounds of the numbers of a rotation, by the absolute values of its axis.
+///
+/// Sine and cosine are right to 3 roundings of 1: 1.6 of the angle in radians, which is at most pi / 4, and less than one
+/// unit in the last place. So `rest` is right to 5, its product with two numbers of the axis to 9 of theirs, and the
+/// product with the sine to 4. The sum is rounded once more.
+fn rotation_error(axis: DVec3) -> DAffine3 {
+    let DVec3 { x, y, z } = axis;
+    let of_rest = DMat3::from_cols(axis * x, axis * y, axis * z) * 11.0;
+    let of_sine = DMat3::from_cols(DVec3::new(0.0, z, y), DVec3::new(z, 0.0, x), DVec3::new(y, x, 0.0)) * 5.0;
+    let of_cosine = DMat3::from_diagonal(DVec3::splat(5.0));
+    DAffine3::from_mat3((of_rest + of_sine + of_cosine) * UNIT_ROUNDOFF)
 }
 
 /// Sine and cosine of an angle in degrees, exact at the multiples of 90 and the same on every machine.
@@ -122,9 +139,12 @@ fn from_rows(rows: [[f64; 4]; 3]) -> DAffine3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::worst_case::Rng;
+    use num_rational::BigRational;
+    use num_traits::{Signed, ToPrimitive, Zero};
 
     fn read(text: &str) -> DAffine3 {
-        parse_transformations(&mut Reader::new(text)).unwrap()
+        parse_transformations(&mut Reader::new(text)).unwrap().map
     }
 
     fn refuse(text: &str) -> Problem {
@@ -222,7 +242,68 @@ mod tests {
         for (axis, degrees) in [(DVec3::new(2.0, 3.0, 6.0), 40.0), (DVec3::new(-6.0, 2.0, 3.0), 250.0)] {
             let axis = axis / 7.0;
             let known = DMat3::from_axis_angle(axis, f64::to_radians(degrees));
-            assert!(rotation(axis, degrees).matrix3.abs_diff_eq(known, 1e-15));
+            assert!(rotation(axis, degrees).map.matrix3.abs_diff_eq(known, 1e-15));
         }
+    }
+
+    fn exact(x: f64) -> BigRational {
+        BigRational::from_float(x).unwrap()
+    }
+
+    /// Sine and cosine to more than 40 digits, by their series.
+    fn exact_sine_and_cosine(degrees: f64) -> [BigRational; 2] {
+        let pi: BigRational = "31415926535897932384626433832795028841971693993751/10000000000000000000000000000000000000000000000000"
+            .parse()
+            .unwrap();
+        let angle = exact(degrees) * pi / exact(180.0);
+        let mut sums = [exact(0.0), exact(0.0)];
+        let mut term = exact(1.0);
+        for n in 1..80 {
+            let sign = if (n - 1) / 2 % 2 == 0 { exact(1.0) } else { exact(-1.0) };
+            sums[n % 2] += &term * sign;
+            // The digits that are cut off are far below those that matter.
+            term = (term * &angle / exact(n as f64) * exact(2f64.powi(200))).round() / exact(2f64.powi(200));
+        }
+        let [sine, cosine] = sums;
+        [sine, cosine]
+    }
+
+    #[test]
+    fn rotations_are_within_their_error_bounds() {
+        let rng = &mut Rng(3);
+        let mut largest_part = 0.0f64;
+        for k in 0..400 {
+            let axis =
+                if k % 2 == 0 { rng.vector().normalize() } else { [DVec3::X, DVec3::Y, DVec3::Z][k / 2 % 3] };
+            let degrees = 360.0 * rng.signed();
+            let [sine, cosine] = exact_sine_and_cosine(degrees);
+            let [x, y, z] = axis.to_array().map(exact);
+            let rest = exact(1.0) - &cosine;
+            let expected = [
+                [&rest * &x * &x + &cosine, &rest * &x * &y - &sine * &z, &rest * &x * &z + &sine * &y],
+                [&rest * &x * &y + &sine * &z, &rest * &y * &y + &cosine, &rest * &y * &z - &sine * &x],
+                [&rest * &x * &z - &sine * &y, &rest * &y * &z + &sine * &x, &rest * &z * &z + &cosine],
+            ];
+            let RoundedAffine { map, error } = rotation(axis, degrees);
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                let off = (exact(map.matrix3.col(j)[i]) - &expected[i][j]).abs();
+                let bound = exact(error.matrix3.col(j)[i]);
+                assert!(off <= bound, "{axis} {degrees}: {off} is more than {bound}");
+                if !bound.is_zero() {
+                    largest_part = largest_part.max((off / bound).to_f64().unwrap());
+                }
+            }
+        }
+        assert!(largest_part > 0.1, "the bound is {} times too wide", 1.0 / largest_part);
+    }
+
+    #[test]
+    fn quarter_turns_and_scales_have_no_error() {
+        for text in ["ZRotate 90", "Scale 0.1 0.2 0.3", "Rotate { 0 -1 0 270 }", "Translate 0.1 0.2 0.3"] {
+            let map = parse_transformations(&mut Reader::new(text)).unwrap();
+            assert_eq!(map.error, DAffine3::ZERO, "{text}");
+        }
+        let turned = parse_transformations(&mut Reader::new("ZRotate 30")).unwrap();
+        assert!(turned.error.matrix3.x_axis.x > 0.0);
     }
 }

@@ -8,22 +8,18 @@ use crate::math::f64x4::{F64x4, Scalar};
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
 use crate::math::robust::UNIT_ROUNDOFF;
-use glam::{DAffine3, DVec3};
-
-/// A point of a surface in the texture's space, one coordinate in each of the first three lanes.
-struct Coordinates<F> {
-    values: F,
-    /// How far the value of a point that lies in a boundary may be from the boundary.
-    error_bounds: F,
-}
+use crate::math::rounded_affine::{IMAGE_ROUNDINGS, RoundedAffine, absolute};
+use crate::math::rounded_point::RoundedPoint;
+use glam::{DAffine3, DMat3, DVec3};
 
 /// Whether a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the cell
 /// above it.
 ///
 /// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
-/// its points falls. So a coordinate that is within its rounding error of a boundary counts as being on it.
+/// its points falls. So a coordinate that is within its error bound of a boundary counts as being on it. The bound
+/// covers the errors of the point, of the map and of the coordinate itself (`proofs/checkerboard.g`).
 #[inline(always)]
-pub fn is_in_odd_cell(map: &DAffine3, point: DVec3, instructions: Instructions) -> bool {
+pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, instructions: Instructions) -> bool {
     match instructions {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
@@ -36,29 +32,30 @@ pub fn is_in_odd_cell(map: &DAffine3, point: DVec3, instructions: Instructions) 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn is_in_odd_cell_avx2(avx2: Avx2, map: &DAffine3, point: DVec3) -> bool {
+fn is_in_odd_cell_avx2(avx2: Avx2, map: &RoundedAffine, point: &RoundedPoint) -> bool {
     is_in_odd_cell_with::<Avx>(avx2, map, point)
 }
 
 #[inline(always)]
-fn is_in_odd_cell_with<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> bool {
+fn is_in_odd_cell_with<F: F64x4>(proof: F::Proof, map: &RoundedAffine, point: &RoundedPoint) -> bool {
     /// Up to this the conversion to integers is exact.
     const LARGEST_INDEX: f64 = i32::MAX as f64;
-    let Coordinates { values, error_bounds } = coordinates::<F>(proof, map, point);
+    let values = coordinates::<F>(proof, &map.map, point.position);
     let below = values.floor();
-    if below.abs().le_mask(below.broadcast(LARGEST_INDEX)) & 7 != 7 {
-        return is_in_odd_cell_far_away(values.to_array(), error_bounds.to_array());
-    }
     let to_next = below + below.broadcast(1.0) - values;
-    let on_next = to_next.le_mask(error_bounds) & 7;
+    let is_between = below.broadcast(point.boundary_width).le_mask(to_next) & 7 == 7;
+    if !is_between || below.abs().le_mask(below.broadcast(LARGEST_INDEX)) & 7 != 7 {
+        return is_in_odd_cell_exactly(map, point);
+    }
     let [x, y, z, _] = below.to_i32();
-    // Each step to the next cell changes the parity of the sum.
-    ((x ^ y ^ z) as u32 ^ on_next.count_ones()) & 1 != 0
+    (x ^ y ^ z) & 1 != 0
 }
 
-/// The same where an index is larger than an `i32`, or NaN.
+/// The same where a boundary may be close, or an index is larger than an `i32`, or NaN.
 #[cold]
-fn is_in_odd_cell_far_away(values: [f64; 4], error_bounds: [f64; 4]) -> bool {
+fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
+    let values = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
+    let error_bounds = error_bounds(map, point);
     let cell = |axis: usize| {
         let below = values[axis].floor();
         let is_on_next = below + 1.0 - values[axis] <= error_bounds[axis];
@@ -68,50 +65,57 @@ fn is_in_odd_cell_far_away(values: [f64; 4], error_bounds: [f64; 4]) -> bool {
 }
 
 /// Whether a point lies in a boundary within roundings.
-pub fn is_in_boundary(map: &DAffine3, point: DVec3) -> bool {
-    let Coordinates { values, error_bounds } = coordinates::<Scalar>(Portable, map, point);
-    let (q, bounds) = (values.to_array(), error_bounds.to_array());
-    (0..3).any(|axis| (q[axis] - q[axis].round()).abs() <= bounds[axis])
+pub fn is_in_boundary(map: &RoundedAffine, point: &RoundedPoint) -> bool {
+    let values = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
+    let bounds = error_bounds(map, point);
+    (0..3).any(|axis| (values[axis] - values[axis].round()).abs() <= bounds[axis])
 }
 
 /// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
 #[inline(always)]
-fn coordinates<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> Coordinates<F> {
+fn coordinates<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> F {
     // The fourth number of each column is the first of the next one, so that columns are loaded as a whole.
     let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
     let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
     let [a, b, c] = [F::new(proof, columns[0]), F::new(proof, columns[1]), F::new(proof, columns[2])];
     let translation = F::new(proof, [tx, ty, tz, tz]);
-    let (x, y, z) = (a * a.broadcast(point.x), b * b.broadcast(point.y), c * c.broadcast(point.z));
-    let sizes = x.abs() + y.abs() + z.abs() + translation.abs();
-    Coordinates { values: x + y + z + translation, error_bounds: roundings([a, b, c]) * sizes }
+    a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }
 
-/// How many roundings the error of each coordinate may have, times the size of one.
-#[inline(always)]
-fn roundings<F: F64x4>([a, b, c]: [F; 3]) -> F {
-    // A rotated surface and a rotated texture are parallel only up to the rounding errors of their matrices.
-    // Along an axis both are exact.
-    let (a, b, c) = (a.abs(), b.abs(), c.abs());
-    // It is rotated if at least two of the numbers are not 0, so that the middle one is not.
-    let middle = a.min(b).max(a.max(b).min(c));
-    let (along_axis, rotated) = (a.broadcast(4.0 * UNIT_ROUNDOFF), a.broadcast(16.0 * UNIT_ROUNDOFF));
-    a.broadcast(0.0).select_lt(middle, rotated, along_axis)
+/// How far from a boundary the coordinates of a point may be that lies in it: what the errors of the map, of the point
+/// and of the coordinates themselves add up to.
+fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
+    let (sizes, reach) = (absolute(map.map), point.position.abs());
+    let of_map = map.error.transform_point3(reach);
+    let of_point = sizes.matrix3 * DVec3::splat((point.error)());
+    roundings(sizes.matrix3.transpose()) * sizes.transform_point3(reach) + (of_map + of_point)
+}
+
+/// The error bounds of the coordinates, as parts of the sums of absolute values that they are computed from. `rows` are
+/// the absolute values of the map.
+fn roundings(rows: DMat3) -> DVec3 {
+    // Along an axis only a product and a sum are rounded, and the numbers that an author writes.
+    let of_row = |row: DVec3| {
+        let is_along_axis = row.to_array().into_iter().filter(|&x| x != 0.0).count() <= 1;
+        if is_along_axis { 4.0 } else { IMAGE_ROUNDINGS }
+    };
+    UNIT_ROUNDOFF * DVec3::new(of_row(rows.x_axis), of_row(rows.y_axis), of_row(rows.z_axis))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DMat3, DQuat};
+    use glam::DQuat;
 
     /// The same as [`is_in_odd_cell`], one axis after the other.
-    fn is_odd_by_axes(map: &DAffine3, point: DVec3) -> bool {
+    fn is_odd_by_axes(map: &DAffine3, point: DVec3, error: f64) -> bool {
         let (q, rows) = (map.transform_point3(point), map.matrix3.transpose());
         let cell = |axis: usize| {
             let (row, translation) = (rows.col(axis), map.translation[axis]);
             let is_rotated = row.to_array().into_iter().filter(|&x| x != 0.0).count() > 1;
             let roundings = if is_rotated { 16.0 } else { 4.0 };
-            let bound = roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs());
+            let bound = roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs())
+                + error * row.abs().element_sum();
             let below = q[axis].floor();
             wrapped(if below + 1.0 - q[axis] <= bound { below + 1.0 } else { below }, 2)
         };
@@ -159,16 +163,21 @@ mod tests {
         let numbers = numbers();
         let number = |i: usize| numbers[i % numbers.len()];
         let mut counts = [0; 2];
-        for map in maps() {
+        for (map, error) in maps().into_iter().flat_map(|map| [(map, 0.0), (map, 1e-9)]) {
+            let [at_origin, per_distance] = RoundedAffine::exact(map).image_error([error, 0.0]);
             let back = map.inverse();
-            for i in 0..60 * numbers.len() {
+            for i in 0..30 * numbers.len() {
                 let point = DVec3::new(number(i), number(i * 7 + 3), number(i * 31 + i / 97));
                 // Points that lie in boundaries after a rotation, too.
                 for point in [point, back.transform_point3(point)] {
-                    let expected = is_odd_by_axes(&map, point);
-                    for instructions in Instructions::available() {
-                        let found = is_in_odd_cell(&map, point, instructions);
-                        assert_eq!(found, expected, "{point} {map} {instructions:?}");
+                    let expected = is_odd_by_axes(&map, point, error);
+                    let width = at_origin + per_distance * point.abs().element_sum();
+                    for (instructions, width) in
+                        Instructions::available().into_iter().flat_map(|i| [(i, width), (i, f64::INFINITY)])
+                    {
+                        let point = RoundedPoint { position: point, error: &|| error, boundary_width: width };
+                        let found = is_in_odd_cell(&map.into(), &point, instructions);
+                        assert_eq!(found, expected, "{} {map} {instructions:?} {width}", point.position);
                     }
                     counts[usize::from(expected)] += 1;
                 }
@@ -179,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_point_is_in_a_boundary_where_a_coordinate_is_within_roundings_of_an_integer() {
-        let is_in_boundary = |map, y| is_in_boundary(&map, DVec3::new(0.5, y, 0.3));
+        let is_in_boundary = |map: DAffine3, y| is_in_boundary(&map.into(), &DVec3::new(0.5, y, 0.3).into());
         let moved = DAffine3::from_translation(DVec3::Y * 8.0);
         for (map, y, roundings, expected) in [
             (DAffine3::IDENTITY, 3.0, 8.0, true),

@@ -7,10 +7,12 @@ use crate::math::f64x4::ROUND_TO_INTEGER;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
+use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded_point::RoundedPoint;
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
@@ -21,7 +23,7 @@ use std::f64::consts::FRAC_1_PI;
 pub fn material_at<'m>(
     materials: &'m [Material],
     id: MaterialId,
-    point: DVec3,
+    point: &RoundedPoint,
     instructions: Instructions,
     mixture: &'m mut Mixture,
 ) -> PointMaterial<'m> {
@@ -49,7 +51,7 @@ pub fn material_at<'m>(
 fn only_child(
     materials: &[Material],
     texture: &Texture,
-    point: DVec3,
+    point: &RoundedPoint,
     instructions: Instructions,
     mixture: &mut Mixture,
 ) -> Option<MaterialId> {
@@ -69,7 +71,7 @@ fn only_child_avx2(
     avx2: Avx2,
     materials: &[Material],
     texture: &Texture,
-    point: DVec3,
+    point: &RoundedPoint,
     mixture: &mut Mixture,
 ) -> Option<MaterialId> {
     only_child_with(materials, texture, point, Instructions::Avx2(avx2), mixture)
@@ -80,7 +82,7 @@ fn only_child_avx2(
 fn only_child_with(
     materials: &[Material],
     texture: &Texture,
-    point: DVec3,
+    point: &RoundedPoint,
     instructions: Instructions,
     mixture: &mut Mixture,
 ) -> Option<MaterialId> {
@@ -104,7 +106,7 @@ fn only_child_with(
 fn mix(
     materials: &[Material],
     (texture, first): (&Texture, f64),
-    point: DVec3,
+    point: &RoundedPoint,
     instructions: Instructions,
     mixture: &mut Mixture,
 ) {
@@ -152,7 +154,7 @@ fn mix(
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
 #[inline(always)]
-pub fn first_weight(texture: &Texture, point: DVec3, instructions: Instructions) -> f64 {
+pub fn first_weight(texture: &Texture, point: &RoundedPoint, instructions: Instructions) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
         Pattern::Checkerboard if is_in_odd_cell(map, point, instructions) => 0.0,
@@ -196,13 +198,13 @@ fn ring(angle: f64) -> f64 {
 
 /// A point of world space in the texture's space, clamped to the range in which the patterns do not overflow.
 #[inline(always)]
-fn to_texture(map: &DAffine3, point: DVec3) -> DVec3 {
+fn to_texture(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let bound = DVec3::splat(LARGEST);
-    map.transform_point3(point).clamp(-bound, bound)
+    map.map.transform_point3(point.position).clamp(-bound, bound)
 }
 
 /// Whether a point lies in a boundary of a checkerboard within roundings.
-pub fn is_in_boundary(texture: &Texture, point: DVec3) -> bool {
+pub fn is_in_boundary(texture: &Texture, point: &RoundedPoint) -> bool {
     texture.pattern == Pattern::Checkerboard && checkerboard::is_in_boundary(&texture.world_to_texture, point)
 }
 
@@ -213,9 +215,10 @@ mod tests {
     use crate::scene::Color;
     use crate::scene::material::Phong;
     use Instructions::Portable;
+    use glam::DAffine3;
 
     fn texture(pattern: Pattern, children: [MaterialId; 2]) -> Texture {
-        Texture { pattern, world_to_texture: DAffine3::IDENTITY, children }
+        Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children }
     }
 
     #[test]
@@ -228,7 +231,7 @@ mod tests {
             (DVec3::new(-1.5, -0.5, -0.5), 1.0),
             (DVec3::new(1e9 + 0.5, 0.5, 0.5), 1.0),
         ] {
-            assert_eq!(first_weight(&t, point, Portable), first, "{point}");
+            assert_eq!(first_weight(&t, &point.into(), Portable), first, "{point}");
         }
     }
 
@@ -236,7 +239,7 @@ mod tests {
     fn a_boundary_belongs_to_the_cell_above_on_whichever_side_rounding_falls() {
         let t = texture(Pattern::Checkerboard, [0, 1]);
         for y in [3.0 - 4e-16, 3.0, 3.0 + 4e-16] {
-            assert_eq!(first_weight(&t, DVec3::new(0.5, y, 0.5), Portable), 0.0);
+            assert_eq!(first_weight(&t, &DVec3::new(0.5, y, 0.5).into(), Portable), 0.0);
         }
     }
 
@@ -274,13 +277,13 @@ mod tests {
         )));
         let point = DVec3::new(0.3, -1.2, 7.7);
         let mut mixture = Mixture::default();
-        let m = material_at(&materials, 4, point, Portable, &mut mixture);
+        let m = material_at(&materials, 4, &point.into(), Portable, &mut mixture);
         assert!(
             (m.phong.diffuse.element_sum() - 1.0).abs() < 1e-15
                 && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
         );
         let marble = |t: &Material| {
-            if let Material::Texture(t) = t { first_weight(t, point, Portable) } else { f64::NAN }
+            if let Material::Texture(t) = t { first_weight(t, &point.into(), Portable) } else { f64::NAN }
         };
         assert!((m.phong.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
     }
@@ -292,7 +295,11 @@ mod tests {
             materials.push(Material::Texture(texture(Pattern::Noise { octaves: 1 }, [i, i])));
         }
         assert!(
-            (material_at(&materials, 2000, DVec3::splat(0.3), Portable, &mut mixture).phong.diffuse.x - 1.0)
+            (material_at(&materials, 2000, &DVec3::splat(0.3).into(), Portable, &mut mixture)
+                .phong
+                .diffuse
+                .x
+                - 1.0)
                 .abs()
                 < 1e-12
         );
@@ -302,8 +309,8 @@ mod tests {
     /// identity.
     fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
         let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
-        let t = Texture { world_to_texture, ..texture(pattern, [0, 1]) };
-        first_weight(&t, texture_point - DVec3::new(1.0, -2.0, 4.0), Portable)
+        let t = Texture { world_to_texture: world_to_texture.into(), ..texture(pattern, [0, 1]) };
+        first_weight(&t, &(texture_point - DVec3::new(1.0, -2.0, 4.0)).into(), Portable)
     }
 
     #[test]
@@ -343,8 +350,9 @@ mod tests {
 
     /// The weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
     fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
-        let t = Texture { world_to_texture, ..texture(Pattern::Checkerboard, [0, 1]) };
-        first_weight(&t, boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF), Portable)
+        let t =
+            Texture { world_to_texture: world_to_texture.into(), ..texture(Pattern::Checkerboard, [0, 1]) };
+        first_weight(&t, &(boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF)).into(), Portable)
     }
 
     #[test]
@@ -374,7 +382,7 @@ mod tests {
         let mut mixture = Mixture::default();
         for (x, color) in [(0.5, Color::X), (1.5, Color::Y)] {
             let point = DVec3::new(x, 0.5, 0.5);
-            let found = material_at(&materials, 2, point, Portable, &mut mixture).phong;
+            let found = material_at(&materials, 2, &point.into(), Portable, &mut mixture).phong;
             assert!(
                 materials
                     .iter()

@@ -76,7 +76,9 @@ impl<M: Mode> Tracer<'_, M> {
             return Color::ZERO;
         };
         let mut mixture = Mixture::default();
-        material_at(&world.materials, material, position, instructions, &mut mixture).phong.transparent
+        material_at(&world.materials, material, &position.into(), instructions, &mut mixture)
+            .phong
+            .transparent
     }
 
     /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere.

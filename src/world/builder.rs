@@ -2,7 +2,9 @@
 //! its kind.
 
 use super::World;
+use super::coincidence::ABSOLUTE_REACH;
 use super::placement::{Placement, course_sphere_box};
+use super::point_error::{BoundaryWidth, Finite, PlaneError};
 use super::resting_lights::RestingLights;
 use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
@@ -57,11 +59,14 @@ impl<'a> Builder<'a> {
         let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
-                self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, material)
+                let [a, b, c] = vertices.map(DVec3::abs);
+                let error = placement.point_error(a.max(b).max(c));
+                self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, (material, error))
             }
             Object::Box { min, max, material } => {
                 let corners = Aabb { min, max }.corners().into_iter().map(map);
-                self.triangles(corners, &BOX_FACES, placement, material)
+                let error = placement.point_error(min.abs().max(max.abs()));
+                self.triangles(corners, &BOX_FACES, placement, (material, error))
             }
             Object::Mesh { mesh, material } => {
                 self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))
@@ -90,7 +95,7 @@ impl<'a> Builder<'a> {
         vertices: impl ExactSizeIterator<Item = DVec3>,
         faces: &[[u32; 3]],
         placement: &Placement,
-        material: MaterialId,
+        (material, error): (MaterialId, f64),
     ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
@@ -98,7 +103,7 @@ impl<'a> Builder<'a> {
         world.vertices.extend(vertices);
         memory::make_room(&mut world.triangles, faces.len())?;
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
-        self.finish_triangles(first, count, placement, material)
+        self.finish_triangles(first, count, placement, (material, error))
     }
 
     /// Places a mesh. The last use of the first mesh takes its lists over instead of copying them.
@@ -107,17 +112,21 @@ impl<'a> Builder<'a> {
         let mesh = mem::take(&mut self.meshes[id]);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
+        let error = match placement.transform {
+            Some(_) => placement.point_error(reach(&mesh.vertices)),
+            None => 0.0,
+        };
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
                 (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
                 if placement.transform.is_some() {
                     self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
                 }
-                self.finish_triangles(0, 0, placement, material)
+                self.finish_triangles(0, 0, placement, (material, error))
             }
             mesh => {
                 let vertices = mesh.vertices.iter().map(|&v| map(v));
-                let result = self.triangles(vertices, &mesh.triangles, placement, material);
+                let result = self.triangles(vertices, &mesh.triangles, placement, (material, error));
                 if !is_last {
                     self.meshes[id] = mesh;
                 }
@@ -133,9 +142,10 @@ impl<'a> Builder<'a> {
         first_vertex: usize,
         first: usize,
         placement: &Placement,
-        material: MaterialId,
+        (material, error): (MaterialId, f64),
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
+        self.world.flattening_errors.push(Finite::Triangles, first, error)?;
         // The materials of a scene may be left out where no colours are asked for.
         if self.transparent.get(material) == Some(&true) {
             memory::push(&mut self.transparent_meshes, first as u32..self.world.triangles.len() as u32)?;
@@ -165,14 +175,19 @@ impl<'a> Builder<'a> {
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
+        let error = placement.point_error(center.abs() + radius);
         let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
             push_run(&mut self.materials[1], self.world.spheres.len(), material)?;
             let sphere = Sphere { center: center_in_world, radius: scale * radius };
+            let errors = &mut self.world.flattening_errors;
+            errors.push(Finite::Spheres, self.world.spheres.len(), error)?;
             memory::push(&mut self.world.spheres, sphere)?;
             [scale * radius; 3]
         } else {
             push_run(&mut self.materials[2], self.world.ellipsoids.len(), material)?;
             let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
+            let errors = &mut self.world.flattening_errors;
+            errors.push(Finite::Ellipsoids, self.world.ellipsoids.len(), error)?;
             memory::push(&mut self.world.ellipsoids, ellipsoid)?;
             ellipsoid.half_lengths()
         };
@@ -191,10 +206,14 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[3], self.world.planes.len(), material)?;
-        let (plane, direction) = match placement.transform {
-            None => (Plane { normal: robust::unit(normal), offset }, robust::rescaled(normal)),
+        let (plane, direction, error) = match placement.transform {
+            None => {
+                let plane = Plane { normal: robust::unit(normal), offset };
+                (plane, robust::rescaled(normal), PlaneError::as_written(normal))
+            }
             Some(_) => transformed_plane(normal, offset, placement)?,
         };
+        self.world.flattening_errors.push_plane(error)?;
         memory::push(&mut self.world.planes, plane)?;
         memory::push(&mut self.world.plane_directions, direction)?;
         if !plane.normal.is_finite() {
@@ -224,26 +243,36 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
+        world.coincidence_margin = ABSOLUTE_REACH * world.max_abs_coord;
+        world.unite_coincident_planes();
+        world.boundary_width = BoundaryWidth::of(&world);
         world.resting_lights = RestingLights::of(&world)?;
         world.solids = Arc::new(Solids::of(&world, &self.transparent, &self.transparent_meshes)?);
         Ok(world)
     }
 }
 
-/// A plane under the transforms around it, and a vector along its normal.
+/// A plane under the transforms around it, a vector along its normal, and its error.
 fn transformed_plane(
     normal: DVec3,
     offset: f64,
     placement: &Placement,
-) -> Result<(Plane, DVec3), SceneError> {
+) -> Result<(Plane, DVec3, PlaneError), SceneError> {
     let linear = placement.matrix.matrix3;
     if robust::is_singular(linear) {
         return Err(placement.error(Problem::SingularTransform));
     }
     let unit = robust::unit(normal);
     let transformed = robust::unit(robust::transformed_normal(linear, unit));
-    let plane = Plane { normal: transformed, offset: transformed.dot(placement.world_point(offset * unit)) };
-    Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal))))
+    let foot = placement.world_point(offset * unit);
+    let plane = Plane { normal: transformed, offset: transformed.dot(foot) };
+    let error = PlaneError::transformed(placement, (normal, offset), foot);
+    Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal)), error))
+}
+
+/// The largest absolute coordinates of some points.
+fn reach(points: &[DVec3]) -> DVec3 {
+    points.iter().fold(DVec3::ZERO, |reach, point| reach.max(point.abs()))
 }
 
 /// The box of an object whose coordinates overflowed.

@@ -1,7 +1,8 @@
 //! The leaves of the object tree, each with the matrix of all transforms around it.
 
 use crate::math::aabb::Aabb;
-use crate::math::robust;
+use crate::math::robust::{self, UNIT_ROUNDOFF};
+use crate::math::rounded_affine::{RoundedAffine, absolute};
 use crate::memory::{NoMemory, make_room};
 use crate::primitive::sphere::Sphere;
 use crate::scene::error::{Problem, SceneError};
@@ -15,6 +16,8 @@ pub struct Placement<'s> {
     pub object: &'s Object,
     /// From object space to world space.
     pub matrix: DAffine3,
+    /// The error bound of each number of the matrix.
+    pub error: DAffine3,
     /// The innermost transform around the object; None at the top.
     pub transform: Option<Position>,
 }
@@ -23,6 +26,18 @@ impl Placement<'_> {
     /// A point of the object in world space.
     pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
+    }
+
+    /// How far the points of the object in world space may be from the exact ones, along any axis. `reach` are upper
+    /// bounds on the absolute values of their coordinates in object space.
+    ///
+    /// It includes the one rounding of each coordinate.
+    pub(super) fn point_error(&self, reach: DVec3) -> f64 {
+        if self.transform.is_none() {
+            return 0.0;
+        }
+        let error = self.error.transform_point3(reach);
+        (error + UNIT_ROUNDOFF * (absolute(self.matrix).transform_point3(reach) + error)).max_element()
     }
 
     /// An error at the transform, or at the start of the text where there is none.
@@ -34,7 +49,8 @@ impl Placement<'_> {
 /// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
 /// the depth of the tree is limited by nothing but memory.
 pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, NoMemory>> {
-    let mut stack: Vec<(ObjectId, DAffine3, Option<Position>)> = vec![(scene.root, DAffine3::IDENTITY, None)];
+    let mut stack: Vec<(ObjectId, RoundedAffine, Option<Position>)> =
+        vec![(scene.root, RoundedAffine::IDENTITY, None)];
     std::iter::from_fn(move || {
         loop {
             let (id, matrix, transform) = stack.pop()?;
@@ -47,7 +63,10 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, N
                 }
                 // It takes the room of the transform, which has just been taken off.
                 Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
-                object => return Some(Ok(Placement { object, matrix, transform })),
+                object => {
+                    let RoundedAffine { map: matrix, error } = matrix;
+                    return Some(Ok(Placement { object, matrix, error, transform }));
+                }
             }
         }
     })

@@ -99,7 +99,7 @@ fn picture_behind_ball(with_ball: bool) -> Vec<u8> {
     scene.materials.extend([clear, red].map(Material::Phong));
     scene.materials.push(Material::Texture(Texture {
         pattern: Pattern::Checkerboard,
-        world_to_texture: glam::DAffine3::from_scale(DVec3::splat(3.0)),
+        world_to_texture: glam::DAffine3::from_scale(DVec3::splat(3.0)).into(),
         children: [0, 2],
     }));
     let (center, direction) = (DVec3::new(0.0, 1.0, 6.0), DVec3::new(0.03, -0.25, -1.0));

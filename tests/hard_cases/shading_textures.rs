@@ -18,7 +18,7 @@ use raytracer::shading::texture::first_weight;
 use raytracer::stats::Quiet;
 
 fn checkerboard(world_to_texture: DAffine3) -> Texture {
-    Texture { pattern: Pattern::Checkerboard, world_to_texture, children: [0, 1] }
+    Texture { pattern: Pattern::Checkerboard, world_to_texture: world_to_texture.into(), children: [0, 1] }
 }
 
 /// A checkered plane that is itself a boundary between cells, and an eye that looks at it.
@@ -73,9 +73,9 @@ fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
         }
         let even = |sum: f64| if sum.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 };
         let expected = even(q.x.floor() + board.layer + q.z.floor());
-        let plain = board.texture.world_to_texture.transform_point3(ray.at(hit.t)).floor();
+        let plain = board.texture.world_to_texture.map.transform_point3(ray.at(hit.t)).floor();
         counts[0] += 1;
-        counts[1] += (first_weight(&board.texture, point, Instructions::Portable) != expected) as u64;
+        counts[1] += (first_weight(&board.texture, &point.into(), Instructions::Portable) != expected) as u64;
         counts[2] += (even(plain.element_sum()) != expected) as u64;
     }
     counts
@@ -127,12 +127,12 @@ fn case_57_checkerboard_far_away() {
         // This is exact: the floor of a float below 2^63 is a 64-bit integer.
         let sum: i64 = p.floor().to_array().map(|x| x as i64).into_iter().sum();
         let expected = if sum.rem_euclid(2) == 0 { 1.0 } else { 0.0 };
-        let wrong = first_weight(&texture, p, Instructions::Portable) != expected;
+        let wrong = first_weight(&texture, &p.into(), Instructions::Portable) != expected;
         failures.note(wrong, || failed_ray(57, 57, index, p, DVec3::ZERO));
         ([1, wrong as u64, (truncating_checkerboard(p) != expected) as u64], [])
     });
     let extremes = [1e16, 1e300, f64::MAX, -f64::MAX, f64::MIN_POSITIVE, -5e-324];
-    let weights = extremes.map(|x| first_weight(&texture, DVec3::splat(x), Instructions::Portable));
+    let weights = extremes.map(|x| first_weight(&texture, &DVec3::splat(x).into(), Instructions::Portable));
     let [tried, ours, textbook] = counts;
     Record {
         case: 57,

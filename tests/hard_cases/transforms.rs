@@ -35,7 +35,11 @@ pub fn nested(object: &str, transforms: &[DAffine3]) -> Scene {
     let mut scene = parse(&text).expect("a scene of one object");
     for &matrix in transforms.iter().rev() {
         let child = scene.root;
-        scene.objects.push(Object::Transform { matrix, child, at: Position { line: 1, column: 1 } });
+        scene.objects.push(Object::Transform {
+            matrix: matrix.into(),
+            child,
+            at: Position { line: 1, column: 1 },
+        });
         scene.root = scene.objects.len() - 1;
     }
     scene

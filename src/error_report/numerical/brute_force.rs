@@ -32,7 +32,13 @@ impl Finder for BruteForce<'_> {
 
     fn nearest(&self, ray: &Ray, exclude: Option<u32>) -> Option<Found> {
         let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
-        let (t, primitive) = self.hits(ray, exclude).reduce(nearer)?;
+        let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
+        let coincident =
+            self.hits(ray, exclude).filter(|&(_, id)| id == nearest || self.world.coincide(id, nearest));
+        let first = |best: (f64, u32), other: (f64, u32)| {
+            if self.world.comes_first(other.1, best.1) { other } else { best }
+        };
+        let (t, primitive) = coincident.reduce(first)?;
         let hit = self.world.hit(ray, Visible { primitive, t_bound: t });
         Some(Found { primitive, t, surface: self.world.surface(ray, &hit) })
     }

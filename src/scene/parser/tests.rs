@@ -79,7 +79,10 @@ fn objects_come_after_their_children() {
     ));
     let matrix = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
     assert_eq!(scene.objects[1], Object::Group(vec![0]));
-    assert_eq!(scene.objects[3], Object::Transform { matrix, child: 2, at: Position { line: 3, column: 3 } });
+    assert_eq!(
+        scene.objects[3],
+        Object::Transform { matrix: matrix.into(), child: 2, at: Position { line: 3, column: 3 } }
+    );
     assert_eq!((scene.root, &scene.objects[4]), (4, &Object::Group(vec![1, 3])));
 }
 

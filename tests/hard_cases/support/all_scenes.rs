@@ -128,13 +128,17 @@ pub fn scaled(named: &Named, power: i32) -> Named {
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
             // The inverse scale, so that the texture is scaled with the world.
-            texture.world_to_texture.matrix3 *= 1.0 / f;
+            texture.world_to_texture.map.matrix3 *= 1.0 / f;
+            texture.world_to_texture.error.matrix3 *= 1.0 / f;
         }
     }
     for object in &mut scene.objects {
         match object {
             Object::Group(_) | Object::Mesh { .. } => {}
-            Object::Transform { matrix, .. } => matrix.translation *= f,
+            Object::Transform { matrix, .. } => {
+                matrix.map.translation *= f;
+                matrix.error.translation *= f;
+            }
             Object::Sphere { center, radius, .. } => (*center, *radius) = (*center * f, *radius * f),
             Object::Plane { offset, .. } => *offset *= f,
             Object::Triangle { vertices, .. } => vertices.iter_mut().for_each(|v| *v *= f),
@@ -159,10 +163,10 @@ pub fn translated(named: &Named, shift: DVec3) -> Named {
     }
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
-            texture.world_to_texture *= DAffine3::from_translation(-shift);
+            texture.world_to_texture = texture.world_to_texture * DAffine3::from_translation(-shift).into();
         }
     }
-    let (matrix, at) = (DAffine3::from_translation(shift), Position { line: 1, column: 1 });
+    let (matrix, at) = (DAffine3::from_translation(shift).into(), Position { line: 1, column: 1 });
     scene.objects.push(Object::Transform { matrix, child: scene.root, at });
     scene.root = scene.objects.len() - 1;
     moved

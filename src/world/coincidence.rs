@@ -1,0 +1,158 @@
+//! Surfaces that coincide: which of them a ray sees.
+//!
+//! The t at which a ray hits two surfaces in the same place differ by roundings, so that the nearer one would change from
+//! ray to ray, and the picture would be speckled. So it is decided for the pair, by the planes, and not for the ray: of
+//! coincident surfaces a ray sees the one that [`World::comes_first`].
+
+use super::{Primitive, World};
+use crate::math::predicate::{area_vector, volume};
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::scaled::Scaled;
+use glam::{DMat3, DVec3};
+
+/// Two surfaces coincide if they are as close as so many roundings of their coordinates, beside what flattening may have
+/// moved them: the t of a hit tells no smaller distances apart.
+const COINCIDENT_ROUNDINGS: f64 = 4.0;
+
+/// The hits that may be coincident with one at some t are this part of it away, and more by
+/// [`World::coincidence_reach`].
+///
+/// The t of two hits in the same place differ by the distance of the planes over the cosine of the ray's angle to their
+/// normal. For surfaces closer to the eye than a thousandth of the coordinates this reaches cosines down to a millionth,
+/// and for others less.
+const RELATIVE_REACH: f64 = 1.0 / (1 << 20) as f64;
+
+/// The same as a part of the largest coordinate of the finite primitives.
+pub(super) const ABSOLUTE_REACH: f64 = 1.0 / (1 << 30) as f64;
+
+impl World {
+    /// How far from the t of a hit those of coincident surfaces may be.
+    #[inline(always)]
+    pub fn coincidence_reach(&self, t: f64) -> f64 {
+        RELATIVE_REACH * t.abs() + self.coincidence_margin
+    }
+
+    /// Whether two primitives that a ray hits in the same place have coincident surfaces: the same plane, or the same
+    /// sphere or ellipsoid.
+    #[cold]
+    pub fn coincide(&self, one: u32, other: u32) -> bool {
+        use Primitive::{Ellipsoid, Plane, Sphere, Triangle};
+        match (self.primitive(one), self.primitive(other)) {
+            (Triangle(i), Triangle(j)) => self.triangles_coincide([i, j]),
+            (Triangle(i), Plane(k)) | (Plane(k), Triangle(i)) => self.lies_in_plane(i, k),
+            (Plane(i), Plane(j)) => {
+                let (one, other) = (self.planes[i], self.planes[j]);
+                one == other || one == other.reversed()
+            }
+            (Sphere(_) | Ellipsoid(_), Sphere(_) | Ellipsoid(_)) => self.rounds_coincide([one, other]),
+            _ => false,
+        }
+    }
+
+    /// Whether the vertices of the smaller of two triangles lie in the plane of the larger one.
+    fn triangles_coincide(&self, [i, j]: [usize; 2]) -> bool {
+        let double_area = |i: usize| {
+            let [a, b, c] = self.corners(i);
+            (b - a).cross(c - a).length_squared()
+        };
+        let [larger, smaller] = if double_area(i) >= double_area(j) { [i, j] } else { [j, i] };
+        let (base, corners) = (self.corners(larger), self.corners(smaller));
+        let normal = area_vector(base);
+        let Some(largest) = normal.into_iter().max_by(|p, q| size(*p).total_cmp(&size(*q))) else {
+            return false;
+        };
+        let [of_larger, of_smaller] = [larger, smaller].map(|i| self.corner_error(i));
+        corners.into_iter().all(|corner| {
+            // The largest coordinate of the normal is at most its length, so the height is at most this.
+            let height = volume(corner, base).over(largest).abs();
+            height <= 2.0 * (of_smaller + of_larger * extrapolation(corner, base))
+        })
+    }
+
+    /// How far a triangle's corners may be from where they coincide with others, along any axis.
+    fn corner_error(&self, triangle: usize) -> f64 {
+        let [a, b, c] = self.corners(triangle).map(DVec3::abs);
+        let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * a.max(b).max(c).max_element();
+        self.flattening_error(triangle as u32, DVec3::ZERO) + rounding
+    }
+
+    /// Whether a triangle's corners lie in a plane.
+    fn lies_in_plane(&self, triangle: usize, plane: usize) -> bool {
+        let id = self.first_plane() + plane as u32;
+        let of_corners = 2.0 * self.corner_error(triangle);
+        let corners = self.corners(triangle);
+        corners.into_iter().all(|corner| {
+            self.planes[plane].ahead_of(corner).abs() <= of_corners + self.flattening_error(id, corner)
+        })
+    }
+
+    /// Whether each of two spheres or ellipsoids is the unit sphere in the space of the other one.
+    fn rounds_coincide(&self, ids: [u32; 2]) -> bool {
+        let [(center, _, inverse), (other_center, other_linear, _)] = ids.map(|id| self.round(id));
+        let errors = ids.map(|id| {
+            let (center, linear, _) = self.round(id);
+            let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
+            let rounding = 16.0 * COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);
+            self.flattening_error(id, center) + rounding
+        });
+        let relative = 8.0 * (errors[0] + errors[1]) * largest_number(inverse);
+        let (map, moved) = (inverse * other_linear, inverse * (other_center - center));
+        let deviation = map * map.transpose() - DMat3::IDENTITY;
+        largest_number(deviation) <= relative && moved.abs().max_element() <= relative
+    }
+
+    /// The centre of a sphere or an ellipsoid, the map from the unit sphere and the inverse of that.
+    fn round(&self, id: u32) -> (DVec3, DMat3, DMat3) {
+        match self.primitive(id) {
+            Primitive::Ellipsoid(i) => {
+                let ellipsoid = &self.ellipsoids[i];
+                (ellipsoid.center(), ellipsoid.linear(), ellipsoid.inverse())
+            }
+            Primitive::Sphere(i) => {
+                let scale = |factor: f64| DMat3::from_diagonal(DVec3::splat(factor));
+                let sphere = &self.spheres[i];
+                (sphere.center, scale(sphere.radius), scale(1.0 / sphere.radius))
+            }
+            _ => (DVec3::ZERO, DMat3::ZERO, DMat3::NAN),
+        }
+    }
+
+    /// Gives each plane that coincides with an earlier one the numbers of that, so that rays hit both at the same t.
+    pub(super) fn unite_coincident_planes(&mut self) {
+        for k in 1..self.planes.len() {
+            if let Some(j) = (0..k).find(|&j| self.planes_coincide(j, k)) {
+                let (first, later) = (self.planes[j], &mut self.planes[k]);
+                *later = if first.normal.dot(later.normal) < 0.0 { first.reversed() } else { first };
+            }
+        }
+    }
+
+    /// Whether two planes agree within their errors, in their directions and at the point nearest to the origin.
+    fn planes_coincide(&self, j: usize, k: usize) -> bool {
+        let [one, other] = [j, k].map(|i| self.planes[i]);
+        let errors = [j, k].map(|i| self.flattening_errors.planes[i]);
+        let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = one.normal.cross(other.normal).length();
+        let foot = one.offset * one.normal;
+        let apart = other.ahead_of(foot).abs();
+        tilt <= errors.iter().map(|error| error.tilt).sum::<f64>() + rounding
+            && apart <= errors.iter().map(|error| error.at(foot)).sum::<f64>() + rounding * one.offset.abs()
+    }
+}
+
+fn size(number: Scaled) -> f64 {
+    f64::from(number.exponent) + number.significand.abs()
+}
+
+/// How many times the error of a triangle's corners may move its plane at a point: the sum of the absolute values of the
+/// point's barycentric weights.
+fn extrapolation(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let square = normal.length_squared();
+    let weight = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(normal) / square).abs();
+    weight(a, b) + weight(b, c) + weight(c, a)
+}
+
+fn largest_number(m: DMat3) -> f64 {
+    m.to_cols_array().into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
+}

@@ -1,0 +1,190 @@
+//! How far the points of the world's surfaces may be from the surfaces that the scene describes.
+//!
+//! The matrices of nested transforms, the vertices and planes that they map, and the points of hits are rounded. Where a
+//! decision depends on which side of something a surface lies, these bounds tell how close is too close to decide.
+
+use super::placement::Placement;
+use super::{Primitive, SurfacePoint, World};
+use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error};
+use crate::math::rounded_affine::absolute;
+use crate::math::rounded_point::RoundedPoint;
+use crate::memory::{self, NoMemory};
+use crate::scene::material::{Material, Pattern, Texture};
+use glam::DVec3;
+
+/// The error bound of a point between three vertices, in roundings of their largest coordinate: of each product one, of
+/// two sums two each, and of the quotient one (`proofs/checkerboard.g`).
+const BETWEEN_VERTICES_ROUNDINGS: f64 = 7.0;
+
+/// The error bound of a point at a radius from a centre, in roundings of both: of the unit normal three, of the product
+/// and the sum one each.
+const AT_RADIUS_ROUNDINGS: f64 = 6.0;
+
+/// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes. Most of it is for the
+/// rotations that make the semi-axes orthogonal, which are less than a dozen.
+const ON_ELLIPSOID_ROUNDINGS: f64 = 64.0;
+
+/// The error bound of a point that is projected on a plane, in roundings of the point and the offset
+/// (`proofs/checkerboard.g`).
+const ON_PLANE_ROUNDINGS: f64 = 6.0;
+
+/// How far flattening may have moved the primitives.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FlatteningErrors {
+    /// Of triangles, spheres and ellipsoids: runs of primitives that may have moved equally far along any axis, with the
+    /// first index of each run.
+    runs: [Vec<(u32, f64)>; 3],
+    pub planes: Vec<PlaneError>,
+}
+
+/// How far a plane may be from the exact one: at the origin this much, and more by the tilt for each unit of distance
+/// from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PlaneError {
+    at_origin: f64,
+    /// An angle in radians.
+    pub tilt: f64,
+}
+
+impl PlaneError {
+    /// The error bound of a unit normal, in roundings.
+    const NORMAL_ROUNDINGS: f64 = 4.0;
+
+    /// Of a plane without a transform, which has no error where its normal is along an axis.
+    pub fn as_written(normal: DVec3) -> Self {
+        let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
+        let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
+        Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
+    }
+
+    /// Of a plane that is placed by its normal and by its point nearest to the origin, which is `offset` away from it
+    /// in object space, and at `foot` in world space.
+    pub fn transformed(placement: &Placement, (normal, offset): (DVec3, f64), foot: DVec3) -> Self {
+        let Placement { matrix, error, .. } = placement;
+        let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
+        let reach = DVec3::splat(offset.abs());
+        let of_unit_normal =
+            Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF * absolute(*matrix).transform_vector3(reach);
+        // The length of a vector is at most twice its largest coordinate.
+        let of_foot = 2.0 * (placement.point_error(reach) + of_unit_normal.max_element());
+        Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
+    }
+
+    /// Its distance from the exact plane at a point of either.
+    pub fn at(self, point: DVec3) -> f64 {
+        self.at_origin + self.tilt * point.abs().element_sum()
+    }
+}
+
+/// The kinds of primitives that [`FlatteningErrors`] has runs of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Finite {
+    Triangles,
+    Spheres,
+    Ellipsoids,
+}
+
+impl FlatteningErrors {
+    /// Records how far the primitives of a kind from index `first` on may have moved.
+    pub fn push(&mut self, kind: Finite, first: usize, error: f64) -> Result<(), NoMemory> {
+        let runs = &mut self.runs[kind as usize];
+        if runs.last().map_or(0.0, |&(_, last)| last) == error {
+            return Ok(());
+        }
+        memory::push(runs, (first as u32, error))
+    }
+
+    /// Records the error of the next plane.
+    pub fn push_plane(&mut self, error: PlaneError) -> Result<(), NoMemory> {
+        memory::push(&mut self.planes, error)
+    }
+
+    fn of(&self, kind: Finite, index: usize) -> f64 {
+        let runs = &self.runs[kind as usize];
+        let next = runs.partition_point(|&(first, _)| first as usize <= index);
+        next.checked_sub(1).map_or(0.0, |run| runs[run].1)
+    }
+}
+
+impl World {
+    /// Calls a function with the point of a surface and its error bound.
+    #[inline(always)]
+    pub fn with_rounded_point<T>(&self, surface: &SurfacePoint, f: impl FnOnce(&RoundedPoint) -> T) -> T {
+        let position = surface.position;
+        let error = || self.point_error(surface);
+        f(&RoundedPoint { position, error: &error, boundary_width: self.boundary_width.at(position) })
+    }
+
+    /// The error bound of a point of a surface, along any axis.
+    fn point_error(&self, surface: &SurfacePoint) -> f64 {
+        let Some(id) = surface.primitive else { return 0.0 };
+        let flattening = self.flattening_error(id, surface.position);
+        let roundings = match self.primitive(id) {
+            Primitive::Triangle(i) => {
+                let [a, b, c] = self.corners(i).map(DVec3::abs);
+                BETWEEN_VERTICES_ROUNDINGS * a.max(b).max(c).max_element()
+            }
+            Primitive::Sphere(i) => {
+                let sphere = &self.spheres[i];
+                AT_RADIUS_ROUNDINGS * (sphere.center.abs().max_element() + sphere.radius)
+            }
+            Primitive::Ellipsoid(i) => {
+                let ellipsoid = &self.ellipsoids[i];
+                let size = ellipsoid.half_lengths().into_iter().sum::<f64>();
+                ON_ELLIPSOID_ROUNDINGS * (ellipsoid.center().abs().max_element() + size)
+            }
+            Primitive::Plane(i) => {
+                ON_PLANE_ROUNDINGS * (surface.position.abs().element_sum() + self.planes[i].offset.abs())
+            }
+        };
+        flattening + roundings * UNIT_ROUNDOFF
+    }
+
+    /// How far flattening may have moved a primitive along any axis, for a plane at this point.
+    pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> f64 {
+        match self.primitive(id) {
+            Primitive::Triangle(i) => self.flattening_errors.of(Finite::Triangles, i),
+            Primitive::Sphere(i) => self.flattening_errors.of(Finite::Spheres, i),
+            Primitive::Ellipsoid(i) => self.flattening_errors.of(Finite::Ellipsoids, i),
+            Primitive::Plane(i) => self.flattening_errors.planes[i].at(point),
+        }
+    }
+}
+
+/// How wide the boundaries of checkerboards are: a point of any surface that is farther away from them, in the space of
+/// any of the world's checkerboards, is certainly on its side of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoundaryWidth {
+    at_origin: f64,
+    per_distance: f64,
+}
+
+impl BoundaryWidth {
+    pub fn of(world: &World) -> Self {
+        let errors = &world.flattening_errors;
+        let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
+        let finite = largest(&mut errors.runs.iter().flatten().map(|&(_, error)| error));
+        let planes = largest(&mut errors.planes.iter().map(|error| error.at_origin));
+        let tilt = largest(&mut errors.planes.iter().map(|error| error.tilt));
+        let offset = largest(&mut world.planes.iter().map(|plane| plane.offset.abs()));
+        // The centre and the three semi-axes of an ellipsoid are at most 7 times the largest coordinate.
+        let rounding = 7.0 * ON_ELLIPSOID_ROUNDINGS * world.max_abs_coord + ON_PLANE_ROUNDINGS * offset;
+        let point = [finite + planes + rounding * UNIT_ROUNDOFF, tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF];
+        let widths = world.materials.iter().filter_map(|material| match material {
+            Material::Texture(Texture { pattern: Pattern::Checkerboard, world_to_texture, .. }) => {
+                Some(world_to_texture.image_error(point))
+            }
+            _ => None,
+        });
+        widths.fold(Self::default(), |one, [at_origin, per_distance]| Self {
+            at_origin: one.at_origin.max(at_origin),
+            per_distance: one.per_distance.max(per_distance),
+        })
+    }
+
+    #[inline(always)]
+    fn at(self, point: DVec3) -> f64 {
+        self.at_origin + self.per_distance * point.abs().element_sum()
+    }
+}
