@@ -102,16 +102,19 @@ fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
     if is_exact { map.into() } else { RoundedAffine { map, error: rotation_error(axis.abs()) } }
 }
 
+/// The error bounds of the parts of a rotation's numbers, in roundings of the axis's numbers in them: of `rest` times two
+/// numbers of the axis, of the sine times one, and of the cosine (`proofs/checkerboard.g`).
+const REST_ROUNDINGS: f64 = 11.0;
+const SINE_ROUNDINGS: f64 = 5.0;
+const COSINE_ROUNDINGS: f64 = 5.0;
+
 /// The error bounds of the numbers of a rotation, by the absolute values of its axis.
-///
-/// Sine and cosine are right to 3 roundings of 1: 1.6 of the angle in radians, which is at most pi / 4, and less than one
-/// unit in the last place. So `rest` is right to 5, its product with two numbers of the axis to 9 of theirs, and the
-/// product with the sine to 4. The sum is rounded once more.
 fn rotation_error(axis: DVec3) -> DAffine3 {
     let DVec3 { x, y, z } = axis;
-    let of_rest = DMat3::from_cols(axis * x, axis * y, axis * z) * 11.0;
-    let of_sine = DMat3::from_cols(DVec3::new(0.0, z, y), DVec3::new(z, 0.0, x), DVec3::new(y, x, 0.0)) * 5.0;
-    let of_cosine = DMat3::from_diagonal(DVec3::splat(5.0));
+    let of_rest = DMat3::from_cols(axis * x, axis * y, axis * z) * REST_ROUNDINGS;
+    let of_sine = DMat3::from_cols(DVec3::new(0.0, z, y), DVec3::new(z, 0.0, x), DVec3::new(y, x, 0.0))
+        * SINE_ROUNDINGS;
+    let of_cosine = DMat3::from_diagonal(DVec3::splat(COSINE_ROUNDINGS));
     DAffine3::from_mat3((of_rest + of_sine + of_cosine) * UNIT_ROUNDOFF)
 }
 

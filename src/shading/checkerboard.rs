@@ -64,11 +64,16 @@ fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     (cell(0) + cell(1) + cell(2)) % 2 != 0
 }
 
-/// Whether a point lies in a boundary within roundings.
+/// Whether a point lies in a boundary within its error bounds.
 pub fn is_in_boundary(map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    let values = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
-    let bounds = error_bounds(map, point);
-    (0..3).any(|axis| (values[axis] - values[axis].round()).abs() <= bounds[axis])
+    (0..3).any(|axis| error_bounds_to_boundary(map, point)[axis] <= 1.0)
+}
+
+/// The distance of each coordinate from the nearest boundary, in its error bounds.
+pub fn error_bounds_to_boundary(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
+    let [x, y, z, _] = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
+    let values = DVec3::new(x, y, z);
+    (values - values.round()).abs() / error_bounds(map, point)
 }
 
 /// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
@@ -82,6 +87,10 @@ fn coordinates<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> F {
     a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }
 
+/// The error bound of a coordinate that depends on one coordinate of the point alone, as [`IMAGE_ROUNDINGS`] is that of
+/// others. Only one product and one sum are rounded.
+const ALONG_AXIS_ROUNDINGS: f64 = 4.0;
+
 /// How far from a boundary the coordinates of a point may be that lies in it: what the errors of the map, of the point
 /// and of the coordinates themselves add up to.
 fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
@@ -94,10 +103,9 @@ fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
 /// The error bounds of the coordinates, as parts of the sums of absolute values that they are computed from. `rows` are
 /// the absolute values of the map.
 fn roundings(rows: DMat3) -> DVec3 {
-    // Along an axis only a product and a sum are rounded, and the numbers that an author writes.
     let of_row = |row: DVec3| {
         let is_along_axis = row.to_array().into_iter().filter(|&x| x != 0.0).count() <= 1;
-        if is_along_axis { 4.0 } else { IMAGE_ROUNDINGS }
+        if is_along_axis { ALONG_AXIS_ROUNDINGS } else { IMAGE_ROUNDINGS }
     };
     UNIT_ROUNDOFF * DVec3::new(of_row(rows.x_axis), of_row(rows.y_axis), of_row(rows.z_axis))
 }

@@ -1,6 +1,6 @@
 //! Local shading: the incident light, the material and the solid textures at a point of a surface.
 
-mod checkerboard;
+pub mod checkerboard;
 pub mod light;
 pub mod perlin;
 pub mod phong;

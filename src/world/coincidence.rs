@@ -130,7 +130,7 @@ impl World {
     /// Whether two planes agree within their errors, in their directions and at the point nearest to the origin.
     fn planes_coincide(&self, j: usize, k: usize) -> bool {
         let [one, other] = [j, k].map(|i| self.planes[i]);
-        let errors = [j, k].map(|i| self.flattening_errors.planes[i]);
+        let errors = [j, k].map(|i| self.flattening_errors.of_plane(i));
         let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF;
         let tilt = one.normal.cross(other.normal).length();
         let foot = one.offset * one.normal;

@@ -34,7 +34,7 @@ pub(super) struct FlatteningErrors {
     /// Of triangles, spheres and ellipsoids: runs of primitives that may have moved equally far along any axis, with the
     /// first index of each run.
     runs: [Vec<(u32, f64)>; 3],
-    pub planes: Vec<PlaneError>,
+    planes: Vec<PlaneError>,
 }
 
 /// How far a plane may be from the exact one: at the origin this much, and more by the tilt for each unit of distance
@@ -100,6 +100,11 @@ impl FlatteningErrors {
         memory::push(&mut self.planes, error)
     }
 
+    /// That of a plane; none of one that was not placed by a scene.
+    pub fn of_plane(&self, index: usize) -> PlaneError {
+        self.planes.get(index).copied().unwrap_or_default()
+    }
+
     fn of(&self, kind: Finite, index: usize) -> f64 {
         let runs = &self.runs[kind as usize];
         let next = runs.partition_point(|&(first, _)| first as usize <= index);
@@ -147,7 +152,7 @@ impl World {
             Primitive::Triangle(i) => self.flattening_errors.of(Finite::Triangles, i),
             Primitive::Sphere(i) => self.flattening_errors.of(Finite::Spheres, i),
             Primitive::Ellipsoid(i) => self.flattening_errors.of(Finite::Ellipsoids, i),
-            Primitive::Plane(i) => self.flattening_errors.planes[i].at(point),
+            Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point),
         }
     }
 }

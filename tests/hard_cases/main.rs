@@ -5,6 +5,7 @@
 //! cargo test --test hard_cases`. If `ACCURACY_DIR` is set to a folder, every case writes its measurements
 //! there for `docs/accuracy.md`.
 
+mod coincident_surfaces;
 mod critical_angle;
 mod filter;
 mod filter_worst;

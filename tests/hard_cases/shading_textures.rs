@@ -2,106 +2,140 @@
 //! below zero and far away.
 
 use crate::support::measure::{Failures, measure};
+use crate::support::placed::{self, Transformations, scene_of, square};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
-use crate::support::scenes::world_of;
 use crate::support::textbook_noise::{noise, noise32, truncated_noise};
 use crate::support::{failed_ray, rays};
-use glam::{DAffine3, DMat3, DVec3};
-use raytracer::camera::Camera;
+use glam::{DAffine3, DVec3};
 use raytracer::grid::Caster;
 use raytracer::math::instructions::Instructions;
+use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
-use raytracer::scene::material::{Pattern, Texture};
-use raytracer::scene::{self, Object};
+use raytracer::scene::material::{Material, Pattern, Texture};
+use raytracer::shading::checkerboard::error_bounds_to_boundary;
 use raytracer::shading::texture::first_weight;
 use raytracer::stats::Quiet;
+use raytracer::world::World;
 
 fn checkerboard(world_to_texture: DAffine3) -> Texture {
     Texture { pattern: Pattern::Checkerboard, world_to_texture: world_to_texture.into(), children: [0, 1] }
 }
 
-/// A checkered plane that is itself a boundary between cells, and an eye that looks at it.
+/// A surface that is itself a boundary between the cells of its checkerboard.
 struct Board {
+    world: World,
     texture: Texture,
-    /// The map from world space to a space in which cells are unit cubes and the plane is y = `layer`.
-    turn: DMat3,
+    /// From the space in which the surface is level to world space.
+    map: DAffine3,
     cell: f64,
+    /// The index of the cells above the surface.
     layer: f64,
-    plane: Object,
-    camera: scene::Camera,
+    /// The half width of the surface.
+    half: f64,
 }
 
-/// Half of the boards are level, and half have any orientation. The cells measure 0.1 to 10.
+/// A board of any kind of surface, under up to three transforms, whose texture is mapped by their inverse. The cells
+/// measure 0.1 to 10.
 fn board(rng: &mut Rng) -> Board {
     let cell = 10f64.powf(rng.range(-1.0, 1.0));
-    let layer = (rng.below(41) as f64) - 20.0;
-    let axis = rng.direction();
-    let turn = if rng.below(2) == 0 {
-        DMat3::IDENTITY
-    } else {
-        DMat3::from_axis_angle(axis, rng.range(0.0, std::f64::consts::TAU))
+    let layer = rng.below(41) as f64 - 20.0;
+    let (half, height) = (cell * 10f64.powf(rng.range(0.5, 3.5)), layer * cell);
+    let object = match rng.below(5) {
+        0 => format!("Plane {{ normal 0 1 0 offset {height} }}"),
+        1 => {
+            let [a, b, c] = [0, 1, 2].map(|_| half * rng.in_cube());
+            let text = |v: DVec3| format!("{} {height} {}", v.x, v.z);
+            format!("Triangle {{ vertex0 {} vertex1 {} vertex2 {} }}", text(a), text(b), text(c))
+        }
+        2 => format!("Box {{ min -{half} {} -{half} max {half} {height} {half} }}", height - half),
+        3 => "TriangleMesh { obj_file square.obj }".to_string(),
+        _ => {
+            // A sphere that is flattened to far below a rounding of its coordinates.
+            let flat = 2f64.powi(-80);
+            format!(
+                "Transform {{ Scale 1 {flat} 1 Sphere {{ center 0 {} 0 radius {half} }} }}",
+                height / flat
+            )
+        }
     };
-    let back = turn.transpose();
-    let plane = Object::Plane { normal: back * DVec3::Y, offset: layer * cell, material: 0 };
-    let eye = DVec3::new(rng.range(-20.0, 20.0), layer + rng.range(0.5, 20.0), rng.range(-20.0, 20.0)) * cell;
-    let target = DVec3::new(rng.range(-20.0, 20.0), layer, rng.range(-20.0, 20.0)) * cell;
-    let (center, direction, up) = (back * eye, back * (target - eye), back * DVec3::new(0.1, 1.0, 0.2));
-    let texture = checkerboard(DAffine3::from_scale(DVec3::splat(1.0 / cell)) * DAffine3::from_mat3(turn));
-    let camera = scene::Camera::Perspective { center, direction, up, angle: 50.0 };
-    Board { texture, turn, cell, layer, plane, camera }
+    let may_distort = rng.below(2) == 0;
+    let transformations = Transformations::any(rng, 3, may_distort);
+    let texture = format!(
+        "Checkerboard {{ Transform {{ UniformScale {} {} }} materialIndex 0 materialIndex 1 }}",
+        1.0 / cell,
+        transformations.inverse()
+    );
+    let is_nested = rng.below(2) == 0;
+    let scene = scene_of(&[transformations.around(&object, is_nested)], &texture);
+    let world = placed::world_of(&scene, &square(half, height, 1 + rng.below(4)));
+    let Some(Material::Texture(texture)) = scene.materials.last() else { panic!("no texture") };
+    Board { world, texture: texture.clone(), map: transformations.map(), cell, layer, half }
 }
 
-/// Counts over the pixels of one eye: all, those wrong by ours, and those wrong for the cell of o + t d in
-/// f64.
-fn board_pixels(rng: &mut Rng, side: usize) -> [u64; 3] {
-    let board = board(rng);
-    let world = world_of(vec![board.plane.clone()]);
+/// Counts over some rays: all that hit the surface away from lines along it, those wrong by ours, and those wrong for the
+/// cell of o + t d in f64. And the largest part of the error bound that a point is off.
+fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f64; 1]) {
+    let Board { world, texture, map, cell, layer, half } = board(rng);
     let caster = Caster::new(&world, None).expect("no grid");
-    let camera = Camera::new(&board.camera, [side, side]);
-    let mut counts = [0; 3];
-    for pixel in 0..side * side {
-        let ray =
-            camera.ray(glam::DVec2::new((pixel % side) as f64, (pixel / side) as f64), glam::DVec2::ZERO);
+    let back = map.inverse();
+    let (mut counts, mut largest_part) = ([0; 3], 0.0f64);
+    for _ in 0..rays {
+        let target = half * rng.in_cube().with_y(0.0) + layer * cell * DVec3::Y;
+        let eye = target + half * rng.range(0.01, 3.0) * rng.direction();
+        let [eye, target] = [eye, target].map(|p| map.transform_point3(p));
+        let ray = Ray::new(eye, target - eye);
         let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
-        let point = world.surface(&ray, &hit).position;
-        // Across the plane the cell is known. Along it, it is unless the point is at a line of the board.
-        let q = board.turn * point / board.cell;
-        let near_line = |x: f64| (x - x.round()).abs() < 1e-9 * (1.0 + x.abs());
-        if near_line(q.x) || near_line(q.z) {
+        let surface = world.surface(&ray, &hit);
+        // Across the surface the cell is known. Along it, it is unless the point is at a line of the board.
+        let q = back.transform_point3(surface.position) / cell;
+        let near_line = |x: f64| (x - x.round()).abs() < 1e-7 * (1.0 + x.abs());
+        let is_beside = (q.y - layer).abs() > 1e-7 * (1.0 + half / cell);
+        if near_line(q.x) || near_line(q.z) || is_beside {
             continue;
         }
         let even = |sum: f64| if sum.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 };
-        let expected = even(q.x.floor() + board.layer + q.z.floor());
-        let plain = board.texture.world_to_texture.map.transform_point3(ray.at(hit.t)).floor();
+        let expected = even(q.x.floor() + layer + q.z.floor());
+        let found =
+            world.with_rounded_point(&surface, |point| first_weight(&texture, point, Instructions::Portable));
+        let part = world.with_rounded_point(&surface, |point| {
+            error_bounds_to_boundary(&texture.world_to_texture, point).y
+        });
+        largest_part = largest_part.max(part);
+        let plain = texture.world_to_texture.map.transform_point3(ray.at(hit.t)).floor();
+        let wrong = failures
+            .note(found != expected, || format!("{ray:?} at {q}: {:?}", world.primitive(hit.primitive)));
         counts[0] += 1;
-        counts[1] += (first_weight(&board.texture, &point.into(), Instructions::Portable) != expected) as u64;
-        counts[2] += (even(plain.element_sum()) != expected) as u64;
+        counts[1] += u64::from(wrong);
+        counts[2] += u64::from(even(plain.element_sum()) != expected);
     }
-    counts
+    (counts, [largest_part])
 }
 
 #[test]
-fn case_56_checkerboard_on_its_own_plane() {
-    let eyes = rays(400, 10_000);
-    let (counts, []) = measure(eyes, |index| (board_pixels(&mut Rng::at(56, index), 50), []));
-    let [pixels, ours, textbook] = counts;
+fn case_56_checkerboard_on_its_own_surface() {
+    const SEED: u64 = 56;
+    let boards = rays(20_000, 2_000_000);
+    let failures = Failures::default();
+    let (counts, [part]) = measure(boards, |index| board_rays(&mut Rng::at(SEED, index), 40, &failures));
+    let [points, ours, textbook] = counts;
     Record {
         case: 56,
-        basis: Basis::Sampled,
-        name: "checkerboard on its own plane",
-        inputs: format!("{pixels} pixels from {eyes} eyes"),
-        measure: "pixels of the wrong colour",
+        basis: Basis::Proved,
+        name: "checkerboard on its own surface: planes, triangles, boxes, meshes and flat ellipsoids under transforms",
+        inputs: format!("{points} points of {boards} surfaces"),
+        measure: "points of the wrong colour; largest part of the error bound that a point is off",
         textbook: format!(
             "cell of o + t d in f64: {textbook} ({:.1}%)",
-            100.0 * textbook as f64 / pixels as f64
+            100.0 * textbook as f64 / points as f64
         ),
-        ours: ours.to_string(),
-        target: "0",
+        ours: format!("{ours}; {part:.2}"),
+        target: "0; from 0.1 to 1",
     }
     .write();
     assert!(textbook > 0, "the textbook method does not fail");
     assert_eq!(ours, 0);
+    assert!((0.1..=1.0).contains(&part), "{part}");
 }
 
 /// The textbook's checkerboard: coordinates truncated to 32-bit integers.

@@ -8,6 +8,7 @@ pub mod exact;
 pub mod exact_triangle;
 pub mod leaks;
 pub mod measure;
+pub mod placed;
 pub mod meshes;
 pub mod occlusion;
 pub mod product_grid;
