@@ -21,7 +21,14 @@ fn flat(rng: &mut Rng, half: f64, height: f64) -> String {
     let text = |v: DVec3| format!("{} {} {}", v.x, v.y, v.z);
     match rng.below(4) {
         0 => {
-            let [a, b, c] = [corner(rng), corner(rng), corner(rng)].map(text);
+            let [a, b, c] = [corner(rng), corner(rng), corner(rng)];
+            // Some are thin.
+            let c = if rng.below(3) == 0 {
+                a.lerp(b, 0.3) + 10f64.powf(rng.range(-5.0, -1.0)) * (c - a)
+            } else {
+                c
+            };
+            let [a, b, c] = [a, b, c].map(|v| text(v.with_y(height)));
             format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}")
         }
         1 => {
@@ -41,13 +48,11 @@ fn flat(rng: &mut Rng, half: f64, height: f64) -> String {
     }
 }
 
-/// Two objects with surfaces in one place, a point of each ray, and the objects' mesh.
+/// Two objects with surfaces in one place.
 struct Pair {
     world: World,
-    /// Points on both surfaces or close to them.
-    targets: Vec<DVec3>,
-    /// The size of the objects in world space.
-    size: f64,
+    /// Rays to points on both surfaces or close to them, some of which graze flat ones.
+    rays: Vec<Ray>,
 }
 
 fn pair(rng: &mut Rng) -> Pair {
@@ -58,11 +63,16 @@ fn pair(rng: &mut Rng) -> Pair {
     let outer = Transformations::any(rng, 3, may_distort);
     let is_nested = rng.below(2) == 0;
     let map = outer.map();
-    let local = |rng: &mut Rng| {
-        if is_round { half * rng.direction() } else { half * rng.in_cube().with_y(0.0) + height * DVec3::Y }
+    let ray = |rng: &mut Rng| {
+        let (mut target, mut way) = (half * rng.direction(), half * rng.range(0.1, 30.0) * rng.direction());
+        if !is_round {
+            target = half * rng.in_cube().with_y(0.0) + height * DVec3::Y;
+            way.y *= 10f64.powf(rng.range(-4.0, 0.0));
+        }
+        let [origin, target] = [target + way, target].map(|p| map.transform_point3(p));
+        Ray::new(origin, target - origin)
     };
-    let targets = (0..RAYS).map(|_| map.transform_point3(local(rng))).collect();
-    let size = (map.matrix3 * DVec3::splat(half)).length();
+    let rays = (0..RAYS).map(|_| ray(rng)).collect();
     let objects = [0, 1].map(|_| {
         // A symmetry of the plane or of the sphere, so that the surface stays where it is.
         let turn = [rng.range(-180.0, 180.0), 90.0][rng.below(2)];
@@ -86,14 +96,14 @@ fn pair(rng: &mut Rng) -> Pair {
         outer.around(&object, is_nested)
     });
     let mesh = square(half, height, 1 + rng.below(4));
-    Pair { world: world_of(&scene_of(&objects, ""), &mesh), targets, size }
+    Pair { world: world_of(&scene_of(&objects, ""), &mesh), rays }
 }
 
 /// The primitives that a ray hits at t 1, where the surfaces coincide, with the t. None if something else is so close there
 /// or in front that the answer would depend on it.
 fn hits_at_target(world: &World, ray: &Ray) -> Option<Vec<(f64, u32)>> {
-    const SAME: f64 = 1e-9;
-    const CLOSE: f64 = 1e-5;
+    const SAME: f64 = 1e-7;
+    const CLOSE: f64 = 1e-4;
     let count = (world.finite_count() + world.planes.len()) as u32;
     let hits: Vec<(f64, u32)> = (0..count)
         .filter_map(|id| Some((world.crossing(ray, id)?, id)))
@@ -112,12 +122,10 @@ fn hits_at_target(world: &World, ray: &Ray) -> Option<Vec<(f64, u32)>> {
 /// Counts for one pair: rays that hit both surfaces, those that see another one than the rule says, and the pairs of
 /// which the nearest t shows both.
 fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
-    let Pair { world, targets, size } = pair(rng);
+    let Pair { world, rays } = pair(rng);
     let casters = [None, Some([4, 3, 5])].map(|cells| Caster::new(&world, cells).expect("a small grid"));
     let (mut counts, mut nearest_materials) = ([0; 3], [0; 2]);
-    for target in targets {
-        let origin = target + size * rng.range(0.1, 30.0) * rng.direction();
-        let ray = Ray::new(origin, target - origin);
+    for ray in rays {
         let Some(hits) = hits_at_target(&world, &ray) else { continue };
         let material =
             |id: u32| world.surface(&ray, &world.hit(&ray, Visible { primitive: id, t_bound: 1.0 })).material;

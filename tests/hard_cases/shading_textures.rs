@@ -79,6 +79,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
     let Board { world, texture, map, cell, layer, half } = board(rng);
     let caster = Caster::new(&world, None).expect("no grid");
     let back = map.inverse();
+    let up = (back.matrix3.transpose() * DVec3::Y).normalize();
     let (mut counts, mut largest_part) = ([0; 3], 0.0f64);
     for _ in 0..rays {
         let target = half * rng.in_cube().with_y(0.0) + layer * cell * DVec3::Y;
@@ -89,9 +90,9 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         let surface = world.surface(&ray, &hit);
         // Across the surface the cell is known. Along it, it is unless the point is at a line of the board.
         let q = back.transform_point3(surface.position) / cell;
-        let near_line = |x: f64| (x - x.round()).abs() < 1e-7 * (1.0 + x.abs());
-        let is_beside = (q.y - layer).abs() > 1e-7 * (1.0 + half / cell);
-        if near_line(q.x) || near_line(q.z) || is_beside {
+        let near_line = |x: f64| (x - x.round()).abs() < 1e-3 + 1e-7 * x.abs();
+        let is_side = surface.normal.cross(up).length() > 1e-3;
+        if near_line(q.x) || near_line(q.z) || is_side {
             continue;
         }
         let even = |sum: f64| if sum.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 };
