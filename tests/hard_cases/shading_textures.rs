@@ -91,7 +91,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         // Across the surface the cell is known. Along it, it is unless the point is at a line of the board.
         let q = back.transform_point3(surface.position) / cell;
         let near_line = |x: f64| (x - x.round()).abs() < 1e-3 + 1e-7 * x.abs();
-        let is_side = surface.normal.cross(up).length() > 1e-3;
+        let is_side = surface.normal.cross(up).length() > 1e-3 || (q.y - layer).abs() > 0.5;
         if near_line(q.x) || near_line(q.z) || is_side {
             continue;
         }
