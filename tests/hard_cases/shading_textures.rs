@@ -39,8 +39,8 @@ struct Board {
 /// measure 0.1 to 10.
 fn board(rng: &mut Rng) -> Board {
     let cell = 10f64.powf(rng.range(-1.0, 1.0));
-    let layer = rng.below(41) as f64 - 20.0;
-    let (half, height) = (cell * 10f64.powf(rng.range(0.5, 3.5)), layer * cell);
+    let layer = [0.0, rng.below(41) as f64 - 20.0][rng.below(2)];
+    let (half, height) = (cell * 10f64.powf(rng.range(0.0, 3.5)), layer * cell);
     let object = match rng.below(5) {
         0 => format!("Plane {{ normal 0 1 0 offset {height} }}"),
         1 => {
@@ -79,7 +79,6 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
     let Board { world, texture, map, cell, layer, half } = board(rng);
     let caster = Caster::new(&world, None).expect("no grid");
     let back = map.inverse();
-    let up = (back.matrix3.transpose() * DVec3::Y).normalize();
     let (mut counts, mut largest_part) = ([0; 3], 0.0f64);
     for _ in 0..rays {
         let target = half * rng.in_cube().with_y(0.0) + layer * cell * DVec3::Y;
@@ -91,7 +90,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         // Across the surface the cell is known. Along it, it is unless the point is at a line of the board.
         let q = back.transform_point3(surface.position) / cell;
         let near_line = |x: f64| (x - x.round()).abs() < 1e-3 + 1e-7 * x.abs();
-        let is_side = surface.normal.cross(up).length() > 1e-3 || (q.y - layer).abs() > 0.5;
+        let is_side = (map.matrix3.transpose() * surface.normal).normalize().y < 0.9;
         if near_line(q.x) || near_line(q.z) || is_side {
             continue;
         }
