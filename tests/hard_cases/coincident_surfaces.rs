@@ -93,6 +93,8 @@ fn pair(rng: &mut Rng) -> Pair {
                 ),
             }
         };
+        let outer = outer.clone();
+        let outer = if rng.below(3) == 0 { outer.after_detour(rng) } else { outer };
         outer.around(&object, is_nested)
     });
     let mesh = square(half, height, 1 + rng.below(4));

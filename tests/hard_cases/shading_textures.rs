@@ -64,10 +64,13 @@ fn board(rng: &mut Rng) -> Board {
     let texture = format!(
         "Checkerboard {{ Transform {{ UniformScale {} {} }} materialIndex 0 materialIndex 1 }}",
         1.0 / cell,
-        transformations.inverse()
+        if rng.below(3) == 0 { transformations.clone().after_detour(rng) } else { transformations.clone() }
+            .inverse()
     );
+    let placed =
+        if rng.below(3) == 0 { transformations.clone().after_detour(rng) } else { transformations.clone() };
     let is_nested = rng.below(2) == 0;
-    let scene = scene_of(&[transformations.around(&object, is_nested)], &texture);
+    let scene = scene_of(&[placed.around(&object, is_nested)], &texture);
     let world = placed::world_of(&scene, &square(half, height, 1 + rng.below(4)));
     let Some(Material::Texture(texture)) = scene.materials.last() else { panic!("no texture") };
     Board { world, texture: texture.clone(), map: transformations.map(), cell, layer, half }

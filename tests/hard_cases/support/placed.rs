@@ -17,10 +17,6 @@ impl Transformations {
     pub fn any(rng: &mut Rng, most: usize, may_distort: bool) -> Self {
         let vector = |name: &str, v: DVec3| format!("{name} {} {} {}", v.x, v.y, v.z);
         let count = rng.below(most + 1);
-        let mut list: Vec<[String; 2]> = vec![];
-        if rng.below(3) == 0 {
-            list = Self::detour(rng);
-        }
         let one = |_| match rng.below(if may_distort { 4 } else { 3 }) {
             0 => {
                 let axis = ["X", "Y", "Z"][rng.below(3)];
@@ -41,19 +37,20 @@ impl Transformations {
                 [vector("Scale", scale), vector("Scale", 1.0 / scale)]
             }
         };
-        list.extend((0..count).map(one));
-        Self(list)
+        Self((0..count).map(one).collect())
     }
 
-    /// Far away, around a full turn in three steps, and back: the identity, of which the roundings of far away are left.
-    fn detour(rng: &mut Rng) -> Vec<[String; 2]> {
+    /// The same map, after the way there, around a full turn in three steps, and back. The exact product is the same, and
+    /// the roundings of far away stay.
+    pub fn after_detour(self, rng: &mut Rng) -> Self {
         let v = 10f64.powf(rng.range(0.0, 3.0)) * rng.in_cube();
         let axis = ["X", "Y", "Z"][rng.below(3)];
         let (one, other) = (rng.integer(360), rng.integer(360));
         let there = [v, -v].map(|v| format!("Translate {} {} {}", v.x, v.y, v.z));
         let turn = |angle: f64| [angle, -angle].map(|angle| format!("{axis}Rotate {angle}"));
         let back = [there[1].clone(), there[0].clone()];
-        vec![there, turn(one), turn(other), turn(360.0 - one - other), back]
+        let detour = [there, turn(one), turn(other), turn(360.0 - one - other), back];
+        Self(detour.into_iter().chain(self.0).collect())
     }
 
     /// The text of the list.
