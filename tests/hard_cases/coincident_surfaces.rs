@@ -104,8 +104,8 @@ fn pair(rng: &mut Rng) -> Pair {
 /// The primitives that a ray hits at t 1, where the surfaces coincide, with the t. None if something else is so close there
 /// or in front that the answer would depend on it.
 fn hits_at_target(world: &World, ray: &Ray) -> Option<Vec<(f64, u32)>> {
-    const SAME: f64 = 1e-7;
-    const CLOSE: f64 = 1e-4;
+    const SAME: f64 = 1e-5;
+    const CLOSE: f64 = 1e-3;
     let count = (world.finite_count() + world.planes.len()) as u32;
     let hits: Vec<(f64, u32)> = (0..count)
         .filter_map(|id| Some((world.crossing(ray, id)?, id)))
