@@ -2,7 +2,6 @@
 //! its kind.
 
 use super::World;
-use super::coincidence::ABSOLUTE_REACH;
 use super::placement::{Placement, course_sphere_box};
 use super::point_error::{BoundaryWidth, Finite, PlaneError};
 use super::resting_lights::RestingLights;
@@ -243,7 +242,7 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
-        world.coincidence_margin = ABSOLUTE_REACH * world.max_abs_coord;
+        world.coincidence_margin = world.find_coincidence_margin();
         world.unite_coincident_planes();
         world.boundary_width = BoundaryWidth::of(&world);
         world.resting_lights = RestingLights::of(&world)?;

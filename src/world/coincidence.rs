@@ -14,22 +14,25 @@ use glam::{DMat3, DVec3};
 /// moved them: the t of a hit tells no smaller distances apart.
 const COINCIDENT_ROUNDINGS: f64 = 4.0;
 
-/// The hits that may be coincident with one at some t are this part of it away, and more by
-/// [`World::coincidence_reach`].
+/// The hits that may be coincident with one at some t are this part of it away, and more by the largest coordinate of the
+/// finite primitives and by how far flattening may have moved any of them.
 ///
 /// The t of two hits in the same place differ by the distance of the planes over the cosine of the ray's angle to their
-/// normal. For surfaces closer to the eye than a thousandth of the coordinates this reaches cosines down to a millionth,
-/// and for others less.
-const RELATIVE_REACH: f64 = 1.0 / (1 << 20) as f64;
-
-/// The same as a part of the largest coordinate of the finite primitives.
-pub(super) const ABSOLUTE_REACH: f64 = 1.0 / (1 << 30) as f64;
+/// normal. These reach cosines down to a millionth.
+const PER_T: f64 = 1.0 / (1 << 20) as f64;
+const PER_COORDINATE: f64 = 1.0 / (1 << 30) as f64;
+const PER_FLATTENING_ERROR: f64 = (1 << 20) as f64;
 
 impl World {
     /// How far from the t of a hit those of coincident surfaces may be.
     #[inline(always)]
     pub fn coincidence_reach(&self, t: f64) -> f64 {
-        RELATIVE_REACH * t.abs() + self.coincidence_margin
+        PER_T * t.abs() + self.coincidence_margin
+    }
+
+    /// The part of [`World::coincidence_reach`] that does not depend on t.
+    pub(super) fn find_coincidence_margin(&self) -> f64 {
+        PER_COORDINATE * self.max_abs_coord + PER_FLATTENING_ERROR * self.flattening_errors.largest()
     }
 
     /// Whether two primitives that a ray hits in the same place have coincident surfaces: the same plane, or the same

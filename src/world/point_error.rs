@@ -100,6 +100,12 @@ impl FlatteningErrors {
         memory::push(&mut self.planes, error)
     }
 
+    /// The largest of a finite primitive, or of a plane at the origin.
+    pub fn largest(&self) -> f64 {
+        let finite = self.runs.iter().flatten().map(|&(_, error)| error);
+        finite.chain(self.planes.iter().map(|error| error.at_origin)).fold(0.0, f64::max)
+    }
+
     /// That of a plane; none of one that was not placed by a scene.
     pub fn of_plane(&self, index: usize) -> PlaneError {
         self.planes.get(index).copied().unwrap_or_default()
@@ -169,13 +175,11 @@ impl BoundaryWidth {
     pub fn of(world: &World) -> Self {
         let errors = &world.flattening_errors;
         let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
-        let finite = largest(&mut errors.runs.iter().flatten().map(|&(_, error)| error));
-        let planes = largest(&mut errors.planes.iter().map(|error| error.at_origin));
         let tilt = largest(&mut errors.planes.iter().map(|error| error.tilt));
         let offset = largest(&mut world.planes.iter().map(|plane| plane.offset.abs()));
         // The centre and the three semi-axes of an ellipsoid are at most 7 times the largest coordinate.
         let rounding = 7.0 * ON_ELLIPSOID_ROUNDINGS * world.max_abs_coord + ON_PLANE_ROUNDINGS * offset;
-        let point = [finite + planes + rounding * UNIT_ROUNDOFF, tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF];
+        let point = [errors.largest() + rounding * UNIT_ROUNDOFF, tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF];
         let widths = world.materials.iter().filter_map(|material| match material {
             Material::Texture(Texture { pattern: Pattern::Checkerboard, world_to_texture, .. }) => {
                 Some(world_to_texture.image_error(point))

@@ -51,8 +51,8 @@ fn flat(rng: &mut Rng, half: f64, height: f64) -> String {
 /// Two objects with surfaces in one place.
 struct Pair {
     world: World,
-    /// Rays to points on both surfaces or close to them, some of which graze flat ones.
-    rays: Vec<Ray>,
+    /// Rays to points on both surfaces or close to them, some of which graze flat ones, and the t there.
+    rays: Vec<(Ray, f64)>,
 }
 
 fn pair(rng: &mut Rng) -> Pair {
@@ -70,7 +70,8 @@ fn pair(rng: &mut Rng) -> Pair {
             way.y *= 10f64.powf(rng.range(-4.0, 0.0));
         }
         let [origin, target] = [target + way, target].map(|p| map.transform_point3(p));
-        Ray::new(origin, target - origin)
+        let distance = (target - origin).length();
+        (Ray::new(origin, (target - origin) / distance), distance)
     };
     let rays = (0..RAYS).map(|_| ray(rng)).collect();
     let objects = [0, 1].map(|_| {
@@ -101,15 +102,15 @@ fn pair(rng: &mut Rng) -> Pair {
     Pair { world: world_of(&scene_of(&objects, ""), &mesh), rays }
 }
 
-/// The primitives that a ray hits at t 1, where the surfaces coincide, with the t. None if something else is so close there
+/// The primitives that a ray hits at this t, where the surfaces coincide, with the t. None if something else is so close there
 /// or in front that the answer would depend on it.
-fn hits_at_target(world: &World, ray: &Ray) -> Option<Vec<(f64, u32)>> {
+fn hits_at_target(world: &World, ray: &Ray, at: f64) -> Option<Vec<(f64, u32)>> {
     const SAME: f64 = 1e-5;
     const CLOSE: f64 = 1e-3;
     let count = (world.finite_count() + world.planes.len()) as u32;
     let hits: Vec<(f64, u32)> = (0..count)
         .filter_map(|id| Some((world.crossing(ray, id)?, id)))
-        .filter(|hit| hit.0 < 1.0 + CLOSE)
+        .filter(|hit| hit.0 < at * (1.0 + CLOSE))
         .collect();
     let normal = |&(t, id): &(f64, u32)| {
         let hit = world.hit(ray, Visible { primitive: id, t_bound: t });
@@ -117,7 +118,7 @@ fn hits_at_target(world: &World, ray: &Ray) -> Option<Vec<(f64, u32)>> {
     };
     let first = normal(hits.first()?);
     let is_shared =
-        |hit: &(f64, u32)| (hit.0 - 1.0).abs() < SAME && normal(hit).cross(first).length() < CLOSE;
+        |hit: &(f64, u32)| (hit.0 - at).abs() < SAME * at && normal(hit).cross(first).length() < CLOSE;
     hits.iter().all(is_shared).then_some(hits)
 }
 
@@ -127,10 +128,10 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
     let Pair { world, rays } = pair(rng);
     let casters = [None, Some([4, 3, 5])].map(|cells| Caster::new(&world, cells).expect("a small grid"));
     let (mut counts, mut nearest_materials) = ([0; 3], [0; 2]);
-    for ray in rays {
-        let Some(hits) = hits_at_target(&world, &ray) else { continue };
+    for (ray, at) in rays {
+        let Some(hits) = hits_at_target(&world, &ray, at) else { continue };
         let material =
-            |id: u32| world.surface(&ray, &world.hit(&ray, Visible { primitive: id, t_bound: 1.0 })).material;
+            |id: u32| world.surface(&ray, &world.hit(&ray, Visible { primitive: id, t_bound: at })).material;
         let nearest = hits.iter().copied().reduce(|one, other| if other.0 < one.0 { other } else { one });
         let both = [0, 1].iter().all(|&object| hits.iter().any(|&(_, id)| material(id) == object));
         let (true, Some((_, nearest))) = (both, nearest) else { continue };
