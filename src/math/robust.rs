@@ -324,4 +324,41 @@ mod tests {
         assert_eq!(1.0 + UNIT_ROUNDOFF, 1.0);
         assert!(1.0 + UNIT_ROUNDOFF.next_up() > 1.0);
     }
+
+    #[test]
+    fn the_error_of_a_transformed_normal_is_within_its_bound() {
+        use crate::math::worst_case::Rng;
+        use num_rational::BigRational;
+        use num_traits::ToPrimitive;
+        let exact = |x: f64| BigRational::from_float(x).unwrap();
+        let rng = &mut Rng(5);
+        let mut largest_part = 0.0f64;
+        for k in 0..2000 {
+            let flat = if k % 2 == 0 { 1.0 } else { 10f64.powi(-(rng.below(9) as i32)) };
+            let m = DMat3::from_cols(rng.vector(), flat * rng.vector(), rng.vector()) * 2f64.powi(200);
+            let error = m.abs() * 1e-12;
+            let normal = rng.vector();
+            // The exact matrix is anywhere within the errors.
+            let off = rng.signed();
+            let numbers =
+                m.to_cols_array().map(|x| exact(x) + exact(1e-12 * off * rng.signed()) * exact(x.abs()));
+            let number = |row: usize, column: usize| &numbers[3 * column + row];
+            let cofactor = |row: usize, column: usize| {
+                let [i, j, k, l] = [(row + 1) % 3, (row + 2) % 3, (column + 1) % 3, (column + 2) % 3];
+                number(i, k) * number(j, l) - number(i, l) * number(j, k)
+            };
+            let scale = exact(2f64.powi(-200)) * exact(2f64.powi(-200));
+            let expected: [f64; 3] = std::array::from_fn(|row| {
+                let sum =
+                    (0..3).map(|column| cofactor(row, column) * exact(normal[column])).sum::<BigRational>();
+                (sum * &scale).to_f64().unwrap()
+            });
+            let (expected, found) = (unit(DVec3::from_array(expected)), unit(transformed_normal(m, normal)));
+            let angle = expected.cross(found).length();
+            let bound = transformed_normal_error(m, error, normal);
+            assert!(angle <= bound + 4.0 * UNIT_ROUNDOFF, "{m} {normal}: {angle} {bound}");
+            largest_part = largest_part.max(angle / bound);
+        }
+        assert!(largest_part > 0.1, "the bound is {} times too wide", 1.0 / largest_part);
+    }
 }

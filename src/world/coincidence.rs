@@ -159,3 +159,93 @@ fn extrapolation(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 fn largest_number(m: DMat3) -> f64 {
     m.to_cols_array().into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    fn world(objects: &[&str]) -> World {
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Group {{ numObjects {} Material {{ }} {} }}",
+            objects.len(),
+            objects.join(" ")
+        );
+        World::new(&parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    fn coincide(one: &str, other: &str) -> bool {
+        let world = world(&[one, other]);
+        assert_eq!(world.coincide(0, 1), world.coincide(1, 0));
+        world.coincide(0, 1)
+    }
+
+    const LOW: &str = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.1 }";
+
+    #[test]
+    fn triangles_in_one_plane_coincide() {
+        for (z, expected) in [(0.1, true), (0.1f64.next_up(), true), (0.1 + 1e-12, false), (-0.1, false)] {
+            let other = format!("Triangle {{ vertex0 7 0 {z} vertex1 9 0 {z} vertex2 7 1 {z} }}");
+            assert_eq!(coincide(LOW, &other), expected, "{z}");
+        }
+        let tilted = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.10000001 }";
+        assert!(!coincide(LOW, tilted));
+    }
+
+    #[test]
+    fn a_thin_triangle_after_a_rotation_lies_in_the_plane_of_another() {
+        let thin = "Triangle { vertex0 0 0 0.1 vertex1 9 0 0.1 vertex2 4 1e-3 0.1 }";
+        let turned = |object: &str| format!("Transform {{ Rotate {{ 0.6 0 0.8 50 }} {object} }}");
+        let wide = "Triangle { vertex0 1 0 0.1 vertex1 1.02 0 0.1 vertex2 1 0.4 0.1 }";
+        assert!(coincide(&turned(thin), &turned(wide)));
+        assert!(!coincide(&turned(thin), &turned(&wide.replace("0.4 0.1", "0.4 0.1000001"))));
+    }
+
+    #[test]
+    fn triangles_lie_in_planes() {
+        for (plane, expected) in [
+            ("Plane { normal 0 0 1 offset 0.1 }", true),
+            ("Plane { normal 0 0 -3 offset -0.1 }", true),
+            ("Plane { normal 0 0 1 offset 0.1000001 }", false),
+            ("Plane { normal 0 1e-6 1 offset 0.1 }", false),
+            ("Transform { Scale 1 1 0.5 Plane { normal 0 0 1 offset 0.2 } }", true),
+        ] {
+            assert_eq!(coincide(LOW, plane), expected, "{plane}");
+        }
+    }
+
+    #[test]
+    fn planes_in_one_place_have_the_same_numbers() {
+        let turned = |turn: f64, offset: f64| {
+            format!("Transform {{ XRotate 33 ZRotate {turn} Plane {{ normal 0 0 1 offset {offset} }} }}")
+        };
+        let (one, other, apart) = (turned(0.0, 0.1), turned(71.0, 0.1), turned(0.0, 0.1 + 1e-13));
+        let planes = world(&[&one, &other, &apart]).planes;
+        assert_eq!(planes[0], planes[1]);
+        assert_ne!(planes[0], planes[2]);
+        let [up, down] =
+            world(&["Plane { normal 0 1 2 offset 3 }", "Plane { normal 0 -1 -2 offset -3 }"]).planes[..]
+        else {
+            panic!("two planes")
+        };
+        assert_eq!(up.reversed(), down);
+    }
+
+    #[test]
+    fn spheres_and_ellipsoids_coincide_however_they_are_turned() {
+        let sphere = "Sphere { center 0 0 0 radius 1 }";
+        let under = |transformations: &str| format!("Transform {{ {transformations} {sphere} }}");
+        for (one, other, expected) in [
+            ("YRotate 20", "ZRotate 70", true),
+            ("Scale 1 2 0.5", "Scale 1 2 0.5 YRotate 40 XRotate 9", true),
+            ("Scale 1 2 0.5", "Scale 2 1 0.5 ZRotate 90", false),
+            ("Scale 2 1 0.5 ZRotate 90", "ZRotate 90 Scale 1 2 0.5", true),
+            ("UniformScale 1.000001", "YRotate 10", false),
+            ("Translate 1e-6 0 0", "YRotate 10", false),
+        ] {
+            assert_eq!(coincide(&under(one), &under(other)), expected, "{one} and {other}");
+        }
+        assert!(!coincide(sphere, LOW));
+    }
+}

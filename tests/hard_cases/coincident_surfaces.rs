@@ -107,6 +107,8 @@ fn pair(rng: &mut Rng) -> Pair {
 fn hits_at_target(world: &World, ray: &Ray, at: f64) -> Option<Vec<(f64, u32)>> {
     const SAME: f64 = 1e-5;
     const CLOSE: f64 = 1e-3;
+    /// Closer to the plane the surfaces' t differ by more than what is looked through.
+    const MIN_COSINE: f64 = 2e-6;
     let count = (world.finite_count() + world.planes.len()) as u32;
     let hits: Vec<(f64, u32)> = (0..count)
         .filter_map(|id| Some((world.crossing(ray, id)?, id)))
@@ -119,7 +121,8 @@ fn hits_at_target(world: &World, ray: &Ray, at: f64) -> Option<Vec<(f64, u32)>> 
     let first = normal(hits.first()?);
     let is_shared =
         |hit: &(f64, u32)| (hit.0 - at).abs() < SAME * at && normal(hit).cross(first).length() < CLOSE;
-    hits.iter().all(is_shared).then_some(hits)
+    let grazes = first.dot(ray.direction).abs() < MIN_COSINE;
+    (!grazes && hits.iter().all(is_shared)).then_some(hits)
 }
 
 /// Counts for one pair: rays that hit both surfaces, those that see another one than the rule says, and the pairs of
@@ -160,7 +163,7 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
 #[test]
 fn case_67_surfaces_in_one_place() {
     const SEED: u64 = 1067;
-    let pairs = rays(4_000, 1_000_000);
+    let pairs = rays(20_000, 1_000_000);
     let failures = Failures::default();
     let ([cast, ours, textbook], []) =
         measure(pairs, |index| (seen(&mut Rng::at(SEED, index), &failures, index), []));

@@ -5,6 +5,7 @@ mod broken_rules;
 mod cases;
 mod causes;
 mod check_your_own;
+mod coincident_surfaces;
 mod command_line;
 mod comparison;
 mod cost_map;
