@@ -109,7 +109,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         let wrong = failures
             .note(found != expected, || format!("{ray:?} at {q}: {:?}", world.primitive(hit.primitive)));
         counts[0] += 1;
-        counts[1] += u64::from(wrong);
+        counts[1] += wrong;
         counts[2] += u64::from(even(plain.element_sum()) != expected);
     }
     (counts, [largest_part])

@@ -22,7 +22,7 @@ fn square(half: u32) -> String {
 
 fn rendered(text: &str, half: u32, flags: &str) -> Tga {
     let folder = Folder::with_scene(text);
-    folder.write("flat.obj", &square(half));
+    folder.write("flat.obj", square(half));
     folder.render(flags)
 }
 
@@ -73,7 +73,7 @@ fn a_mesh_in_a_boundary_of_its_checkerboard_is_pointed_out() {
     let mesh = "Transform { ZRotate 20 TriangleMesh { obj_file flat.obj } }";
     let said = |texture: &str| {
         let folder = Folder::with_scene(&board(texture, mesh));
-        folder.write("flat.obj", &square(500));
+        folder.write("flat.obj", square(500));
         folder.run("-input s.txt -size 99 99 -pixel 40 60").ok().stdout
     };
     let close = "close call: the point lies in a boundary of the checkerboard within roundings\n";
