@@ -112,6 +112,10 @@ impl Renderer {
             prepared => prepared,
         }?;
         prepared.caster.solids = self.solids(request);
+        if structure == Structure::Any && grid.is_none() {
+            // Rasterization may find out that it leaves more rays to be cast.
+            prepared.caster.allow_grid(request.camera_rays());
+        }
         Ok(prepared)
     }
 

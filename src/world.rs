@@ -43,6 +43,8 @@ pub struct World {
     pub vertices: Vec<DVec3>,
     /// Indices into `vertices`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Those that are known to have no area, so that no ray hits them, in ascending order.
+    without_area: Vec<u32>,
     /// The spheres, whose ids follow those of the triangles.
     pub spheres: Vec<Sphere>,
     /// The ellipsoids, whose ids follow those of the spheres.
@@ -112,6 +114,7 @@ impl World {
         Ok(Self {
             vertices: vec![],
             triangles: vec![],
+            without_area: vec![],
             spheres: vec![],
             ellipsoids: vec![],
             planes: vec![],
@@ -135,6 +138,17 @@ impl World {
     /// The number of primitives with finite bounds: all but the planes.
     pub fn finite_count(&self) -> usize {
         self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+    }
+
+    /// The number of finite primitives that rays may hit.
+    pub fn hittable_count(&self) -> usize {
+        self.finite_count() - self.without_area.len()
+    }
+
+    /// Whether a ray may hit a triangle: it is not known to have no area.
+    #[inline(always)]
+    pub fn may_be_hit(&self, triangle: u32) -> bool {
+        self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
     }
 
     /// The triangles that the light with this index lies on: in their inside, on an edge or at a corner.

@@ -66,7 +66,7 @@ impl AccelerationStructure {
     fn without_blocks(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         let Some(cells) = cells else {
-            return Self::list(world, &bounds);
+            return Self::list(world, &bounds, !matches!(rule, CellRule::Course { .. }));
         };
         let allowance = |max_per_cell: usize| Allowance::new(max_per_cell, world.finite_count());
         match rule {
@@ -96,13 +96,13 @@ impl AccelerationStructure {
         }
     }
 
-    /// A list of all finite primitives of a world with these bounds.
-    fn list(world: &World, bounds: &Aabb) -> Result<Self, GridTooLarge> {
+    /// A list of all finite primitives of a world with these bounds, or only of those that rays may hit.
+    fn list(world: &World, bounds: &Aabb, hittable: bool) -> Result<Self, GridTooLarge> {
         let cost = REFERENCE_COST * world.finite_count();
         Ok(Self {
             simd_bounds: SimdAabb::new(bounds),
             table: None,
-            cells: CellContents::all(world, Frame::new(bounds))?,
+            cells: CellContents::all(world, Frame::new(bounds), hittable)?,
             blocks: vec![],
             trees: Trees::default(),
             cost,
@@ -124,7 +124,7 @@ impl AccelerationStructure {
             FittedLattice::new(world, bounds, cells, rule, allowance)?;
         let (counts, references) = (cell_lists.counts(&lattice)?, cell_lists.references());
         if count > allowance.max_per_cell && !separates(&counts, count, references) {
-            let mut list = Self::list(world, &bounds)?;
+            let mut list = Self::list(world, &bounds, true)?;
             list.cost += abandoned_cost + cell_lists.cost();
             return Ok(list);
         }

@@ -5,10 +5,11 @@ use super::build::{AccelerationStructure, StructureSize};
 use super::descent::DescentKernel;
 use super::error::GridTooLarge;
 use super::fullness::Fullness;
-use super::options::GridOptions;
+use super::options::{GridOptions, Structure};
 use super::query::RayQuery;
 use super::ray_entry::Entry;
 use super::triangle8;
+use crate::math::f64x4::Scalar;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
@@ -18,7 +19,7 @@ use crate::stats::Probe;
 use crate::world::{Solids, World};
 use glam::DVec2;
 use std::marker::PhantomData;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The primitive that a ray leaves.
 #[derive(Clone, Copy)]
@@ -42,6 +43,9 @@ impl Left {
     }
 }
 
+/// A structure once it has been built; none if it does not fit into memory.
+type OnDemand = OnceLock<Option<Arc<AccelerationStructure>>>;
+
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
 pub struct Caster<'w, M = Fast> {
@@ -51,6 +55,9 @@ pub struct Caster<'w, M = Fast> {
     pub instructions: Instructions,
     /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
+    /// A grid in place of the list, if it may be built where more rays are cast than were expected, and the camera rays it
+    /// is built for.
+    on_demand: Option<(usize, Arc<OnDemand>)>,
     /// What is known about the inside of transparent objects: at least what the world knows.
     pub(crate) solids: Arc<Solids>,
     mode: PhantomData<M>,
@@ -72,21 +79,48 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
-        Ok(Self { world, instructions, structure, solids: world.solids.clone(), mode: PhantomData })
+        let (solids, on_demand) = (world.solids.clone(), None);
+        Ok(Self { world, instructions, structure, on_demand, solids, mode: PhantomData })
     }
 }
 
 impl<'w, M: Mode> Caster<'w, M> {
     /// The same caster in another mode.
     pub fn in_mode<N: Mode>(&self) -> Caster<'w, N> {
-        let Self { world, instructions, ref structure, ref solids, .. } = *self;
+        let Self { world, instructions, ref structure, ref on_demand, ref solids, .. } = *self;
         Caster {
             world,
             instructions,
             structure: structure.clone(),
+            on_demand: on_demand.clone(),
             solids: solids.clone(),
             mode: PhantomData,
         }
+    }
+
+    /// Lets [`for_rays`](Self::for_rays) build the grid for so many camera rays.
+    pub(crate) fn allow_grid(&mut self, rays: usize) {
+        self.on_demand = Some((rays, Arc::default()));
+    }
+
+    /// The same caster with a grid, if it may build one and the number of rays to be cast, which is asked for only then,
+    /// pays for it. It is built once for all copies of the caster.
+    pub(crate) fn for_rays(&self, count: impl FnOnce() -> usize) -> Self {
+        let grid = self.on_demand.as_ref().and_then(|(rays, grid)| {
+            Structure::Any.resolution(self.world, count())?;
+            let build = || AccelerationStructure::new(self.world, GridOptions::automatic(self.world, *rays));
+            // Nobody has asked for the grid that does not fit into memory.
+            grid.get_or_init(|| build().ok().map(Arc::new)).clone()
+        });
+        let caster = self.in_mode();
+        if grid.is_some() { Self { structure: grid, on_demand: None, ..caster } } else { caster }
+    }
+
+    /// Whether a ray enters the bounds of the finite primitives, or may do so.
+    pub(crate) fn enters(&self, ray: &Ray) -> bool {
+        let entry =
+            |structure: &Arc<AccelerationStructure>| structure.ray_entry::<Scalar>(Portable, ray, ray.t_max);
+        self.structure.as_ref().is_some_and(|structure| !matches!(entry(structure), Entry::Misses))
     }
 
     /// Whether a ray is tested against only a few of the primitives.

@@ -126,12 +126,15 @@ impl CellContents {
         triangles.chain(self.non_triangles_of(&block.index).iter().copied())
     }
 
-    /// All primitives in a single cell.
-    pub fn all(world: &World, frame: Frame) -> Result<Self, GridTooLarge> {
+    /// All primitives in a single cell, or only those that rays may hit.
+    pub fn all(world: &World, frame: Frame, hittable: bool) -> Result<Self, GridTooLarge> {
         let triangles = world.triangles.len();
-        let mut indices = filled_with(BlockIndex::EMPTY, triangles.div_ceil(LANES).max(1))?;
+        let listed =
+            if hittable { world.hittable_count() - (world.finite_count() - triangles) } else { triangles };
+        let mut indices = filled_with(BlockIndex::EMPTY, listed.div_ceil(LANES).max(1))?;
         let lanes = indices.iter_mut().flat_map(|index| &mut index.ids);
-        lanes.zip(0..triangles as u32).for_each(|(lane, id)| *lane = id);
+        let ids = (0..triangles as u32).filter(|&id| !hittable || world.may_be_hit(id));
+        lanes.zip(ids).for_each(|(lane, id)| *lane = id);
         let mut cells = Self::of_indices(indices, frame);
         let last = cells.block_count() - 1;
         let non_triangles = triangles..world.finite_count();

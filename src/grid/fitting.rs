@@ -85,6 +85,7 @@ fn insert(
         (Primitive::Triangle(i), CellRule::Course { .. }) => {
             voxelize::of_box(lattice, &Aabb::around(world.corners(i)), padding, out)
         }
+        (Primitive::Triangle(_), _) if !world.may_be_hit(id) => Ok(()),
         (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), padding, out),
         (Primitive::Sphere(i), CellRule::Course { .. }) => {
             let sphere = &world.spheres[i];

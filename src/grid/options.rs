@@ -89,8 +89,8 @@ impl Structure {
             Self::Grid(resolution) => Some(resolution),
             Self::List => None,
             Self::Any => {
-                let triangles = world.triangles.len();
-                let others = world.finite_count() - triangles;
+                let others = world.finite_count() - world.triangles.len();
+                let triangles = world.hittable_count() - others;
                 let work = triangles.saturating_add(TRIANGLES_PER_OTHER * others);
                 (work >= MIN_TRIANGLES && rays >= MIN_RAYS).then_some(Resolution::Auto)
             }

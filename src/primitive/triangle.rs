@@ -170,6 +170,19 @@ impl<'r> Shear<'r> {
     }
 }
 
+/// Whether a triangle certainly has an area or, where rounded products do not tell, exactly has one. No ray hits one
+/// without.
+#[inline(always)]
+pub fn has_area([a, b, c]: [&DVec3; 3]) -> bool {
+    // One coordinate of the normal tells most of those that have an area.
+    (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x) || exactly_has_area([*a, *b, *c])
+}
+
+#[cold]
+fn exactly_has_area(triangle: [DVec3; 3]) -> bool {
+    area_vector(triangle).iter().any(|coordinate| coordinate.sign() != 0)
+}
+
 /// The squared tangent of the angle between two edges at which their rounding changes the normal by 2^-20.
 pub const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
 /// The squared length of the cross product of two edges above which underflow does not matter.

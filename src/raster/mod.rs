@@ -139,6 +139,12 @@ impl VisibilityBuffer {
         world.finite_count() == world.triangles.len() && !is_large && is_accurate
     }
 
+    /// The number of rays to be cast for these columns of all rows, one for each pixel.
+    pub fn unsure(&self, columns: Range<usize>) -> usize {
+        let rows = self.visible_ids.chunks_exact(self.stride);
+        rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()
+    }
+
     /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
     #[inline(always)]
     pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
@@ -161,7 +167,8 @@ impl VisibilityBuffer {
 fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
     let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
     world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
-    let bounds_of = |id: u32| TriangleBounds::new(viewport, world, &vertices, id);
+    let bounds_of =
+        |id: u32| world.may_be_hit(id).then(|| TriangleBounds::new(viewport, world, &vertices, id)).flatten();
     let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of).ok()?;
     let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
     let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
@@ -174,7 +181,8 @@ fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) ->
     world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
     let bounds_of = |id: u32| {
-        TriangleBounds::ahead(&view.screen, rows, corners(id).map(|corner| corner.on(&view.screen)), id)
+        let on_screen = || corners(id).map(|corner| corner.on(&view.screen));
+        world.may_be_hit(id).then(|| TriangleBounds::ahead(&view.screen, rows, on_screen(), id)).flatten()
     };
     let bins = Bins::new(rows, world.triangles.len(), bounds_of).ok()?;
     let planes = world.planes.iter().map(|plane| view.plane(plane));

@@ -103,7 +103,8 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Result<Vec<u32>, NoM
     world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
     let bins = Bins::new(&rows, world.triangles.len(), |id| {
-        TriangleBounds::ahead(&screen, &rows, corners(id).map(|corner| corner.on(&screen)), id)
+        let on_screen = || corners(id).map(|corner| corner.on(&screen));
+        world.may_be_hit(id).then(|| TriangleBounds::ahead(&screen, &rows, on_screen(), id)).flatten()
     })?;
     let spans = boxes.iter().map(|bounds| {
         let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));

@@ -16,6 +16,7 @@ use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
 use crate::stats::Probe;
+use glam::DVec2;
 use std::ops::Range;
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
@@ -77,15 +78,28 @@ impl<'a, M: RenderMode> Strip<'a, M> {
 
     /// Traces the strip and hands it out, and returns the probe.
     pub fn render(&self, tally: &Tally, take_row: TakeRow) -> Result<M::Counter, Stopped> {
-        let Setting { request, .. } = *self.setting;
-        if Self::hands_out_at_once(request) {
-            let finished = self.finish(tally)?.ok_or(self.cancelled_above(self.rows.end))?;
-            return finished.hand_out(request, take_row);
+        let visibility = self.visibility();
+        let caster = self.setting.caster.for_rays(|| self.unknown_rays(visibility.as_ref()));
+        let setting = Setting { caster: &caster, ..*self.setting };
+        let strip = Strip { setting: &setting, rows: self.rows.clone() };
+        if Self::hands_out_at_once(setting.request) {
+            let finished = strip.finish(visibility.as_ref(), tally)?;
+            return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(setting.request, take_row);
         }
-        let visibility = self.visibility(self.rows.clone());
+        strip.hand_out_one_by_one(visibility.as_ref(), tally, take_row)
+    }
+
+    /// Traces the rows and hands them out as soon as they are finished.
+    fn hand_out_one_by_one(
+        &self,
+        visibility: Option<&VisibilityBuffer>,
+        tally: &Tally,
+        take_row: TakeRow,
+    ) -> Result<M::Counter, Stopped> {
+        let Setting { request, .. } = *self.setting;
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
-            self.row(self.setting.empty_row(j, used)?, visibility.as_ref(), None, tally)
+            self.row(self.setting.empty_row(j, used)?, visibility, None, tally)
         };
         let mut probe = M::Counter::default();
         let hand_out_row = |row: &mut Row<M::Counter>| {
@@ -103,28 +117,59 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         Stopped::Cancelled { rows: self.setting.request.rows().end - end }
     }
 
-    /// The first hits of the rays through the centres of these rows, as far as they are known.
-    fn visibility(&self, rows: Range<usize>) -> Option<VisibilityBuffer> {
+    /// The rows that are traced: those of the strip and those around it whose samples contribute to it.
+    fn traced(&self) -> Range<usize> {
+        let Request { size: [_, height], .. } = *self.setting.request;
+        let support = self.setting.request.support();
+        self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height)
+    }
+
+    /// The first hits of the rays through these rows, as far as they are known.
+    fn visibility(&self) -> Option<VisibilityBuffer> {
         let Setting { camera, caster, view, request, .. } = *self.setting;
+        let Range { start, end } = self.traced();
+        // The first of adaptive samples are traced in the rows beside, too.
+        let beside = usize::from(request.adaptive.is_some());
+        let rows = start.saturating_sub(beside)..(end + beside).min(request.size[1]);
         request.visibility::<M>(camera, caster, view, rows)
     }
 
+    /// About the number of rays through pixels' centres that have to be cast into the bounds of the finite primitives.
+    fn unknown_rays(&self, visibility: Option<&VisibilityBuffer>) -> usize {
+        /// The number of pixels along an axis at which rays are tried.
+        const TRIED: usize = 64;
+        let Setting { camera, caster, request, .. } = *self.setting;
+        let (columns, rows) = (request.columns(), self.traced());
+        if let Some(visibility) = visibility {
+            return visibility.unsure(columns);
+        }
+        if !request.measures() && !request.traces_colors::<M>() {
+            return 0;
+        }
+        let [across, along] = [columns.len(), rows.len()].map(|pixels| pixels.div_ceil(TRIED).max(1));
+        let pixels = rows.step_by(along).flat_map(|j| columns.clone().step_by(across).map(move |i| [i, j]));
+        let enter = pixels.filter(|pixel| {
+            caster.enters(&camera.ray(DVec2::from_array(pixel.map(|k| k as f64)), DVec2::ZERO))
+        });
+        enter.count() * across * along
+    }
+
     /// Traces the strip; none if the watch cancels the render.
-    fn finish(&self, tally: &Tally) -> Result<Option<Finished<M::Counter>>, NoMemory> {
+    fn finish(
+        &self,
+        visibility: Option<&VisibilityBuffer>,
+        tally: &Tally,
+    ) -> Result<Option<Finished<M::Counter>>, NoMemory> {
         let Request { filter, size, .. } = *self.setting.request;
-        let [_, height] = size;
-        let support = self.setting.request.support();
-        let traced = self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height);
+        let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
         let mut finished = Finished {
             probe: M::Counter::default(),
             rows: memory::filled(Default::default(), self.rows.len())?,
         };
-        // The first of adaptive samples are traced in the rows beside, too.
-        let visibility = self.visibility(traced.start.saturating_sub(1)..(traced.end + 1).min(height));
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in self.trace(rows, visibility.as_ref(), tally)? {
+            for row in self.trace(rows, visibility, tally)? {
                 let Some(row) = row else { return Ok(None) };
                 finished.take(row, self, &mut film)?;
             }

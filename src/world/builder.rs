@@ -9,12 +9,13 @@ use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
-use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere};
+use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::Mesh;
 use crate::scene::{MaterialId, MeshFile, Object, Scene};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::mem;
 use std::ops::Range;
@@ -242,6 +243,7 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
+        world.without_area = without_area(&world)?;
         world.coincidence_margin = world.find_coincidence_margin();
         world.unite_coincident_planes();
         world.boundary_width = BoundaryWidth::of(&world);
@@ -267,6 +269,29 @@ fn transformed_plane(
     let plane = Plane { normal: transformed, offset: transformed.dot(foot) };
     let error = PlaneError::transformed(placement, (normal, offset), foot);
     Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal)), error))
+}
+
+/// The triangles without an area, in ascending order.
+fn without_area(world: &World) -> Result<Vec<u32>, NoMemory> {
+    /// The number of triangles that are worth another thread.
+    const PART: usize = 1 << 14;
+    let in_part = |(part, triangles): (usize, &[[u32; 3]])| {
+        let vertex = |id: u32| &world.vertices[id as usize];
+        let mut found = vec![];
+        for (i, triangle) in triangles.iter().enumerate() {
+            if !triangle::has_area(triangle.map(vertex)) {
+                memory::push(&mut found, (part * PART + i) as u32)?;
+            }
+        }
+        Ok(found)
+    };
+    let mut all = vec![];
+    for part in world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<_>>() {
+        let part = part?;
+        memory::make_room(&mut all, part.len())?;
+        all.extend(part);
+    }
+    Ok(all)
 }
 
 /// The largest absolute coordinates of some points.
