@@ -368,6 +368,7 @@ fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
 mod tests {
     use super::*;
     use crate::scene::parser::parse;
+    use glam::DVec3;
 
     #[test]
     fn a_caster_tells_whether_it_has_a_grid_and_of_which_cells() {
@@ -386,5 +387,29 @@ mod tests {
             assert_eq!((caster.has_grid(), caster.cells()), (expected.is_some(), expected));
             assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
         }
+    }
+
+    #[test]
+    fn a_grid_is_built_once_where_it_is_allowed_and_rays_pay_for_it() {
+        let triangle =
+            |i: u32| format!("Triangle {{ vertex0 {i} 0 0 vertex1 {i}.5 0 0 vertex2 {i} 1 {} }}", i % 7);
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Group {{ numObjects 100 Material {{ }} {} }}",
+            (0..100).map(triangle).collect::<String>()
+        );
+        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+        let mut caster = Caster::new(&world, None).unwrap();
+        assert!(!caster.for_rays(|| panic!("nobody asks for the number of rays")).has_grid());
+        caster.allow_grid(10_000);
+        assert!(!caster.for_rays(|| 31).has_grid());
+        let grids = [32, 1000].map(|rays| caster.for_rays(|| rays));
+        let expected = GridOptions::automatic(&world, 10_000);
+        let expected = Caster::with(&world, expected, Instructions::available()[0]).unwrap();
+        assert_eq!(grids[0].cells(), expected.cells());
+        let [one, other] = grids.each_ref().map(|grid| grid.structure.as_ref().unwrap());
+        assert!(Arc::ptr_eq(one, other));
+        let [into, beside] = [0.0, 1e3].map(|y| Ray::new(DVec3::new(0.1, y, 9.0), DVec3::NEG_Z));
+        assert_eq!([into, beside].map(|ray| caster.enters(&ray)), [true, false]);
     }
 }

@@ -71,6 +71,17 @@ fn a_mesh_counts_as_its_triangles_and_transforms_as_nothing() {
 }
 
 #[test]
+fn a_triangle_without_area_counts_as_any_other() {
+    let line = "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 2 0 1 }";
+    let folder = scene(1, "", 2, &format!("{RIGHT_HALF} {line}"));
+    for flags in ["-size 10 10", "-size 10 10 -grid 1 1 1"] {
+        let (counted, without) = (count(&folder, flags), count(&scene(1, "", 1, RIGHT_HALF), flags));
+        assert_eq!(counted.rays, without.rays);
+        assert!(counted.intersections > without.intersections, "{flags}: {counted:?} {without:?}");
+    }
+}
+
+#[test]
 fn each_sample_is_a_ray() {
     let folder = scene(0, "", 1, WALL);
     for (flags, rays) in [

@@ -30,6 +30,27 @@ fn a_list_is_a_cell_with_everything_in_it() {
     assert_eq!(list.size(), StructureSize { cells: 1, references: 6, blocks: 1, cost: 6 * REFERENCE_COST });
 }
 
+/// Every third triangle is a line.
+#[test]
+fn triangles_without_area_are_in_the_structures_of_the_course_alone() {
+    let world = world(30, |i| {
+        let corner = DVec3::splat(f64::from(i) / 30.0);
+        [DVec3::ZERO, DVec3::X, if i % 3 == 0 { 0.5 * DVec3::X } else { DVec3::Y }].map(|side| corner + side)
+    });
+    assert_eq!((world.finite_count(), world.hittable_count()), (31, 21));
+    let course = CellRule::Course { is_bounded: true };
+    for (cells, rule, references) in [
+        (None, CellRule::Exact, 21),
+        (None, course, 31),
+        (Some([1; 3]), CellRule::Exact, 21),
+        (Some([1; 3]), CellRule::Trees { max_per_cell: 99 }, 21),
+        (Some([1; 3]), course, 31),
+    ] {
+        let structure = AccelerationStructure::new(&world, GridOptions { cells, rule }).unwrap();
+        assert_eq!(structure.size().references, references, "{cells:?} {rule:?}");
+    }
+}
+
 /// The cost of a structure counts abandoned attempts, the cell lists, and a list that takes their place.
 #[test]
 fn primitives_that_no_grid_separates_become_a_list_whose_cost_counts_every_attempt() {

@@ -56,3 +56,35 @@ fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() 
     assert!(expected > 32);
     assert_eq!(rows(Filter::PIXEL, adaptive, 1 << 10), expected);
 }
+
+/// One vertex far away makes every pixel that its triangle may cover unsure.
+#[test]
+fn rays_that_rasterization_leaves_are_counted() {
+    let unknown = |far: &str, layers: &[Layer], size| {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
+             Group {{ numObjects 1 Material {{ }}
+             Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
+        );
+        let scene = parse(&text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let caster = Caster::new(&world, None).unwrap();
+        let request = Request { layers: layers.to_vec(), ..Request::new(size) };
+        let camera = Camera::new(&scene.camera, size);
+        let setting = Setting {
+            camera: &camera,
+            caster: &caster,
+            view: View::Scene,
+            request: &request,
+            shadow_maps: None,
+        };
+        let strip = Strip::below(&setting, size[1], 0);
+        let visibility = strip.visibility();
+        [visibility.as_ref(), None].map(|visibility| strip.unknown_rays(visibility))
+    };
+    let [near, all] = unknown("1", &[Layer::Color], [100, 80]);
+    assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
+    let [far, _] = unknown("1e12", &[Layer::Color], [100, 80]);
+    assert!(far > 1000, "{far}");
+    assert_eq!(unknown("1", &[Layer::Filter { zoom: 2 }], [100, 80]), [0, 0]);
+}
