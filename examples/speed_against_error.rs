@@ -5,9 +5,9 @@
 use cpu_time::ProcessTime;
 use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
-use raytracer::error_report::{Axis, Bench, Departure, ErrorReport, Group, Kind, Numerical, Sweep};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io::load;
+use raytracer::tools::error_report::{Axis, Bench, Departure, ErrorReport, Group, Kind, Numerical, Sweep};
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -31,9 +31,10 @@
 //!
 //! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
-//! PNG, PFM and OpenEXR files and reads pictures, [`compare`] measures how two pictures differ, [`causes`] finds out
-//! why, [`grade`] does both for many pictures of many people, [`error_report`] measures what settings cost and buy,
-//! and `live` shows a scene as a page in the browser.
+//! PNG, PFM and OpenEXR files and reads pictures. Of the [`tools`], [`compare`](tools::compare) measures how two pictures
+//! differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for many pictures of many people,
+//! [`error_report`](tools::error_report) measures what settings cost and buy, and `live` shows a scene as a page in the
+//! browser.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 
@@ -64,18 +65,11 @@ pub mod sampling;
 pub mod picture;
 pub mod render;
 pub mod image_io;
-pub mod compare;
 pub mod scene_io;
 pub mod renderer;
-pub mod warnings;
 pub mod fingerprint;
-pub mod explain;
-pub mod causes;
-pub mod grade;
-pub mod error_report;
+pub mod tools;
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
 pub mod distinct_files;
-#[cfg(feature = "gui")]
-pub mod live;

@@ -4,7 +4,7 @@ use super::error::CliError;
 use super::flags;
 use super::raw::Raw;
 use super::values::{bad, byte_picture_name, lossy_or_null, picture_name, whole};
-use crate::compare::Tolerance;
+use crate::tools::compare::Tolerance;
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use super::flags::{self, Flag};
 use super::options::{ShowProgress, THREAD_RANGE};
 use super::raw::Raw;
 use super::values::{bad, ends_in, wholes};
-use crate::compare::Tolerance;
+use crate::tools::compare::Tolerance;
 use std::path::{Path, PathBuf};
 
 /// A folder with a folder of pictures for every name, and what they are to be.

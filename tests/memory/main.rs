@@ -5,7 +5,6 @@
 
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use raytracer::compare::Comparison;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::mode::Fast;
@@ -16,6 +15,7 @@ use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::Sampler;
 use raytracer::scene_io;
+use raytracer::tools::compare::Comparison;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::fmt::Write as _;

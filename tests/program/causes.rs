@@ -2,12 +2,12 @@
 //! be named.
 
 use crate::support::{Folder, Tga};
-use raytracer::causes::{Cause, Original, PixelChange, Rule};
 use raytracer::cli::{self, Command};
 use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
+use raytracer::tools::causes::{Cause, Original, PixelChange, Rule};
 
 /// A little of everything: both kinds of lights, textures, mirrors, glass, transforms, and something behind a light.
 pub const SCENE: &str = "

@@ -1,7 +1,6 @@
 //! Tables of valid command lines, each with its options.
 
 use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, ShowProgress, parse};
-use raytracer::compare::Tolerance;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::Format;
 use raytracer::render::{Layer, Window};
@@ -9,6 +8,7 @@ use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
+use raytracer::tools::compare::Tolerance;
 use raytracer::trace::{Effects, Shadows};
 use std::ffi::OsString;
 #[cfg(unix)]

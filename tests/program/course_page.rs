@@ -2,8 +2,8 @@
 
 use crate::course::command_lines;
 use crate::support::{Folder, course, finish, program};
-use raytracer::compare::Comparison;
 use raytracer::image_io::read_picture;
+use raytracer::tools::compare::Comparison;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use crate::causes::{self, FLAGS, with_original};
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ};
 use crate::support::{Folder, finish, program, scene};
-use raytracer::causes::{Cause, Rule};
+use raytracer::tools::causes::{Cause, Rule};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

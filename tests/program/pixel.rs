@@ -2,7 +2,6 @@
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
-use raytracer::explain::{Explainer, PixelTree};
 use raytracer::grid::options::Resolution;
 use raytracer::mode::Course;
 use raytracer::render::Request;
@@ -14,6 +13,7 @@ use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Counts, Probe};
+use raytracer::tools::explain::{Explainer, PixelTree};
 use raytracer::trace::{Effects, Shadows};
 use std::collections::HashSet;
 

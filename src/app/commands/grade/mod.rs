@@ -1,0 +1,103 @@
+//! A run that grades a folder: it is read, and the page and the table of the results are written.
+
+mod folder;
+mod references;
+
+use crate::app::complete_files::CompleteFiles;
+use crate::app::progress::Progress;
+use crate::app::signals::Signals;
+use crate::app::threads::{self, Place};
+use crate::app::{End, Outcome, failed};
+use folder::Folder;
+use rayon::ThreadPool;
+use raytracer::cli::Grading;
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::escape::escape;
+use raytracer::image_io::TextFile;
+use raytracer::tools::compare::Tolerance;
+use raytracer::tools::grade::{Column, Page, Table, csv, summary};
+use references::{Reference, References};
+use std::ffi::OsStr;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Compares everything with its reference. Warnings go to `tell`.
+pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
+    let written = WrittenFiles::of_grading(options)?;
+    let folder = Folder::open(&options.folder)?;
+    let references = References::open(&options.references, &threads)?;
+    if written.may_be_read() {
+        let submitted = references.names().flat_map(|name| folder.files(name));
+        references
+            .reads()
+            .chain(submitted.map(|file| (ReadAs::Picture, file)))
+            .try_for_each(|(kind, file)| written.check_read(kind, &file))?;
+    }
+    // A file that cannot be written is no reason to wait for the comparison.
+    let files = options.report_files().map(prepare).transpose()?;
+
+    let page = files.is_some().then(Page::default);
+    let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
+    let progress = Progress::new(options.progress);
+    let mut columns = Vec::with_capacity(references.len());
+    for (index, name) in references.names().enumerate() {
+        let (number, all, name_shown) = (index + 1, references.len(), escape(&name.to_string_lossy()));
+        progress.show(|_| format!("grading {number} of {all}: {name_shown}"));
+        columns.push(references.with(index, |reference| grader.column(name, reference)));
+    }
+    progress.end();
+
+    let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
+    problems
+        .for_each(|(name, problem)| tell(&format!("warning: no reference for {}: {problem}", escape(name))));
+    let notes = folder.notes(&references);
+    let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
+    if let (Some([page, values]), Some(shown)) = (files, grader.page) {
+        let complete = CompleteFiles::default();
+        complete.add(page.complete(&shown.finish(&table)).map_err(failed)?)?;
+        complete.add(values.complete(&csv(&table)).map_err(failed)?)?;
+        complete.finish(signals)?;
+    }
+    Ok(Outcome { text: summary(&table), passes: options.tolerance.is_none() || table.passes() })
+}
+
+/// The files of the page and of the table beside it.
+fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], String> {
+    let [page, values] = files.map(|file| TextFile::prepare(&file));
+    Ok([page.map_err(failed)?, values.map_err(failed)?])
+}
+
+/// Compares one picture of all names after the other.
+struct Grader<'f> {
+    folder: &'f Folder,
+    tolerance: Tolerance,
+    /// If one is wanted.
+    page: Option<Page>,
+}
+
+impl Grader<'_> {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Column {
+        let shown = name.to_string_lossy().into_owned();
+        match reference {
+            Ok(reference) => self.graded(name, shown, reference),
+            Err(problem) => {
+                self.page.iter_mut().for_each(Page::add_ungraded);
+                Column::ungraded(shown, problem, self.folder.len())
+            }
+        }
+    }
+
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Column {
+        let Reference { picture, source } = reference;
+        let submissions = self.folder.submissions(name, [picture.width(), picture.height()]);
+        // Causes stand in the report alone.
+        let is_wanted = self.page.is_some();
+        let explain = |wrong: &[_]| if is_wanted { source.explain(wrong, &picture) } else { Vec::new() };
+        let (column, wrong) = Column::graded(shown, &picture, submissions, self.tolerance, explain);
+        if let Some(page) = &mut self.page {
+            page.add(&picture, &wrong);
+        }
+        column
+    }
+}

@@ -1,0 +1,31 @@
+//! A run that puts parts of a picture together.
+
+use crate::app::complete_files::CompleteFiles;
+use crate::app::pictures::prepare_file;
+use crate::app::progress::{Progress, rows_text};
+use crate::app::signals::Signals;
+use crate::app::{End, Outcome, failed};
+use raytracer::cli::Merging;
+use raytracer::distinct_files::WrittenFiles;
+use raytracer::image_io::Merge;
+use std::ops::ControlFlow;
+
+/// Reads the parts and writes the picture. An error is the message that ends the program.
+pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
+    WrittenFiles::of_merging(options)?;
+    let file = prepare_file(&options.output).map_err(failed)?;
+    let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
+    let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
+    let progress = Progress::new(options.progress);
+    let watch = |rows| {
+        progress.show(|passed| rows_text("merging", rows, passed));
+        ControlFlow::Continue(())
+    };
+    let merged = merge.write(&mut writer, &watch);
+    progress.end();
+    merged.map_err(failed)?;
+    let files = CompleteFiles::default();
+    files.add(writer.complete().map_err(failed)?)?;
+    files.finish(signals)?;
+    Ok(Outcome { text: String::new(), passes: true })
+}

@@ -1,0 +1,174 @@
+//! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
+
+use crate::app::complete_files::CompleteFiles;
+use crate::app::json::{Document, Verdict};
+use crate::app::page;
+use crate::app::pictures::{Rendered, render};
+use crate::app::signals::Signals;
+use crate::app::streams;
+use crate::app::threads::Crew;
+use crate::app::{End, Outcome, failed};
+use raytracer::cli::{self, JsonTarget, Options};
+use raytracer::distinct_files::WrittenFiles;
+use raytracer::escape::quoted;
+use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
+use raytracer::memory;
+use raytracer::mode::{Course, Fast};
+use raytracer::picture::Picture;
+use raytracer::render::{Layer, Request};
+use raytracer::renderer::Renderer;
+use raytracer::tools::causes::{Finding, Original};
+use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
+use std::cell::RefCell;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Does what the options ask for, which come from the command line `argv`. Notes and warnings go to `tell`.
+pub fn run(
+    options: &Options,
+    argv: &[OsString],
+    signals: &mut Signals,
+    tell: &dyn Fn(&str),
+) -> Result<Outcome, End> {
+    let crew = Crew::new(options.threads)?;
+    let told = RefCell::new(vec![]);
+    let tell = |line: &str| {
+        told.borrow_mut().push(line.to_owned());
+        tell(line);
+    };
+    if let Some(note) = page::note(options) {
+        tell(note);
+    }
+    if options.needs_standard_output() {
+        streams::check_output()?;
+    }
+    streams::check_input(options)?;
+    let written = WrittenFiles::of_rendering(options)?;
+    // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
+    let compared =
+        options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell)).transpose()?;
+    let file = match &options.json {
+        Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
+        Some(JsonTarget::StandardOutput) | None => None,
+    };
+    let render = match options.counts() {
+        true => render::<Course>,
+        false => render::<Fast>,
+    };
+    let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, &tell);
+    let mut rendered = options.input.as_ref().map(&mut from).transpose()?;
+    let files = rendered.as_mut().map(|rendered| std::mem::take(&mut rendered.files)).unwrap_or_default();
+    if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
+        files.before_waiting(signals)?;
+    }
+    let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &files);
+    let verdict = compared.map(finish).transpose()?.flatten();
+
+    let passes = verdict.as_ref().is_none_or(|verdict| verdict.passes != Some(false));
+    let (warnings, count) = (told.into_inner(), crew.at_work());
+    let json = || {
+        let document = Document::new(options, &warnings, count, rendered.as_ref(), verdict.as_ref());
+        document.to_json().map_err(failed)
+    };
+    if let Some(file) = file {
+        files.add(file.complete(&json()?).map_err(failed)?)?;
+    }
+    let text = match options.json {
+        Some(JsonTarget::StandardOutput) => json()?,
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
+    };
+    files.finish(signals)?;
+    signals.end_at_once()?;
+    Ok(Outcome { text, passes })
+}
+
+/// What there is to print: the blocks of the rendering, then that of the comparison.
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> Result<String, String> {
+    let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
+    Ok(rendered.into_iter().chain(verdict.map(Verdict::text)).collect())
+}
+
+/// The pictures and files of a comparison.
+struct Compared<'o> {
+    wanted: &'o cli::Comparison,
+    /// The picture in question, unless it is the rendered one.
+    picture: Option<Picture>,
+    /// The picture to compare with, unless it is the rendered one.
+    reference: Option<Picture>,
+    difference: Option<OutputFile>,
+}
+
+impl<'o> Compared<'o> {
+    /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
+    fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
+        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, tell)).transpose();
+        let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
+        let difference: Option<&Path> = wanted.difference.as_deref();
+        let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
+        let size = |picture: &Option<Picture>| {
+            let rendered = options.size.map(|n| n as u32);
+            picture.as_ref().map_or(rendered, |picture| [picture.width(), picture.height()])
+        };
+        match (size(&picture), size(&reference)) {
+            (a, b) if a != b => Err(cannot_compare(wanted, CompareError::Sizes { a, b })),
+            _ => Ok(Self { wanted, picture, reference, difference }),
+        }
+    }
+
+    /// Compares, and draws the difference.
+    fn finish(
+        self,
+        options: &Options,
+        rendered: Option<&Rendered>,
+        crew: &Crew,
+        files: &CompleteFiles,
+    ) -> Result<Option<Verdict>, End> {
+        let own = rendered.and_then(|rendered| rendered.picture.as_ref());
+        let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
+            return Ok(None);
+        };
+        crew.start_all();
+        let comparison = crew.pool.install(|| Comparison::new(a, b));
+        let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
+        let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
+        let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
+        if let Some(file) = self.difference {
+            let shown = DifferencePicture::new(a, b).map_err(failed)?;
+            files.add(file.complete(&shown.picture).map_err(failed)?)?;
+        }
+        let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
+        Ok(Some(Verdict { comparison, cause, passes }))
+    }
+}
+
+/// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
+/// wrong ones, with something to spare.
+const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
+/// Reads a picture to compare.
+fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    if clamped > 0 {
+        let shown = quoted(path);
+        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are compared clamped"));
+    }
+    Ok(picture)
+}
+
+/// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
+/// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
+fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
+    let fits = [a.width(), a.height()] == options.size.map(|n| n as u32);
+    // Where samples depend on what they show, a wrong picture differs by its samples too.
+    if options.visualize_grid || options.adaptive.is_some() || !fits {
+        return None;
+    }
+    let pixels = options.size.iter().map(|&n| n as u64).product::<u64>();
+    memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
+    let request = Request { layers: vec![Layer::Color], ..options.request() };
+    Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
+}
+
+fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {
+    let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
+    failed(format!("cannot compare {} with {}: {error}", name(&wanted.picture), name(&wanted.reference)))
+}

@@ -1,0 +1,139 @@
+//! A run that reports speed against error: settings are measured, and the page and the table are written.
+
+use crate::app::progress::Progress as Line;
+use crate::app::signals::Signals;
+use crate::app::streams;
+use crate::app::threads::{self, Place};
+use crate::app::{End, Outcome, failed};
+use cpu_time::ProcessTime;
+use rayon::ThreadPool;
+use raytracer::cli::{ErrorReporting, Options};
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::escape::{escape, quoted, shell_word};
+use raytracer::image_io::{TextFile, put_in_place};
+use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene_io;
+use raytracer::tools::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Measures and writes. Warnings go to `tell`.
+pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+    let ErrorReporting { options, target, .. } = reporting;
+    let written = WrittenFiles::of_error_reporting(reporting)?;
+    let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
+    streams::check_input(options)?;
+
+    let start = Instant::now();
+    let renderer = open(options, &written, &many, tell)?;
+    let reading = start.elapsed();
+    let request = options.request();
+    let clock = || ProcessTime::now().as_duration();
+    // A file that cannot be written is no reason to wait for the measurements.
+    let [page_file, csv_file] = prepare(reporting)?;
+    signals.end_at_second();
+    let line = Line::new(options.progress);
+    let watch = |progress: Progress| {
+        line.show(|passed| told(progress, passed));
+        if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
+    let report = Sweep::new(&renderer, &request, options.structure, bench).run();
+    line.end();
+    let mut report = report.map_err(failed)?;
+    report.stages.insert(0, ("reading the scene", reading));
+
+    let advice = target.map(|error| advice(&report, options, error));
+    let page_file =
+        page_file.complete(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
+    let csv_file = csv_file.complete(&csv(&report)).map_err(failed)?;
+    if page_file.is_stream() || csv_file.is_stream() {
+        // The signal that has ended the measurements does not end this.
+        let _ = signals.end_at_once();
+    }
+    put_in_place(vec![page_file, csv_file]).map_err(failed)?;
+    if report.measured() < report.planned {
+        tell("note: the run was ended; the report has what was measured until then");
+    }
+    let advice = advice.map_or(String::new(), |advice| escape(&advice) + "\n");
+    Ok(Outcome { text: text(&report) + &advice, passes: true })
+}
+
+/// The page and the table in a folder, which is made if there is none.
+fn prepare(reporting: &ErrorReporting) -> Result<[TextFile; 2], String> {
+    let folder = &reporting.folder;
+    let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let [page, table] = reporting.report_files().map(|file| TextFile::prepare(&file));
+    Ok([page.map_err(failed)?, table.map_err(failed)?])
+}
+
+fn open(
+    options: &Options,
+    written: &WrittenFiles,
+    threads: &ThreadPool,
+    tell: &dyn Fn(&str),
+) -> Result<Renderer, End> {
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
+    let loaded = threads.install(|| scene_io::load(input)).map_err(|error| error.to_string())?;
+    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
+    if loaded.scene.lights.is_empty() {
+        tell("WARNING:  No lights specified");
+    }
+    // Other octaves are other scenes with the same meshes.
+    let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
+    Ok(renderer.map_err(|error| error.to_string())?)
+}
+
+/// How far a sweep has come after this time, and how long the rest takes at this speed.
+fn told(progress: Progress, elapsed: Duration) -> String {
+    let Progress { share, doing } = progress;
+    let left = elapsed.as_secs_f64() * (1.0 - share) / share;
+    let left = if share > 0.0 { format!(", {left:.0} s left") } else { String::new() };
+    format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
+}
+
+/// The cheapest setting that reaches an error, as a command line.
+fn advice(report: &ErrorReport, options: &Options, error: f64) -> String {
+    let cheapest = report.cheapest(error).and_then(|one| Some((one, one.setting.flags()?)));
+    match cheapest {
+        Some((one, flags)) => format!(
+            "RMSE {:.3} in {:.4} s: {} {flags}{} -output picture.png",
+            one.error,
+            one.least(),
+            start_of_command(options),
+            seed(options),
+        ),
+        None => format!("no setting that was measured reaches an RMSE of {error}"),
+    }
+}
+
+/// The command line that is measured.
+fn asked_for(options: &Options) -> String {
+    let own = Setting::of(&options.request(), options.structure);
+    format!("{} {}{}", start_of_command(options), own.flags().unwrap_or_default(), seed(options))
+}
+
+fn start_of_command(options: &Options) -> String {
+    let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+    let [width, height] = options.size;
+    format!("raytracer -input {} -size {width} {height}", shell_word(&*input))
+}
+
+fn seed(options: &Options) -> String {
+    options.sampler.rng().seed().map_or(String::new(), |seed| format!(" -seed {seed}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_the_rest() {
+        let after = |share, seconds| told(Progress { share, doing: "x" }, Duration::from_secs(seconds));
+        assert_eq!([after(0.25, 10), after(0.999, 10)], ["25%, 30 s left: x", "99%, 0 s left: x"]);
+        assert_eq!(after(0.0, 10), "0%: x");
+    }
+}

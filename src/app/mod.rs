@@ -1,0 +1,73 @@
+//! The application: what each command does, and what it says. Nothing else prints or exits.
+//!
+//! A module uses only those before it in this list.
+
+mod start;
+#[cfg(target_os = "linux")]
+mod allocator;
+mod signals;
+mod streams;
+mod threads;
+mod progress;
+mod complete_files;
+mod warned;
+mod products;
+mod stopping;
+mod pictures;
+mod page;
+mod json;
+pub mod commands;
+
+pub use page::show as show_page;
+pub use signals::{Interrupted, Signals};
+pub use streams::print;
+
+use raytracer::distinct_files::SameFile;
+use std::fmt::Display;
+use std::io::Write;
+
+/// Why a run ends before it is complete.
+pub enum End {
+    /// The message that tells what has failed.
+    Failed(String),
+    /// The message that tells what the command line asks for and is not done.
+    Refused(String),
+    /// A signal has come.
+    Interrupted(Interrupted),
+}
+
+impl From<String> for End {
+    fn from(message: String) -> Self {
+        Self::Failed(message)
+    }
+}
+
+impl From<SameFile> for End {
+    fn from(error: SameFile) -> Self {
+        Self::Refused(failed(error))
+    }
+}
+
+impl From<Interrupted> for End {
+    fn from(interrupted: Interrupted) -> Self {
+        Self::Interrupted(interrupted)
+    }
+}
+
+/// What a run has to say.
+pub struct Outcome {
+    /// What goes to standard output, or to standard error if a picture goes there.
+    pub text: String,
+    /// Whether the pictures that were compared differ by no more than the tolerance.
+    pub passes: bool,
+}
+
+/// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+pub fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// The message of an error.
+pub fn failed(error: impl Display) -> String {
+    format!("error: {error}")
+}

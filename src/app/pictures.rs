@@ -1,0 +1,268 @@
+//! The rendering of a scene, with everything that is written and printed of it.
+
+use crate::app::complete_files::CompleteFiles;
+use crate::app::products::Products;
+use crate::app::progress::{Progress, rows_text};
+use crate::app::signals::Signals;
+use crate::app::stopping::{self, upper};
+use crate::app::threads::Crew;
+use crate::app::warned;
+use crate::app::{End, failed};
+use raytracer::cli::{Comparison, Options, Output};
+use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::fingerprint;
+use raytracer::grid::options::{Resolution, Structure};
+use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
+use raytracer::memory::{Bytes, Text};
+use raytracer::mode::Course;
+use raytracer::picture::Picture;
+use raytracer::render::{Layer, RenderMode, Request, Stopped};
+use raytracer::renderer::{Meshes, Prepared, Renderer};
+use raytracer::scene::Color;
+use raytracer::scene_io;
+use raytracer::stats::{Probe, Report, Timings};
+use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
+use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
+use std::ffi::OsString;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// The size of a mesh's file, in bytes, from which on its parsing is work for several threads.
+const LARGE_MESH: usize = 1 << 18;
+
+/// The number of camera rays from which on a picture is work for several threads.
+const MANY_RAYS: usize = 1 << 17;
+
+/// The number of primitives from which on their grid is work for several threads.
+const MANY_PRIMITIVES: usize = 1 << 13;
+
+/// How long one thread renders what looks like little work until others help: a few times what it takes to start them.
+const PATIENCE: Duration = Duration::from_millis(3);
+
+/// What a rendering leaves.
+pub struct Rendered {
+    pub renderer: Renderer,
+    pub report: Report,
+    /// What the pixels of a cost map have cost, if one is drawn.
+    pub costs: Option<CostReport>,
+    /// What is behind the pixel in question, if there is one.
+    pub pixel: Option<PixelTree>,
+    /// The colour picture, if it is one of two to compare.
+    pub picture: Option<Picture>,
+    /// The pictures' files.
+    pub files: CompleteFiles,
+}
+
+/// Reads, prepares, renders and writes.
+pub fn render<M: RenderMode>(
+    options: &Options,
+    argv: &[OsString],
+    input: &Path,
+    written: &WrittenFiles,
+    crew: &Crew,
+    signals: &mut Signals,
+    tell: &dyn Fn(&str),
+) -> Result<Rendered, End> {
+    let files = options.outputs.iter().map(prepare_file);
+    let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
+
+    let mut clock = Clock(Instant::now());
+    let announce = |bytes| {
+        if bytes >= LARGE_MESH {
+            crew.start_all()
+        }
+    };
+    let loaded = scene_io::load_announcing(input, &announce);
+    let mut loaded = loaded.map_err(|error| error.to_string())?;
+    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
+    let reading = clock.lap();
+    let mut warnings = warned::about_scene(&mut loaded, options);
+    let places = std::mem::take(&mut loaded.places);
+    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
+    let renderer = renderer.on_threads(crew.pool.clone());
+    let (scene, effects) = (&renderer.scene, &options.effects);
+    if !options.visualize_grid {
+        warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
+    }
+    let say = |warnings: &[Warning]| warned::say(warnings, options, &renderer.source, tell);
+    say(&warnings)?;
+    let mut request = options.request();
+    let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
+    if keeps {
+        request.layers.push(Layer::Color);
+    }
+    if request.camera_rays() >= MANY_RAYS || renderer.world().finite_count() >= MANY_PRIMITIVES {
+        crew.start_all();
+    }
+    let prepared = prepare::<M>(options, &renderer, &request)?;
+    let building = clock.lap();
+
+    let part_in = |window, layer| fingerprint::part(&prepared, &request, window, layer);
+    let part = |layer| request.window.and_then(|window| part_in(window, layer));
+    let mut products = Products::begin(files, &request, &part)?;
+    if keeps {
+        products.keep(options.size)?;
+    }
+    let world = renderer.world();
+    let is_empty = world.finite_count() == 0 && world.planes.is_empty();
+    products.watch_for_blank(&request, renderer.scene.background.color, is_empty);
+    let mut failure = None;
+    let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failure = Some(error);
+            ControlFlow::Break(())
+        }
+    };
+    signals.end_at_second();
+    let (progress, start) = (Progress::new(options.progress), Instant::now());
+    let watch = |rows| {
+        if start.elapsed() >= PATIENCE {
+            crew.start_all();
+        }
+        progress.show(|passed| rows_text("rendering", rows, passed));
+        if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let rendered = prepared.render_rows(&request, &watch, &mut take_row);
+    progress.end();
+    if let Some(error) = failure {
+        return Err(failed(error).into());
+    }
+    let counter = match rendered {
+        Err(Stopped::Cancelled { rows }) => {
+            let kept = products.keep_parts(&request, &|layer| part_in(upper(&request, rows), layer))?;
+            stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
+            return signals
+                .received()
+                .map_or(Err(failed("the rendering was stopped").into()), |end| Err(end.into()));
+        }
+        counter => counter.map_err(failed)?,
+    };
+    let encoding = products.encoding;
+    let rendering = clock.lap() - encoding;
+
+    let shows_nothing = products.shows_nothing() && !options.visualize_grid;
+    let goes_on = |_| match signals.received() {
+        Some(_) => ControlFlow::Break(()),
+        None => ControlFlow::Continue(()),
+    };
+    let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places, &goes_on) } else { None };
+    say(nothing.as_slice())?;
+    say(&not_shown(&products.exceptional()))?;
+    let finished = products.finish(options.size)?;
+    let files = CompleteFiles::default();
+    let (streams, regular): (Vec<_>, Vec<_>) = finished.files.into_iter().partition(CompleteFile::is_stream);
+    regular.into_iter().try_for_each(|file| files.add(file))?;
+    if !streams.is_empty() {
+        files.before_waiting(signals)?;
+    }
+    streams.into_iter().try_for_each(|stream| files.add(stream))?;
+    let report = Report {
+        size: request.window_size(),
+        bounds: renderer.bounds(),
+        grid: prepared.cells(),
+        counts: counter.counts(),
+        timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
+        threads: crew.at_work(),
+    };
+    let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
+    if options.pixel.is_some() {
+        files.before_waiting(signals)?;
+    }
+    let explain = |pixel| explanation(options, &renderer, prepared, pixel);
+    let pixel = options.pixel.map(explain).transpose()?.flatten();
+    Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept, files })
+}
+
+impl Rendered {
+    /// What there is to print.
+    pub fn text(&self, options: &Options) -> io::Result<String> {
+        let blocks: [Option<&dyn Display>; 3] = [
+            options.stats.then_some(&self.report),
+            self.costs.as_ref().map(|costs| costs as _),
+            self.pixel.as_ref().map(|pixel| pixel as _),
+        ];
+        let mut text = Text::default();
+        blocks.into_iter().flatten().try_for_each(|block| write!(text, "{block}"))?;
+        text.into_string()
+    }
+}
+
+/// Checks that a picture can be written.
+pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
+    match output.is_standard_output() {
+        true => Ok(OutputFile::standard_output(output.format)),
+        false => OutputFile::prepare_as(&output.file, output.format),
+    }
+}
+
+/// What is to be said of pixels that the files do not show as they are.
+fn not_shown(exceptional: &Exceptional) -> Vec<Warning> {
+    let Exceptional { black, nan, out_of_range } = *exceptional;
+    let all = [
+        (black, Warning::NotNumbers { pixels: black }),
+        (nan, Warning::NanInFile { pixels: nan }),
+        (out_of_range, Warning::BeyondSingle { pixels: out_of_range }),
+    ];
+    all.into_iter().filter(|&(pixels, _)| pixels > 0).map(|(_, warning)| warning).collect()
+}
+
+/// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
+/// cause of a difference, which renders other scenes with the same meshes.
+fn meshes(options: &Options) -> Meshes {
+    let has_outside = options.comparison.as_ref().is_some_and(|wanted| wanted.picture.is_some());
+    let keeps = options.visualize_grid || options.pixel.is_some() || has_outside;
+    if keeps { Meshes::Kept } else { Meshes::Moved }
+}
+
+/// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
+fn explanation<M: RenderMode>(
+    options: &Options,
+    renderer: &Renderer,
+    prepared: Prepared<M>,
+    pixel: [usize; 2],
+) -> Result<Option<PixelTree>, String> {
+    let request = options.request();
+    let anew = || prepare::<Course>(options, renderer, &request);
+    let prepared = prepared.into_course().map_or_else(anew, Ok)?;
+    let explainer = Explainer::new(&prepared).map_err(failed)?;
+    Ok(explainer.pixel(&request, pixel))
+}
+
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
+
+fn prepare<'r, M: RenderMode>(
+    options: &Options,
+    renderer: &'r Renderer,
+    request: &Request,
+) -> Result<Prepared<'r, M>, String> {
+    let prepared = match options.structure {
+        Structure::Grid(grid) if options.visualize_grid => {
+            renderer.prepare_cells(grid, request.camera_rays())
+        }
+        structure => renderer.prepare_for(structure, request),
+    };
+    prepared.map_err(|error| match options.structure {
+        Structure::Grid(Resolution::Cells(cells)) => {
+            // Each cell has an entry, and a few lists are of the same length while the grid is built.
+            let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
+            failed(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
+        }
+        _ => failed(error),
+    })
+}
+
+/// Measures one stage after the other.
+struct Clock(Instant);
+
+impl Clock {
+    /// The time since the last lap.
+    fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        now - std::mem::replace(&mut self.0, now)
+    }
+}

@@ -1,0 +1,62 @@
+//! Says what is doubtful, or ends the run for it as `-strict` asks.
+
+use raytracer::cli::{Comparison, Options};
+use raytracer::render::Layer;
+use raytracer::scene_io::{LoadedScene, Source};
+use raytracer::tools::warnings::{self, Severity, Warning};
+
+/// Says each of these warnings. With `-strict` they are the message that ends the program.
+pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(&str)) -> Result<(), String> {
+    let severity = if options.strict { Severity::Error } else { Severity::Warning };
+    let lines: Vec<String> = found.iter().map(|warning| warning.render(source, severity)).collect();
+    if options.strict && !lines.is_empty() {
+        return Err(lines.join("\n"));
+    }
+    lines.iter().for_each(|line| tell(line));
+    Ok(())
+}
+
+/// What is doubtful about a scene that has been read and about the flags it is rendered with.
+pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> {
+    let (scene, effects) = (&loaded.scene, &options.effects);
+    let mut found: Vec<Warning> =
+        std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
+    if scene.lights.is_empty() {
+        found.push(Warning::NoLights);
+    }
+    if asks_for_nothing(options) {
+        found.push(Warning::NoPicture);
+    }
+    found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
+    let request = options.request();
+    if !shows_colors(options) {
+        found.extend(warnings::colors_not_asked_for(&request));
+        return found;
+    }
+    // Where the cells of the grid are drawn no ray bounces.
+    if !options.visualize_grid {
+        found.extend(warnings::rays_without_effect(scene, effects, options.says_no_bounces));
+        found.extend(warnings::rays_not_followed(scene, effects, options.says_no_bounces));
+        found.extend(warnings::too_many_rays(scene, effects));
+    }
+    found.extend(warnings::sampling_without_effect(&request));
+    found.extend(warnings::narrow_filter(&request));
+    found
+}
+
+/// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.
+fn shows_colors(options: &Options) -> bool {
+    let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
+    options.outputs.iter().any(|output| has_layer(&output.layer))
+        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.stats
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.outputs.is_empty()
+}
+
+/// Whether a run would leave nothing behind.
+fn asks_for_nothing(options: &Options) -> bool {
+    let prints = options.stats || options.pixel.is_some() || options.json.is_some();
+    options.outputs.is_empty() && options.comparison.is_none() && !prints && !options.preview
+}

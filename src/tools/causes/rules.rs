@@ -1,0 +1,276 @@
+//! Mistakes in how rays are generated, traced and shaded.
+
+use super::Original;
+use super::finder::Finder;
+use super::object_space::ObjectSpaces;
+use super::paint::paint;
+use super::requests::{has, has_secondary_rays};
+use super::textbook::Textbook;
+use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
+use crate::render::Request;
+use crate::renderer::Renderer;
+use crate::scene::material::{Material, Pattern};
+use crate::scene::{Color, Light, Object, Scene};
+use crate::trace::Shadows;
+use glam::DVec2;
+use serde::Serialize;
+use std::fmt;
+
+/// A rule of the textbook that is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "name", rename_all = "snake_case")]
+pub enum Rule {
+    /// Rays run through other points than the samples.
+    Shifted {
+        /// So many half pixels to the right and up.
+        half_pixels: [i8; 2],
+    },
+    /// What lies behind a point light casts shadows, too.
+    ShadowsFromBehindLight,
+    /// d + 2 (d.n) n is taken for the mirrored direction: the normal is flipped in one of its two places.
+    NormalFlippedInReflection,
+    /// Mirrored rays run in the opposite direction.
+    ReflectionReversed,
+    /// Mirrored rays start below the surface.
+    ReflectionFromBelow,
+    /// Colours along camera rays are clamped to 1 before a pixel's samples are summed.
+    SamplesClamped,
+    /// Colours along all rays are clamped to 1 before they are summed.
+    RaysClamped,
+    /// The light of each source is clamped to 1 before it is added.
+    LightsClamped,
+    /// Reflected and refracted rays that hit nothing are black.
+    BackgroundForCameraOnly,
+    /// Normals are transformed like directions, by the matrix itself.
+    NormalsByMatrix,
+    /// Normals are left as they are in the object's own space.
+    NormalsOfObjectSpace,
+    /// The cell of a checkerboard is found by cutting coordinates off, so that those around zero are twice as wide.
+    CheckerboardCut,
+    /// Everything nearer than some distance to the start of a secondary ray is overlooked.
+    Epsilon {
+        /// The distance that is overlooked.
+        distance: f64,
+    },
+    /// Colours are computed in single precision.
+    SinglePrecision,
+}
+
+/// Deeper recursion is not tried, for the sake of the stack.
+pub(crate) const MAX_BOUNCES: u32 = 100;
+
+/// Distances that are overlooked, from the smallest.
+const EPSILONS: [f64; 7] = [0.0001, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
+
+impl Rule {
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let shifts = [1, 2].into_iter().flat_map(|n| {
+            let sides = [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, 0], [1, 0], [0, 1], [0, -1]];
+            sides.map(|side: [i8; 2]| Self::Shifted { half_pixels: side.map(|side| n * side) })
+        });
+        shifts
+            .chain([
+                Self::ShadowsFromBehindLight,
+                Self::NormalFlippedInReflection,
+                Self::ReflectionReversed,
+                Self::ReflectionFromBelow,
+                Self::SamplesClamped,
+                Self::RaysClamped,
+                Self::LightsClamped,
+                Self::BackgroundForCameraOnly,
+                Self::NormalsByMatrix,
+                Self::NormalsOfObjectSpace,
+                Self::CheckerboardCut,
+            ])
+            .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
+            .chain([Self::SinglePrecision])
+    }
+
+    /// Whether the scene and the request can show that the rule is broken.
+    pub(super) fn applies(self, scene: &Scene, request: &Request) -> bool {
+        let effects = request.effects;
+        let bounces = if has_secondary_rays(scene) { effects.bounces } else { 0 };
+        let has_shadows = effects.shadows != Shadows::None && !scene.lights.is_empty();
+        bounces <= MAX_BOUNCES
+            && match self {
+                Self::Shifted { .. } | Self::SinglePrecision => true,
+                Self::ShadowsFromBehindLight => {
+                    has_shadows && scene.lights.iter().any(|light| matches!(light, Light::Point { .. }))
+                }
+                Self::NormalFlippedInReflection | Self::ReflectionReversed | Self::ReflectionFromBelow => {
+                    bounces > 0 && has(scene, |phong| phong.reflective)
+                }
+                Self::SamplesClamped => request.sampler.count() > 1 || request.filter.support() > 0,
+                Self::RaysClamped => bounces > 0,
+                Self::LightsClamped => !scene.lights.is_empty(),
+                Self::BackgroundForCameraOnly => bounces > 0 && scene.background.color != Color::ZERO,
+                Self::NormalsByMatrix | Self::NormalsOfObjectSpace => {
+                    scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
+                }
+                Self::CheckerboardCut => scene.materials.iter().any(is_checkerboard),
+                Self::Epsilon { .. } => has_shadows || bounces > 0,
+            }
+    }
+
+    fn shift(self) -> DVec2 {
+        match self {
+            Self::Shifted { half_pixels: [x, y] } => 0.5 * DVec2::new(x.into(), y.into()),
+            _ => DVec2::ZERO,
+        }
+    }
+}
+
+fn is_checkerboard(material: &Material) -> bool {
+    matches!(material, Material::Texture(texture) if texture.pattern == Pattern::Checkerboard)
+}
+
+/// The colours by a textbook's tracer that breaks the rule, or none, and finds by these means what rays hit. The
+/// renderer must have kept the meshes.
+pub fn colors(
+    renderer: &Renderer,
+    request: &Request,
+    finder: &impl Finder,
+    rule: Option<Rule>,
+) -> Result<FloatPicture, BadSize> {
+    let [width, height] = request.window_size();
+    let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let spaces = spaces.map_err(|_| BadSize { width, height })?;
+    let textbook = Textbook { finder, effects: request.effects, rule, spaces: &spaces };
+    let shift = rule.map_or(DVec2::ZERO, Rule::shift);
+    paint(&renderer.camera(request), request, shift, &|ray| textbook.color(ray))
+}
+
+/// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.
+pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
+    let Original { prepared, request, .. } = original;
+    let renderer = prepared.renderer();
+    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), rule).ok())?;
+    Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
+}
+
+/// The bytes of colours whose product with 255 is rounded to single precision.
+fn cut_singles(colors: &FloatPicture) -> Picture {
+    let mut bytes = Vec::with_capacity(colors.colors.len() * CHANNELS);
+    let cut = |color: &Color| color.as_vec3().to_array().map(|channel| (255.0 * channel) as u8);
+    bytes.extend(colors.colors.iter().flat_map(cut));
+    let [width, height] = colors.size.map(|n| n as u32);
+    Picture::from_rgb(width, height, bytes)
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Shifted { half_pixels } => return shifted(*half_pixels, f),
+            Self::Epsilon { distance } => {
+                return write!(f, "with an epsilon of {distance} for secondary rays, which is too large");
+            }
+            Self::ShadowsFromBehindLight => "with shadows from behind the light",
+            Self::NormalFlippedInReflection => "with reflections from the flipped normal",
+            Self::ReflectionReversed => "with reflected rays reversed",
+            Self::ReflectionFromBelow => "with reflected rays that start below the surface",
+            Self::SamplesClamped => "with the colours of samples clamped before they are summed",
+            Self::RaysClamped => "with the colours of rays clamped before they are summed",
+            Self::LightsClamped => "with the light of each source clamped before it is summed",
+            Self::BackgroundForCameraOnly => "with black where reflected or refracted rays hit nothing",
+            Self::NormalsByMatrix => {
+                "with normals transformed by the matrix instead of its inverse transpose"
+            }
+            Self::NormalsOfObjectSpace => "with normals that are not transformed",
+            Self::CheckerboardCut => "with checkerboards whose coordinates are cut instead of floored",
+            Self::SinglePrecision => "seen through single precision (f32)",
+        })
+    }
+}
+
+fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let side = |n: i8, names: [&'static str; 2]| match n {
+        0 => None,
+        n => Some(names[usize::from(n > 0)]),
+    };
+    let vertical = side(y, ["lower", "upper"]);
+    let horizontal = side(x, ["left", "right"]);
+    match (vertical, horizontal, x.abs().max(y.abs())) {
+        (Some(vertical), Some(horizontal), 1) => {
+            write!(
+                f,
+                "with rays through the {vertical} {horizontal} corners of the pixels instead of their centres"
+            )
+        }
+        (_, _, halves) => {
+            let amount = if halves == 1 { "half a pixel" } else { "one pixel" };
+            let directions = [side(y, ["down", "up"]), side(x, ["to the left", "to the right"])];
+            let directions: Vec<&str> = directions.into_iter().flatten().collect();
+            write!(f, "with rays {amount} further {}", directions.join(" and "))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::Structure;
+    use crate::render::{Request, Window};
+    use crate::renderer::{Meshes, Renderer};
+    use crate::sampling::{drand48::Drand48, filter::Filter, sampler};
+    use crate::scene_io;
+    use crate::tools::causes::Cause;
+    use crate::tools::causes::window::part;
+    use crate::trace::Effects;
+    use std::path::Path;
+
+    /// The picture of one of this project's scenes by the renderer, and by the textbook's tracer without a mistake.
+    fn both(scene: &str, request: &Request) -> [Picture; 2] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+        let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
+        let original = Original::new(&renderer, Structure::Any, request).unwrap();
+        [original.colors.to_picture(), picture(&original, None).unwrap()]
+    }
+
+    #[test]
+    fn without_a_mistake_the_picture_is_the_real_one() {
+        let shadows = Effects { shadows: Shadows::Opaque, bounces: 3, min_weight: 0.1, shade_back: false };
+        let transparent = Effects { shadows: Shadows::Transparent, shade_back: true, ..shadows };
+        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
+        let one = Request { effects: shadows, ..Request::new([50, 40]) };
+        let many =
+            Request { sampler, filter: Filter::Gaussian { sigma: 0.7 }, effects: transparent, ..one.clone() };
+        for scene in [
+            "scene6_02_sphere_triangles.txt",
+            "scene6_10_nested_transformations.txt",
+            "scene6_11_mirrored_floor.txt",
+            "scene6_13_checkerboard.txt",
+            "scene7_05_glass_sphere.txt",
+        ] {
+            for request in [&one, &many] {
+                let [real, textbook] = both(scene, request);
+                assert!(real == textbook, "{scene}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_is_a_part_of_the_picture() {
+        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
+        let window = Window { x: 30, y: 7, width: 20, height: 9 };
+        for filter in [Filter::PIXEL, Filter::Gaussian { sigma: 0.7 }] {
+            let request = Request { sampler, filter, ..Request::new([50, 40]) };
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
+            let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
+            let mut original = Original::new(&renderer, Structure::Any, &request).unwrap();
+            let causes: Vec<Cause> = Cause::all().collect();
+            let whole: Vec<_> = causes.iter().map(|&cause| original.picture(cause)).collect();
+            original.request.window = Some(window);
+            for (cause, whole) in causes.into_iter().zip(whole) {
+                let expected = whole.map(|whole| part(&whole, window));
+                assert!(original.picture(cause) == expected, "{cause:?} {filter:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_taller_than_a_batch_of_rows_is_in_order() {
+        let request = Request { filter: Filter::Tent { radius: 2.0 }, ..Request::new([20, 150]) };
+        let [real, textbook] = both("scene6_02_sphere_triangles.txt", &request);
+        assert!(real == textbook);
+    }
+}

@@ -1,0 +1,133 @@
+//! Parts of pictures, by which causes are judged where there is no time to render whole ones.
+
+use crate::picture::{FloatPicture, Picture};
+use crate::render::Window;
+use crate::sampling::sampler::Sampler;
+use crate::tools::compare::{Rgb, colors};
+
+/// Upper bound on the camera rays of a window.
+const RAYS: usize = 2048;
+/// The shortest side of a window, in pixels.
+const MIN_SIDE: usize = 8;
+/// How many windows of a picture are looked at.
+const MAX_WINDOWS: usize = 3;
+
+/// A window, and the wrong pictures whose difference it shows.
+#[derive(Debug, PartialEq, Eq)]
+pub struct TellingWindow {
+    pub window: Window,
+    /// Indices of the pictures.
+    pub pictures: Vec<usize>,
+}
+
+/// The windows in which wrong pictures are judged. A picture belongs to a window that holds at least half as many of
+/// its differing pixels as any other does. A few pictures may belong to none.
+pub fn telling_windows(wrong: &[Picture], reference: &Picture, sampler: Sampler) -> Vec<TellingWindow> {
+    let side = ((RAYS / sampler.count() as usize).isqrt()).max(MIN_SIDE);
+    let lattice = Lattice { side, size: [reference.width() as usize, reference.height() as usize] };
+    let counts: Vec<Vec<usize>> = wrong.iter().map(|picture| lattice.differing(picture, reference)).collect();
+    let shows = |picture: usize, tile: usize| {
+        let counts: &[usize] = &counts[picture];
+        counts[tile] > 0 && 2 * counts[tile] >= counts.iter().copied().max().unwrap_or(0)
+    };
+    let mut rest: Vec<usize> = (0..wrong.len()).collect();
+    let mut windows = Vec::new();
+    while !rest.is_empty() && windows.len() < MAX_WINDOWS {
+        let shown = |tile: usize| rest.iter().filter(|&&picture| shows(picture, tile)).count();
+        // Of equally good tiles the last is taken.
+        let Some(tile) = (0..lattice.tiles()).max_by_key(|&tile| shown(tile)) else { break };
+        let (pictures, others) = rest.iter().copied().partition(|&picture| shows(picture, tile));
+        windows.push(TellingWindow { window: lattice.window(tile), pictures });
+        rest = others;
+    }
+    windows.retain(|window| !window.pictures.is_empty());
+    windows
+}
+
+/// Tiles that cover a picture, row by row from the top left.
+struct Lattice {
+    side: usize,
+    /// Of the picture.
+    size: [usize; 2],
+}
+
+impl Lattice {
+    fn columns(&self) -> usize {
+        self.size[0].div_ceil(self.side)
+    }
+
+    fn tiles(&self) -> usize {
+        self.columns() * self.size[1].div_ceil(self.side)
+    }
+
+    fn window(&self, tile: usize) -> Window {
+        let [column, row] = [tile % self.columns(), tile / self.columns()];
+        let [x, y] = [column * self.side, row * self.side];
+        let [width, height] = [self.size[0] - x, self.size[1] - y].map(|rest| rest.min(self.side));
+        Window { x, y, width, height }
+    }
+
+    /// How many pixels differ in each tile.
+    fn differing(&self, a: &Picture, b: &Picture) -> Vec<usize> {
+        let mut counts = vec![0; self.tiles()];
+        let pairs = colors(a).iter().zip(colors(b)).enumerate();
+        for (at, _) in pairs.filter(|(_, (a, b))| a != b) {
+            let [x, y] = [at % self.size[0], at / self.size[0]];
+            counts[y / self.side * self.columns() + x / self.side] += 1;
+        }
+        counts
+    }
+}
+
+/// The window of a picture.
+pub fn part(picture: &Picture, window: Window) -> Picture {
+    let pixels: Vec<Rgb> = part_of_rows(colors(picture), picture.width() as usize, window);
+    Picture::from_rgb(window.width as u32, window.height as u32, pixels.into_flattened())
+}
+
+/// The window of a picture of colours.
+pub fn part_of_colors(picture: &FloatPicture, window: Window) -> FloatPicture {
+    let colors = part_of_rows(&picture.colors, picture.size[0], window);
+    FloatPicture { size: [window.width, window.height], colors }
+}
+
+/// The window lies in the picture.
+fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
+    let rows = pixels.chunks_exact(width).skip(window.y).take(window.height);
+    rows.flat_map(|row| &row[window.x..][..window.width]).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A black picture of 90 by 50 pixels with these white ones.
+    fn picture(white: &[[usize; 2]]) -> Picture {
+        let mut pixels = vec![[0; 3]; 90 * 50];
+        white.iter().for_each(|&[x, y]| pixels[y * 90 + x] = [255; 3]);
+        Picture::from_rgb(90, 50, pixels.into_flattened())
+    }
+
+    #[test]
+    fn a_window_is_where_most_pictures_differ_most() {
+        let wrong = [
+            picture(&[[1, 1], [50, 3]]),
+            picture(&[[89, 49]]),
+            picture(&[[46, 0], [46, 1], [46, 2], [0, 0]]),
+        ];
+        let windows = telling_windows(&wrong, &picture(&[]), Sampler::CENTER);
+        let expected = [
+            (Window { x: 45, y: 0, width: 45, height: 45 }, vec![0, 2]),
+            (Window { x: 45, y: 45, width: 45, height: 5 }, vec![1]),
+        ];
+        assert_eq!(windows, expected.map(|(window, pictures)| TellingWindow { window, pictures }));
+    }
+
+    #[test]
+    fn a_part_is_what_the_window_shows() {
+        let window = Window { x: 45, y: 45, width: 45, height: 5 };
+        let found = part(&picture(&[[45, 45], [89, 49], [44, 45], [45, 44]]), window);
+        let white: Vec<usize> = (0..225).filter(|&at| colors(&found)[at] == [255; 3]).collect();
+        assert_eq!(([found.width(), found.height()], white), ([45, 5], vec![0, 224]));
+    }
+}

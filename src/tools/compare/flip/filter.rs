@@ -1,0 +1,175 @@
+//! The filters of FLIP, each a sum of products of a filter along rows with one along columns.
+
+use std::f64::consts::PI;
+
+/// How many outputs are computed side by side.
+pub const LANES: usize = 8;
+
+/// An odd number of weights, the middle one at the pixel itself.
+#[derive(Clone, Debug)]
+pub struct Kernel(Vec<f64>);
+
+impl Kernel {
+    fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+        Self((0..=2 * radius).map(|at| weight(at as f64 - radius as f64)).collect())
+    }
+
+    /// How many weights there are on each side of the middle.
+    pub fn radius(&self) -> usize {
+        self.0.len() / 2
+    }
+
+    fn sum(&self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.0.iter_mut().for_each(|weight| *weight *= factor);
+        self
+    }
+
+    /// The positive weights add up to 1 after this, the negative ones to -1.
+    fn balanced(mut self) -> Self {
+        let positive: f64 = self.0.iter().filter(|&&weight| weight > 0.0).sum();
+        let negative: f64 = -self.0.iter().filter(|&&weight| weight < 0.0).sum::<f64>();
+        self.0.iter_mut().for_each(|weight| *weight /= if *weight > 0.0 { positive } else { negative });
+        self
+    }
+
+    /// Output `x` is the sum of the weights times the values at `x`, `x + stride`, `x + 2 stride`...
+    pub fn convolve(&self, values: &[f64], stride: usize, output: &mut [f64]) {
+        let (blocks, rest) = output.as_chunks_mut::<LANES>();
+        let done = blocks.len() * LANES;
+        for (block, x) in blocks.iter_mut().zip((0..).step_by(LANES)) {
+            *block = self.sums(&values[x..], stride);
+        }
+        rest.iter_mut().zip(done..).for_each(|(sum, x)| [*sum] = self.sums(&values[x..], stride));
+    }
+
+    /// Outputs side by side, which the compiler computes in SIMD lanes.
+    fn sums<const COUNT: usize>(&self, values: &[f64], stride: usize) -> [f64; COUNT] {
+        let mut sums = [0.0; COUNT];
+        let rows = (0..).step_by(stride).map_while(|start| values.get(start..)?.first_chunk::<COUNT>());
+        for (&weight, row) in self.0.iter().zip(rows) {
+            sums = std::array::from_fn(|lane| sums[lane] + weight * row[lane]);
+        }
+        sums
+    }
+}
+
+/// The eye's blur, by the contrast sensitivity of each axis of YCxCz.
+#[derive(Clone, Debug)]
+pub struct SpatialFilters {
+    /// For Y and for Cx, along rows and along columns.
+    pub gaussians: [Kernel; 2],
+    /// For Cz: the sum of two filters, each along rows and along columns.
+    pub blue_yellow: [Kernel; 2],
+}
+
+/// The spread of the Gaussians of Y and Cx, in square degrees.
+const SPREADS: [f64; 2] = [0.0047, 0.0053];
+/// Height and spread of the two Gaussians of Cz.
+const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
+/// Of the widest Gaussian.
+const WIDEST_SPREAD: f64 = 0.04;
+
+impl SpatialFilters {
+    /// At a viewing distance.
+    pub fn new(pixels_per_degree: f64) -> Self {
+        let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
+        let gaussian =
+            |spread: f64| Kernel::new(radius, |x| libm::exp(-(PI * x / pixels_per_degree).powi(2) / spread));
+        let normalized = |kernel: Kernel| kernel.clone().scaled(1.0 / kernel.sum());
+        // The weight of both filters of Cz together is the sum of the squares: each is applied twice.
+        let blue_yellow = BLUE_YELLOW
+            .map(|(height, spread)| gaussian(spread).scaled((height * (PI / spread).sqrt()).sqrt()));
+        let weight = blue_yellow.iter().map(|kernel| kernel.sum().powi(2)).sum::<f64>().sqrt();
+        Self {
+            gaussians: SPREADS.map(|spread| normalized(gaussian(spread))),
+            blue_yellow: blue_yellow.map(|kernel| kernel.scaled(1.0 / weight)),
+        }
+    }
+
+    /// Of the widest kernel.
+    pub fn radius(&self) -> usize {
+        self.blue_yellow[0].radius()
+    }
+}
+
+/// What the eye takes for edges and points: derivatives of a blurred picture.
+#[derive(Clone, Debug)]
+pub struct FeatureFilters {
+    /// The blur across the direction of a derivative.
+    pub gaussian: Kernel,
+    /// The first derivative, largest at edges, and the second, largest at points.
+    pub derivatives: [Kernel; 2],
+}
+
+/// The width of the features that the eye notices most, in degrees.
+const FEATURE_WIDTH: f64 = 0.082;
+
+impl FeatureFilters {
+    /// At a viewing distance.
+    pub fn new(pixels_per_degree: f64) -> Self {
+        let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
+        let radius = (3.0 * deviation).ceil() as usize;
+        let gaussian = |x: f64| libm::exp(-(x / deviation).powi(2) / 2.0);
+        let first = Kernel::new(radius, |x| -x * gaussian(x));
+        let second = Kernel::new(radius, |x| ((x / deviation).powi(2) - 1.0) * gaussian(x));
+        Self {
+            gaussian: Kernel::new(radius, gaussian).balanced(),
+            derivatives: [first.balanced(), second.balanced()],
+        }
+    }
+
+    /// Of every kernel.
+    pub fn radius(&self) -> usize {
+        self.gaussian.radius()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tools::compare::PIXELS_PER_DEGREE;
+
+    /// What a flat picture of ones becomes.
+    fn of_ones(kernel: &Kernel) -> f64 {
+        let mut output = [0.0];
+        kernel.convolve(&vec![1.0; 2 * kernel.radius() + 1], 1, &mut output);
+        output[0]
+    }
+
+    #[test]
+    fn blurs_keep_a_flat_picture_and_derivatives_make_it_zero() {
+        let (spatial, features) =
+            (SpatialFilters::new(PIXELS_PER_DEGREE), FeatureFilters::new(PIXELS_PER_DEGREE));
+        for kernel in spatial.gaussians.iter().chain([&features.gaussian]) {
+            assert!((of_ones(kernel) - 1.0).abs() < 1e-14);
+        }
+        let blue_yellow: f64 = spatial.blue_yellow.iter().map(|kernel| of_ones(kernel).powi(2)).sum();
+        assert!((blue_yellow - 1.0).abs() < 1e-14);
+        assert!(features.derivatives.iter().all(|kernel| of_ones(kernel).abs() < 1e-14));
+    }
+
+    #[test]
+    fn every_lane_and_stride_gives_the_plain_sum() {
+        let values: Vec<f64> = (0..100).map(|i| f64::from(i * i % 37)).collect();
+        let kernel = Kernel::new(2, |x| x * x + x + 1.0);
+        for (stride, length) in [(1, 19), (20, 20), (23, 8), (9, 3)] {
+            let mut output = vec![f64::NAN; length];
+            kernel.convolve(&values, stride, &mut output);
+            for (x, &sum) in output.iter().enumerate() {
+                let expected: f64 = (0..5).map(|tap| kernel.0[tap] * values[x + tap * stride]).sum();
+                assert_eq!(sum, expected, "stride {stride}, output {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn radii_are_those_of_the_reference_implementation() {
+        let radii =
+            |distance| [SpatialFilters::new(distance).radius(), FeatureFilters::new(distance).radius()];
+        assert_eq!(radii(PIXELS_PER_DEGREE), [10, 9]);
+    }
+}

@@ -1,0 +1,49 @@
+//! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
+
+use crate::math::ray::{Ray, Visible};
+use crate::primitive::triangle::Shear;
+use crate::tools::causes::{Finder, Found};
+use crate::world::{Primitive, World};
+
+/// Tests every primitive, one by one.
+pub struct BruteForce<'a> {
+    pub world: &'a World,
+}
+
+impl BruteForce<'_> {
+    /// All hits along a ray, each with its primitive.
+    fn hits<'r>(&'r self, ray: &'r Ray, exclude: Option<u32>) -> impl Iterator<Item = (f64, u32)> + 'r {
+        let (shear, world) = (Shear::new(ray), self.world);
+        let all = 0..(world.finite_count() + world.planes.len()) as u32;
+        let hit = move |id| match world.primitive(id) {
+            Primitive::Triangle(i) => shear.intersect(world.corners_in_place(i)).filter(|&t| ray.covers(t)),
+            Primitive::Sphere(i) => world.spheres[i].intersect(ray),
+            Primitive::Ellipsoid(i) => world.ellipsoids[i].intersect(ray),
+            Primitive::Plane(i) => world.planes[i].intersect(ray),
+        };
+        all.filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
+    }
+}
+
+impl Finder for BruteForce<'_> {
+    fn world(&self) -> &World {
+        self.world
+    }
+
+    fn nearest(&self, ray: &Ray, exclude: Option<u32>) -> Option<Found> {
+        let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
+        let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
+        let coincident =
+            self.hits(ray, exclude).filter(|&(_, id)| id == nearest || self.world.coincide(id, nearest));
+        let first = |best: (f64, u32), other: (f64, u32)| {
+            if self.world.comes_first(other.1, best.1) { other } else { best }
+        };
+        let (t, primitive) = coincident.reduce(first)?;
+        let hit = self.world.hit(ray, Visible { primitive, t_bound: t });
+        Some(Found { primitive, t, surface: self.world.surface(ray, &hit) })
+    }
+
+    fn is_blocked(&self, ray: &Ray, exclude: Option<u32>) -> bool {
+        self.hits(ray, exclude).next().is_some()
+    }
+}

@@ -1,0 +1,175 @@
+//! Numerical error, apart from that of sampling: the same samples traced by brute force in double precision with exact
+//! decisions, by this program, and by a textbook's tracer in single precision.
+
+mod brute_force;
+mod single;
+
+use crate::grid::Caster;
+use crate::math::ray::Ray;
+use crate::mode::Fast;
+use crate::picture::{BadSize, FloatPicture};
+use crate::render::{Layer, Request, Window};
+use crate::renderer::{Prepared, Renderer};
+use crate::sampling::sampler::{Pattern, Sampler};
+use crate::tools::causes::{Finder, MAX_BOUNCES, Rule, textbook_colors};
+use brute_force::BruteForce;
+use glam::DVec2;
+use single::SinglePrecision;
+
+/// What roundings do to the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numerical {
+    /// Width and height of the part of the picture that was traced, in pixels.
+    pub size: [usize; 2],
+    /// The number of jittered samples in each of its pixels.
+    pub samples: u32,
+    /// This program.
+    pub program: Departure,
+    /// A textbook's tracer in single precision.
+    pub single: Departure,
+}
+
+/// How far colours and hits are from those of the brute force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Departure {
+    /// The number of bytes of the picture that differ.
+    pub bytes: u64,
+    /// The largest difference of a byte, in levels.
+    pub largest: u8,
+    /// The root mean square difference of the colours, in levels.
+    pub error: f64,
+    /// The number of camera rays that hit something else.
+    pub hits: u64,
+}
+
+/// No more tests of rays against primitives than these are made by each tracer, about.
+const MOST_TESTS: f64 = 5e8;
+
+/// Measures the samples of the request's picture, or of a window in its middle where brute force would take too long.
+/// None where rays are followed too deep for the recursion. The renderer must have kept the meshes.
+pub fn measure(
+    renderer: &Renderer,
+    prepared: &Prepared<Fast>,
+    request: &Request,
+) -> Result<Option<Numerical>, BadSize> {
+    if request.effects.bounces > MAX_BOUNCES {
+        return Ok(None);
+    }
+    let request = affordable(renderer, request);
+    let world = renderer.world();
+    let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
+    let exact = textbook_colors(renderer, &request, &brute_force, None)?;
+    let rough = textbook_colors(renderer, &request, &single, Some(Rule::SinglePrecision))?;
+    let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
+    let hits = |finder: &dyn Finder| other_hits(renderer, &request, &brute_force, finder);
+    let caster: &Caster = prepared.caster();
+    let program = Departure { hits: hits(caster), ..departure(&own, &exact) };
+    let single = Departure { hits: hits(&single), ..departure(&rough, &exact) };
+    Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
+}
+
+/// The request with four samples in each pixel, or one, or only a window in the middle.
+fn affordable(renderer: &Renderer, request: &Request) -> Request {
+    let world = renderer.world();
+    let rays = 1 + world.lights.len() + request.effects.bounces as usize;
+    let tests = |samples: u32| {
+        let [width, height] = request.size.map(|side| side as f64);
+        width * height * f64::from(samples) * rays as f64 * (world.finite_count() + world.planes.len()) as f64
+    };
+    let samples = if tests(4) <= MOST_TESTS { 4 } else { 1 };
+    let share = (MOST_TESTS / tests(samples)).sqrt().min(1.0);
+    let [width, height] = request.size.map(|side| ((side as f64 * share) as usize).max(1));
+    let [x, y] = [(request.size[0] - width) / 2, (request.size[1] - height) / 2];
+    Request {
+        sampler: Sampler::new(Pattern::Jittered, samples, request.sampler.rng()),
+        adaptive: None,
+        window: Some(Window { x, y, width, height }),
+        layers: vec![Layer::Color],
+        ..request.clone()
+    }
+}
+
+/// The pictures must be of one size.
+fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
+    let [bytes, expected] = [picture, exact].map(|picture| picture.to_bytes().0);
+    let differences = bytes.iter().zip(&expected).map(|(a, b)| a.abs_diff(*b));
+    let squares = picture.colors.iter().zip(&exact.colors).map(|(a, b)| {
+        let difference = super::reference::shown(*a) - super::reference::shown(*b);
+        difference.length_squared()
+    });
+    Departure {
+        bytes: differences.clone().filter(|&levels| levels > 0).count() as u64,
+        largest: differences.max().unwrap_or(0),
+        error: super::reference::levels(squares.sum(), picture),
+        hits: 0,
+    }
+}
+
+/// How many camera rays hit other primitives.
+fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Finder, other: &dyn Finder) -> u64 {
+    use rayon::prelude::*;
+    let camera = renderer.camera(request);
+    let height = request.size[1];
+    let differs = |ray: &Ray| {
+        let [exact, other] =
+            [exact, other].map(|finder| finder.nearest(ray, None).map(|found| found.primitive));
+        exact != other
+    };
+    let of_column = |i: usize| {
+        let rays = request.rows().flat_map(|j| {
+            let pixel = DVec2::new(i as f64, j as f64);
+            request.sampler.offsets((i * height + j) as u64).map(move |offset| (pixel, offset))
+        });
+        rays.filter(|&(pixel, offset)| differs(&camera.ray(pixel, offset))).count() as u64
+    };
+    request.columns().into_par_iter().map(of_column).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::options::Structure;
+    use crate::renderer::Meshes;
+    use crate::scene_io::load;
+    use crate::trace::{Effects, Shadows};
+    use std::path::Path;
+
+    fn measured(scene: &str, bounces: u32) -> Numerical {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+        let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
+        let effects = Effects { shadows: Shadows::Opaque, bounces, ..Effects::default() };
+        let request = Request { effects, ..Request::new([24, 18]) };
+        let prepared = renderer.prepare_for(Structure::Any, &request).unwrap();
+        measure(&renderer, &prepared, &request).unwrap().unwrap()
+    }
+
+    #[test]
+    fn this_program_decides_as_brute_force_does_and_single_precision_does_not() {
+        let mut single = 0.0;
+        for (scene, bounces) in [
+            ("scene6_04_bunny_mesh_200.txt", 0),
+            ("scene6_10_nested_transformations.txt", 0),
+            ("scene6_11_mirrored_floor.txt", 2),
+            ("scene6_14_glass_sphere.txt", 3),
+        ] {
+            let Numerical { size, samples, program, single: rough } = measured(scene, bounces);
+            assert_eq!((size, samples), ([24, 18], 4));
+            assert_eq!((program.hits, program.bytes), (0, 0), "{scene}");
+            assert!(program.error < 1e-9, "{scene}: {program:?}");
+            assert!(rough.error > program.error && rough.error < 3.0, "{scene}: {rough:?}");
+            single += rough.error;
+        }
+        assert!(single > 1e-3);
+    }
+
+    #[test]
+    fn what_would_take_too_long_is_a_window_in_the_middle() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_05_bunny_mesh_1k.txt");
+        let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
+        let request = affordable(&renderer, &Request::new([1000, 1000]));
+        let window = request.window.unwrap();
+        assert!(request.sampler.count() == 1 && window.width < 1000 && window.width == window.height);
+        let rays = window.width * window.height * (1 + renderer.world().lights.len());
+        assert!(rays as f64 * renderer.world().finite_count() as f64 <= MOST_TESTS);
+    }
+}

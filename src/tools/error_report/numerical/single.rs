@@ -1,0 +1,137 @@
+//! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
+//! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
+
+use crate::math::ray::Ray;
+use crate::tools::causes::{Finder, Found};
+use crate::world::{Primitive, SurfacePoint, World};
+use glam::{Mat3, Vec3};
+
+/// The smallest t of a hit, so that a ray does not hit the surface that it leaves.
+const EPSILON: f32 = 1e-4;
+
+/// Tests every primitive, one by one.
+pub struct SinglePrecision<'a> {
+    pub world: &'a World,
+}
+
+/// A ray in single precision.
+struct SingleRay {
+    origin: Vec3,
+    direction: Vec3,
+    t_min: f32,
+    t_max: f32,
+}
+
+impl SingleRay {
+    fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.as_vec3(),
+            direction: ray.direction.as_vec3(),
+            // An orthographic camera also sees what is behind it.
+            t_min: if ray.t_min < 0.0 { ray.t_min as f32 } else { EPSILON },
+            t_max: ray.t_max as f32,
+        }
+    }
+
+    fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+
+    fn covers(&self, t: f32) -> bool {
+        t > self.t_min && t < self.t_max
+    }
+}
+
+impl SinglePrecision<'_> {
+    fn hit(&self, ray: &SingleRay, id: u32) -> Option<f32> {
+        let t = match self.world.primitive(id) {
+            Primitive::Triangle(i) => triangle(ray, self.world.corners(i).map(|corner| corner.as_vec3())),
+            Primitive::Sphere(i) => {
+                let sphere = &self.world.spheres[i];
+                quadratic(ray, ray.origin - sphere.center.as_vec3(), ray.direction, sphere.radius as f32)
+            }
+            Primitive::Ellipsoid(i) => {
+                let ellipsoid = &self.world.ellipsoids[i];
+                let inverse = ellipsoid.inverse().as_mat3();
+                let origin = inverse * (ray.origin - ellipsoid.center().as_vec3());
+                quadratic(ray, origin, inverse * ray.direction, 1.0)
+            }
+            Primitive::Plane(i) => {
+                let (normal, offset) =
+                    (self.world.planes[i].normal.as_vec3(), self.world.planes[i].offset as f32);
+                Some((offset - normal.dot(ray.origin)) / normal.dot(ray.direction))
+            }
+        };
+        t.filter(|&t| ray.covers(t))
+    }
+
+    fn normal(&self, position: Vec3, id: u32) -> Vec3 {
+        match self.world.primitive(id) {
+            Primitive::Triangle(i) => {
+                let [a, b, c] = self.world.corners(i).map(|corner| corner.as_vec3());
+                (b - a).cross(c - a).normalize_or_zero()
+            }
+            Primitive::Sphere(i) => (position - self.world.spheres[i].center.as_vec3()).normalize_or_zero(),
+            Primitive::Ellipsoid(i) => {
+                let ellipsoid = &self.world.ellipsoids[i];
+                let inverse: Mat3 = ellipsoid.inverse().as_mat3();
+                let on_sphere = inverse * (position - ellipsoid.center().as_vec3());
+                (inverse.transpose() * on_sphere).normalize_or_zero()
+            }
+            Primitive::Plane(i) => self.world.planes[i].normal.as_vec3(),
+        }
+    }
+
+    fn ids(&self) -> impl Iterator<Item = u32> {
+        0..(self.world.finite_count() + self.world.planes.len()) as u32
+    }
+}
+
+impl Finder for SinglePrecision<'_> {
+    fn world(&self) -> &World {
+        self.world
+    }
+
+    fn nearest(&self, ray: &Ray, _: Option<u32>) -> Option<Found> {
+        let ray = SingleRay::new(ray);
+        let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
+        let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
+        let position = ray.at(t);
+        let surface = SurfacePoint {
+            position: position.as_dvec3(),
+            normal: self.normal(position, primitive).as_dvec3(),
+            material: self.world.material_of(primitive),
+            primitive: None,
+            triangle: None,
+        };
+        Some(Found { primitive, t: t.into(), surface })
+    }
+
+    fn is_blocked(&self, ray: &Ray, _: Option<u32>) -> bool {
+        let ray = SingleRay::new(ray);
+        self.ids().any(|id| self.hit(&ray, id).is_some())
+    }
+}
+
+fn triangle(ray: &SingleRay, [a, b, c]: [Vec3; 3]) -> Option<f32> {
+    let (e1, e2) = (b - a, c - a);
+    let p = ray.direction.cross(e2);
+    let determinant = e1.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = ray.origin - a;
+    let u = s.dot(p) / determinant;
+    let q = s.cross(e1);
+    let v = ray.direction.dot(q) / determinant;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| e2.dot(q) / determinant)
+}
+
+/// The first crossing of a sphere around zero on the ray.
+fn quadratic(ray: &SingleRay, origin: Vec3, direction: Vec3, radius: f32) -> Option<f32> {
+    let a = direction.length_squared();
+    let b = 2.0 * direction.dot(origin);
+    let c = origin.length_squared() - radius * radius;
+    let root = (b * b - 4.0 * a * c).sqrt();
+    [-root, root].map(|root| (root - b) / (2.0 * a)).into_iter().find(|&t| ray.covers(t))
+}

@@ -1,0 +1,185 @@
+//! The plan: which settings are measured for a scene, and in which order. Only what the scene can show is among them.
+
+use super::setting::{Axis, Samples, Setting};
+use crate::grid::options::{Resolution, Structure};
+use crate::render::Request;
+use crate::sampling::adaptive::Adaptive;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Pattern;
+use crate::scene::Scene;
+use crate::scene::material::{Material, Pattern as TexturePattern};
+use crate::tools::causes::has_secondary_rays;
+use crate::trace::Effects;
+use crate::world::World;
+
+/// The settings of one filter, which share their reference.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The filter.
+    pub filter: Filter,
+    /// From the cheapest of each kind on.
+    pub settings: Vec<Setting>,
+}
+
+/// The numbers of samples of each pattern.
+pub const COUNTS: [u32; 5] = [1, 4, 16, 64, 256];
+
+/// The estimated errors of adaptive settings, in levels, and their largest number of samples.
+const ADAPTIVE_ERRORS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
+const ADAPTIVE_MOST: u32 = 256;
+
+/// The samples with which bounces, weights and octaves are measured, and structures.
+const EFFECTS_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 64);
+const STRUCTURE_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 4);
+
+/// The filters that are usual.
+const FILTERS: [Filter; 4] = [
+    Filter::PIXEL,
+    Filter::Tent { radius: 1.0 },
+    Filter::Gaussian { sigma: 0.5 },
+    Filter::Mitchell { radius: 2.0 },
+];
+
+const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+/// A list of all primitives is traced for at most so many tests of rays against primitives.
+const MOST_TESTS: usize = 50_000_000_000;
+
+/// The settings to measure, those with the request's own filter first. What the request asks for is right;
+/// `structure` is what its rays are traced through.
+pub fn plan(scene: &Scene, world: &World, request: &Request, structure: Structure) -> Vec<Group> {
+    let own = Setting::of(request, structure);
+    let mut first = samples(own);
+    if !first.iter().any(|setting| setting.samples == own.samples) {
+        first.push(own);
+    }
+    first.extend(secondary(scene, own));
+    first.extend(octaves(scene, own));
+    first.extend(structures(world, request, own));
+    let is_other =
+        |filter: &Filter| std::mem::discriminant(filter) != std::mem::discriminant(&request.filter);
+    let others = FILTERS.into_iter().filter(is_other);
+    let others = others.map(|filter| Group { filter, settings: samples(Setting { filter, ..own }) });
+    std::iter::once(Group { filter: request.filter, settings: first }).chain(others).collect()
+}
+
+/// All kinds and numbers of samples.
+fn samples(base: Setting) -> Vec<Setting> {
+    let fixed = [Pattern::Random, Pattern::Uniform, Pattern::Jittered]
+        .into_iter()
+        .flat_map(|pattern| COUNTS.map(|count| Samples::Fixed(pattern, count)));
+    let adaptive = ADAPTIVE_ERRORS.map(|error| Samples::Adaptive(Adaptive { most: ADAPTIVE_MOST, error }));
+    fixed.chain(adaptive).map(|samples| Setting { samples, ..base }).collect()
+}
+
+/// Fewer bounces and larger weights than are asked for, where there are mirrors or glass.
+fn secondary(scene: &Scene, own: Setting) -> Vec<Setting> {
+    let Effects { bounces, min_weight, .. } = own.effects;
+    if bounces == 0 || !has_secondary_rays(scene) {
+        return vec![];
+    }
+    let powers = std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(|&n| n < bounces);
+    let fewer = std::iter::once(0).chain(powers).map(|bounces| Effects { bounces, ..own.effects });
+    let heavier = WEIGHTS.into_iter().filter(|&weight| weight > min_weight);
+    let heavier = heavier.map(|min_weight| Effects { min_weight, ..own.effects });
+    fewer
+        .chain(heavier)
+        .map(|effects| Setting { axis: Axis::Secondary, samples: EFFECTS_SAMPLES, effects, ..own })
+        .collect()
+}
+
+/// Fewer octaves than the scene has, where it has noise.
+fn octaves(scene: &Scene, own: Setting) -> Vec<Setting> {
+    let most = scene.materials.iter().filter_map(octaves_of).max().unwrap_or(0);
+    let powers = std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(|&n| n < most);
+    let samples = EFFECTS_SAMPLES;
+    powers.map(|n| Setting { axis: Axis::Octaves, samples, octaves: Some(n), ..own }).collect()
+}
+
+fn octaves_of(material: &Material) -> Option<u32> {
+    match material {
+        Material::Texture(texture) => match texture.pattern {
+            TexturePattern::Noise { octaves }
+            | TexturePattern::Marble { octaves, .. }
+            | TexturePattern::Wood { octaves, .. } => Some(octaves),
+            TexturePattern::Checkerboard => None,
+        },
+        Material::Phong(_) => None,
+    }
+}
+
+/// The same scene with at most so many octaves of each noise.
+pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
+    let mut changed = scene.clone();
+    for material in &mut changed.materials {
+        let Material::Texture(texture) = material else { continue };
+        match &mut texture.pattern {
+            TexturePattern::Noise { octaves }
+            | TexturePattern::Marble { octaves, .. }
+            | TexturePattern::Wood { octaves, .. } => *octaves = most.min(*octaves),
+            TexturePattern::Checkerboard => {}
+        }
+    }
+    changed
+}
+
+/// The structures that rays can be traced through, the one asked for first. There is nothing to build for a world of
+/// planes alone.
+fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
+    let count = world.finite_count();
+    if count == 0 {
+        return vec![];
+    }
+    let rays_per_sample = 1 + world.lights.len() + own.effects.bounces as usize;
+    let [width, height] = request.size;
+    let tests = (4 * width * height).saturating_mul(rays_per_sample).saturating_mul(count);
+    let list = (tests <= MOST_TESTS).then_some(Structure::List);
+    let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
+    let others = list.into_iter().chain(grids.map(Structure::Grid));
+    let others = others.filter(|&structure| structure != own.structure);
+    std::iter::once(own.structure)
+        .chain(others)
+        .map(|structure| Setting { axis: Axis::Structure, samples: STRUCTURE_SAMPLES, structure, ..own })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    fn settings(materials: &str, bounces: u32) -> Vec<Setting> {
+        let scene = parse(&format!(
+            "OrthographicCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }}
+             Materials {{ {materials} }}
+             Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+        ))
+        .unwrap();
+        let request = Request { effects: Effects { bounces, ..Effects::default() }, ..Request::new([4, 4]) };
+        let world = World::new(&scene, &[]).unwrap();
+        plan(&scene, &world, &request, Structure::Any).into_iter().flat_map(|group| group.settings).collect()
+    }
+
+    fn of(axis: Axis, settings: &[Setting]) -> Vec<String> {
+        settings.iter().filter(|setting| setting.axis == axis).map(Setting::label).collect()
+    }
+
+    #[test]
+    fn only_what_the_scene_can_show_is_measured() {
+        let matt = settings("numMaterials 1 Material { }", 5);
+        assert_eq!(of(Axis::Samples, &matt).len(), 4 * 20, "four filters");
+        assert!(of(Axis::Secondary, &matt).is_empty() && of(Axis::Octaves, &matt).is_empty());
+        let structures = ["", " -grid none", " -grid auto", " -grid 10 10 10", " -grid 40 40 40"];
+        assert_eq!(of(Axis::Structure, &matt), structures.map(|flag| format!("-jittered_samples 4{flag}")));
+        let mirror = "numMaterials 1 Material { reflectiveColor 1 1 1 }";
+        assert!(of(Axis::Secondary, &settings(mirror, 0)).is_empty());
+        let flags = ["", " -bounces 1", " -bounces 2", " -bounces 4"].map(str::to_owned);
+        let weights = [0.01, 0.03, 0.1, 0.3].map(|weight| format!(" -bounces 5 -weight {weight}"));
+        let expected = flags.into_iter().chain(weights).map(|flags| format!("-jittered_samples 64{flags}"));
+        assert_eq!(of(Axis::Secondary, &settings(mirror, 5)), expected.collect::<Vec<_>>());
+        let noise =
+            "numMaterials 3 Material { } Material { } Noise { materialIndex 0 materialIndex 1 octaves 3 }";
+        let expected = [1, 2].map(|n| format!("-jittered_samples 64, octaves {n}"));
+        assert_eq!(of(Axis::Octaves, &settings(noise, 5)), expected);
+    }
+}

@@ -1,0 +1,298 @@
+//! Renders and measures one setting after the other.
+
+use super::numerical::{self, Numerical};
+use super::plan::{plan, with_octaves};
+use super::reference::{self, Reference};
+use super::setting::{Axis, Samples, Setting};
+use super::{ErrorReport, Group, Measurement};
+use crate::grid::GridTooLarge;
+use crate::grid::options::Structure;
+use crate::mode::Fast;
+use crate::picture::{BadSize, FloatPicture};
+use crate::render::{Layer, Request, Stopped};
+use crate::renderer::{Prepared, Renderer};
+use crate::sampling::filter::Filter;
+use crate::scene::Color;
+use crate::stats::Probe;
+use crate::tools::compare::Comparison;
+use rayon::ThreadPool;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// What measurements are made with.
+#[derive(Clone, Copy)]
+pub struct Bench<'a> {
+    /// The threads of the references.
+    pub many: &'a ThreadPool,
+    /// The one thread whose time is measured.
+    pub one: &'a ThreadPool,
+    /// The processor's time so far.
+    pub clock: &'a (dyn Fn() -> Duration + Sync),
+    /// Is told the progress, and may end the sweep.
+    pub watch: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+}
+
+/// How far a sweep has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// The part that is done, from 0 to 1.
+    pub share: f64,
+    /// What is done now.
+    pub doing: &'a str,
+}
+
+/// Why nothing can be measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SweepError {
+    /// The grid that is asked for does not fit into memory.
+    Grid(GridTooLarge),
+    /// The picture does not.
+    Size(BadSize),
+}
+
+impl fmt::Display for SweepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Grid(error) => error.fmt(f),
+            Self::Size(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SweepError {}
+
+impl From<GridTooLarge> for SweepError {
+    fn from(error: GridTooLarge) -> Self {
+        Self::Grid(error)
+    }
+}
+
+impl From<BadSize> for SweepError {
+    fn from(error: BadSize) -> Self {
+        Self::Size(error)
+    }
+}
+
+/// A setting is repeated until it took this time, but at least [`FEWEST`] and at most [`MOST`] times.
+const ENOUGH: Duration = Duration::from_millis(200);
+const FEWEST: usize = 2;
+const MOST: usize = 15;
+
+/// About how often a setting is rendered.
+const RENDERINGS: f64 = 4.0;
+
+/// About the number of samples of an adaptive setting.
+const ADAPTIVE_SAMPLES: f64 = 16.0;
+
+/// Measures the settings of a scene.
+pub struct Sweep<'a> {
+    renderer: &'a Renderer,
+    request: &'a Request,
+    structure: Structure,
+    bench: Bench<'a>,
+    /// Whether other filters are measured, too.
+    all_filters: bool,
+    /// What is done and what there is to do, in samples of each pixel.
+    done: f64,
+    all: f64,
+    /// The time of the references, of the settings and of the numerical error.
+    times: [Duration; 3],
+}
+
+impl<'a> Sweep<'a> {
+    /// The request and the structure are those of the command line. The renderer must have kept the scene's meshes,
+    /// and must have no threads of its own.
+    pub fn new(renderer: &'a Renderer, request: &'a Request, structure: Structure, bench: Bench<'a>) -> Self {
+        Self {
+            renderer,
+            request,
+            structure,
+            bench,
+            all_filters: true,
+            done: 0.0,
+            all: 0.0,
+            times: Default::default(),
+        }
+    }
+
+    /// Measures the filter that is asked for, and no others.
+    pub fn of_one_filter(self) -> Self {
+        Self { all_filters: false, ..self }
+    }
+
+    /// Measures. If the watch ends it, what is finished is reported.
+    pub fn run(mut self) -> Result<ErrorReport, SweepError> {
+        let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.structure);
+        plan.truncate(if self.all_filters { plan.len() } else { 1 });
+        let planned = plan.iter().map(|group| group.settings.len()).sum();
+        let settings = plan.iter().flat_map(|group| &group.settings);
+        self.all = plan.len() as f64 * self.reference_work() + settings.map(work).sum::<f64>();
+        let (mut groups, mut numerical) = (Vec::new(), None);
+        for group in plan {
+            let Some(reference) = self.timed(0, |sweep| sweep.reference(group.filter))? else { break };
+            let measure = |sweep: &mut Self| sweep.measurements(&group.settings, &reference);
+            let measurements = self.timed(1, measure)?;
+            let is_complete = measurements.len() == group.settings.len();
+            let Reference { picture, noise, .. } = reference;
+            groups.push(Group { filter: group.filter, reference: picture, noise, measurements });
+            if !is_complete {
+                break;
+            }
+            if numerical.is_none() {
+                numerical = self.timed(2, |sweep| sweep.numerical())?;
+            }
+        }
+        let stages = ["rendering references", "measuring settings", "numerical error"];
+        let stages = stages.into_iter().zip(self.times).collect();
+        Ok(ErrorReport { size: self.request.size, groups, numerical, planned, stages })
+    }
+
+    fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let made = work(self);
+        self.times[stage] += start.elapsed();
+        made
+    }
+
+    /// Two halves, on many threads.
+    fn reference_work(&self) -> f64 {
+        2.0 * f64::from(reference::SAMPLES) / self.bench.many.current_num_threads() as f64
+    }
+
+    /// None if it was ended.
+    fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, SweepError> {
+        let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
+        let mut halves = Vec::new();
+        for sampler in reference::samplers(self.request.sampler.rng()) {
+            let request = Request { sampler, ..own.clone() };
+            let prepared = self.bench.many.install(|| self.renderer.prepare_for(self.structure, &request))?;
+            let work = self.reference_work() / 2.0;
+            let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
+            let Some((half, _)) = rendered else { return Ok(None) };
+            halves.push(half);
+            self.done += work;
+        }
+        Ok(halves.try_into().ok().map(Reference::new))
+    }
+
+    /// What roundings do to the request's samples.
+    fn numerical(&self) -> Result<Option<Numerical>, SweepError> {
+        let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
+        self.bench.many.install(|| {
+            let prepared = self.renderer.prepare_for(self.structure, &request)?;
+            Ok(numerical::measure(self.renderer, &prepared, &request)?)
+        })
+    }
+
+    /// Those that were finished.
+    fn measurements(
+        &mut self,
+        settings: &[Setting],
+        reference: &Reference,
+    ) -> Result<Vec<Measurement>, SweepError> {
+        let mut measurements: Vec<Measurement> = Vec::new();
+        for setting in settings {
+            let Some(mut measured) = self.measure(setting, reference)? else { break };
+            if setting.axis == Axis::Structure {
+                let asked_for = measurements.iter().find(|other| other.setting.axis == Axis::Structure);
+                measured.changed =
+                    asked_for.map(|other| pixels_that_differ(&other.picture, &measured.picture));
+            }
+            measurements.push(measured);
+            self.done += work(setting);
+        }
+        Ok(measurements)
+    }
+
+    /// None if it was ended.
+    fn measure(
+        &mut self,
+        setting: &Setting,
+        reference: &Reference,
+    ) -> Result<Option<Measurement>, SweepError> {
+        let of_other_octaves = setting.octaves.map(|most| with_octaves(&self.renderer.scene, most));
+        // The same objects stand in the same places, so that this scene makes a world, too.
+        let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
+        let renderer = other.as_ref().unwrap_or(self.renderer);
+        let request = setting.request(self.request, self.request.sampler.rng());
+        let prepared = self.bench.many.install(|| renderer.prepare_for(setting.structure, &request))?;
+        let repeated = self.repeat(setting, &prepared, &request)?;
+        let Some((picture, rays, times)) = repeated else { return Ok(None) };
+        let bytes = picture.to_picture();
+        let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));
+        let (flip, off) = compared.map_or((0.0, 0.0), |found| {
+            let off = found.pixels_differing_by_more_than(1) as f64 / found.pixels() as f64;
+            (found.mean_flip.unwrap_or_default(), off)
+        });
+        let error = reference.error(&picture);
+        let setting = *setting;
+        Ok(Some(Measurement { setting, times, rays, error, flip, off, changed: None, picture: bytes }))
+    }
+
+    /// Renders on one thread, again and again: the picture, the rays that were cast for it, and how long it took each
+    /// time. None if it was ended.
+    fn repeat(
+        &self,
+        setting: &Setting,
+        prepared: &Prepared<Fast>,
+        request: &Request,
+    ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, SweepError> {
+        let (label, mut times) = (setting.label(), Vec::new());
+        loop {
+            let start = (self.bench.clock)();
+            let rendered = self.render(self.bench.one, prepared, request, 0.0, &label)?;
+            times.push((self.bench.clock)().saturating_sub(start));
+            let Some((picture, rays)) = rendered else { return Ok(None) };
+            let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
+            if is_enough || times.len() >= MOST {
+                times.sort();
+                return Ok(Some((picture, rays, times)));
+            }
+        }
+    }
+
+    /// Renders with the progress from what is done to so much more: the picture, and the rays that were cast for it.
+    /// None if it was ended.
+    fn render(
+        &self,
+        threads: &ThreadPool,
+        prepared: &Prepared<Fast>,
+        request: &Request,
+        work: f64,
+        doing: &str,
+    ) -> Result<Option<(FloatPicture, u64)>, SweepError> {
+        let mut picture = FloatPicture::with_room(request.window_size())?;
+        let mut take_row = |_: usize, row: &[Color]| {
+            picture.colors.extend_from_slice(row);
+            ControlFlow::Continue(())
+        };
+        let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
+        let watch = |rows: crate::render::Progress| {
+            let part = rows.done as f64 / rows.rows.max(1) as f64;
+            bench_watch(Progress { share: (done + part * work) / all, doing })
+        };
+        match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
+            Ok(counter) => Ok(Some((picture, counter.counts().rays()))),
+            Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
+            Err(Stopped::Memory(_)) => {
+                let [width, height] = request.window_size();
+                Err(BadSize { width, height }.into())
+            }
+        }
+    }
+}
+
+/// About the samples of each pixel until a setting is measured.
+fn work(setting: &Setting) -> f64 {
+    let samples = match setting.samples {
+        Samples::Fixed(_, count) => f64::from(count),
+        Samples::Adaptive(_) => ADAPTIVE_SAMPLES,
+    };
+    RENDERINGS * samples
+}
+
+fn pixels_that_differ(a: &crate::picture::Picture, b: &crate::picture::Picture) -> u64 {
+    let differ = |(a, b): (&[u8], &[u8])| u64::from(a != b);
+    a.pixels().chunks(3).zip(b.pixels().chunks(3)).map(differ).sum()
+}

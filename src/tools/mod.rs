@@ -1,0 +1,13 @@
+//! What stands around the ray tracer: it measures, compares, explains and shows. The tools use the renderer as any
+//! program does.
+//!
+//! A module uses only those before it in this list. `live` also uses `cli`, in whose words a page says what it shows.
+
+pub mod warnings;
+pub mod compare;
+pub mod explain;
+pub mod causes;
+pub mod grade;
+pub mod error_report;
+#[cfg(feature = "gui")]
+pub mod live;
