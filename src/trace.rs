@@ -21,14 +21,12 @@ use glam::DVec3;
 use serde::Serialize;
 
 mod event;
-mod occluders;
 mod optics;
 mod secondary;
 mod shadow;
 mod side_by_side;
 
 pub use event::{End, Event, Observer, Secondary};
-use occluders::{Occluders, Side};
 pub(crate) use optics::refracted_between;
 pub use optics::{reflected, refracted, transmittance};
 use secondary::{Branch, Path};
@@ -89,7 +87,6 @@ pub struct Memory {
     pending: [Vec<Branch>; MOST_CAMERA_RAYS],
     /// The rays that are cast together.
     cast: Vec<Cast>,
-    occluders: Occluders,
     mixture: Mixture,
 }
 
@@ -255,7 +252,7 @@ impl<M: Mode> Tracer<'_, M> {
         memory: &mut Memory,
         probe: &mut P,
     ) -> Color {
-        let Memory { pending, occluders, mixture, .. } = memory;
+        let Memory { pending, mixture, .. } = memory;
         let pending = &mut pending[camera_ray];
         let material = self.material(surface, mixture);
         if P::OBSERVES {
@@ -270,7 +267,7 @@ impl<M: Mode> Tracer<'_, M> {
             probe.observe(Secondary::Reflected.ends(End::of(phong.reflective, End::Bounces)));
             probe.observe(Secondary::Refracted.ends(End::of(phong.transparent, End::Bounces)));
         }
-        let color = self.shade(&lit, occluders, probe);
+        let color = self.shade(&lit, probe);
         if P::OBSERVES {
             probe.observe(Event::Shaded(color));
         }
@@ -279,7 +276,7 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// The local colour: ambient light, and the lights that are visible from the point.
     #[inline(always)]
-    fn shade<P: Observer>(&self, lit: &Lit, occluders: &mut Occluders, probe: &mut P) -> Color {
+    fn shade<P: Observer>(&self, lit: &Lit, probe: &mut P) -> Color {
         let Lit { direction, surface, material } = lit;
         let is_inside = surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.effects.shade_back {
@@ -296,7 +293,7 @@ impl<M: Mode> Tracer<'_, M> {
         if is_dark && !M::AS_COURSE && !P::OBSERVES {
             return color;
         }
-        let (is_black, side) = (material.is_black(), Side::new(surface, is_inside));
+        let is_black = material.is_black();
         for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
@@ -304,7 +301,7 @@ impl<M: Mode> Tracer<'_, M> {
             // effect.
             let has_effect = cosine > 0.0 && !is_black && light.color != Color::ZERO;
             let passed = if has_effect || M::AS_COURSE {
-                self.light_passed(lit, (&light, light_index, side), occluders, probe)
+                self.light_passed(lit, (&light, light_index, is_inside), probe)
             } else {
                 Color::ZERO
             };

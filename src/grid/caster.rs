@@ -188,33 +188,13 @@ impl<'w, M: Mode> Caster<'w, M> {
     }
 
     /// The same for a ray that leaves the primitive `leaves`, as in [`nearest`](Self::nearest).
-    #[inline]
-    pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        self.occluder(ray, leaves, None, probe).is_some()
-    }
-
-    /// A primitive that the ray hits; none if it hits nothing. It leaves `leaves`, as in [`nearest`](Self::nearest).
-    ///
-    /// `likely` is tested before all others. It may change which primitive is found, but not whether one is.
     #[inline(always)]
-    pub fn occluder<P: Probe>(
-        &self,
-        ray: &Ray,
-        leaves: Option<u32>,
-        likely: Option<u32>,
-        probe: &mut P,
-    ) -> Option<u32> {
+    pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
         if M::AS_COURSE {
             // The course's program looks for the nearest hit even where any hit would do.
-            return self.nearest(ray, leaves, probe).map(|visible| visible.primitive);
+            return self.nearest(ray, leaves, probe).is_some();
         }
-        if let Some(likely) = likely
-            && self.is_hit(ray, likely, leaves, probe)
-        {
-            return Some(likely);
-        }
-        let found = self.run::<P, true>(ray, Left::of(self, leaves), probe)?;
-        Some(found.primitive)
+        self.run::<P, true>(ray, Left::of(self, leaves), probe).is_some()
     }
 
     /// Whether the ray hits a primitive, which is not the triangle that it leaves.

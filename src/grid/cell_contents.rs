@@ -16,8 +16,6 @@ use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
-mod sharing;
-
 /// Number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not
 /// load the first block to know it.
 const COUNT_BITS: u32 = 4;
@@ -27,9 +25,6 @@ const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
 /// The entry of a cell with a tree has this bit, and the others are the tree's root. None is
 /// [`BORDER`](super::cell_table::BORDER).
 pub const TREE: u32 = 1 << 31;
-
-/// The mean number of cells of a primitive from which on it pays to find out which of them have the same primitives.
-const CELLS_TO_SHARE: usize = 8;
 
 /// The contents of all cells. The entry of a cell with primitives holds the index of its first block and the
 /// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a tree.
@@ -60,9 +55,6 @@ impl CellContents {
         let mut cells = Self::of_indices(indices, Frame::new(&lattice.bounds));
         cells.encode_entries(entries, lattice);
         cells.add_non_triangles(cell_lists, non_triangles)?;
-        if cell_lists.references() >= CELLS_TO_SHARE * world.finite_count() {
-            cells.share_blocks(lattice);
-        }
         Ok(cells)
     }
 

@@ -107,18 +107,12 @@ impl AccelerationStructure {
                     last_t = cursor.fixed_t(query.best.t_bound);
                 }
             }
-            loop {
-                if last_t <= cursor.exit() {
-                    return;
-                }
-                let unstepped = cursor.step();
-                if P::COUNTS {
-                    (unstepped.count_ones()..3).for_each(|_| probe.cell());
-                }
-                // Adjacent cells with the same primitives share their entry. The course's program tests them in each.
-                if M::AS_COURSE || cursor.entry() != entry {
-                    break;
-                }
+            if last_t <= cursor.exit() {
+                return;
+            }
+            let unstepped = cursor.step();
+            if P::COUNTS {
+                (unstepped.count_ones()..3).for_each(|_| probe.cell());
             }
         }
     }

@@ -1,7 +1,6 @@
 //! How much of a light reaches a surface.
 
 use super::event::{Event, Observer};
-use super::occluders::{Occluders, Side};
 use super::optics::transmittance;
 use super::{Lit, Shadows, Tracer};
 use crate::grid::Caster;
@@ -16,13 +15,12 @@ use crate::shading::texture::material_at;
 use crate::world::SurfacePoint;
 
 impl<M: Mode> Tracer<'_, M> {
-    /// How much of the light with this index reaches this side of the surface, per channel.
+    /// How much of the light with this index reaches the side of the surface that is seen, per channel.
     #[inline(always)]
     pub(super) fn light_passed<P: Observer>(
         &self,
         lit: &Lit,
-        (light, index, side): (&Incident, usize, Side),
-        occluders: &mut Occluders,
+        (light, index, is_inside): (&Incident, usize, bool),
         probe: &mut P,
     ) -> Color {
         if self.effects.shadows == Shadows::None {
@@ -35,7 +33,7 @@ impl<M: Mode> Tracer<'_, M> {
         if is_at_rest && !is_cast && self.effects.shadows == Shadows::Opaque {
             return Color::ZERO;
         }
-        let blocker = self.blocker(&lit.surface, index, side);
+        let blocker = self.blocker(&lit.surface, index, is_inside);
         // The ray leaves the only plane.
         if blocker == Blocker::Nothing && self.caster.has_no_plane_but(lit.surface.primitive) {
             return Color::ONE;
@@ -53,11 +51,7 @@ impl<M: Mode> Tracer<'_, M> {
         }
         let leaves = lit.surface.primitive;
         let is_blocked = match blocker {
-            Blocker::Any => {
-                let occluder = occluders.place(side, index);
-                *occluder = self.caster.occluder(&ray, leaves, *occluder, probe);
-                occluder.is_some()
-            }
+            Blocker::Any => self.caster.any_from(&ray, leaves, probe),
             Blocker::Only(triangle) => {
                 self.caster.is_hit(&ray, triangle, leaves, probe)
                     || self.caster.meets_plane(&ray, leaves, probe)
@@ -81,13 +75,13 @@ impl<M: Mode> Tracer<'_, M> {
             .transparent
     }
 
-    /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere.
-    /// One from an inner side most often hits what the last one hit, which is tested sooner.
+    /// What a ray from a surface to the light with this index may hit. A map knows nothing of a ray from a sphere, and
+    /// one from an inner side hits the surface itself.
     #[inline(always)]
-    fn blocker(&self, surface: &SurfacePoint, index: usize, side: Side) -> Blocker {
+    fn blocker(&self, surface: &SurfacePoint, index: usize, is_inside: bool) -> Blocker {
         let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
         match self.shadow_maps {
-            Some(maps) if !side.is_inner() && !is_round => maps.blocker(index, surface.position),
+            Some(maps) if !is_inside && !is_round => maps.blocker(index, surface.position),
             _ => Blocker::Any,
         }
     }

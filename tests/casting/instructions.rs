@@ -74,14 +74,12 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
     }
 }
 
-/// A sphere or an ellipsoid that a ray is said to leave is tested first, and so is the likely occluder of a shadow ray.
+/// A sphere or an ellipsoid that a ray is said to leave is tested first.
 #[test]
 fn what_is_tested_first_changes_no_answer() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
     let triangles = world.triangles.len() as u32;
     let round = triangles..world.first_plane();
-    let likely: Vec<u32> = (0..triangles).step_by(701).chain(triangles..=world.first_plane()).collect();
-    let mut hits = 0;
     for instructions in Instructions::available() {
         for cells in [None, Some(FINE)] {
             let options = GridOptions { cells, rule: CellRule::Exact };
@@ -94,16 +92,9 @@ fn what_is_tested_first_changes_no_answer() {
                     assert_eq!(found.map(|visible| visible.primitive), expected, "{ray:?}");
                     assert_eq!(caster.any_from(&ray, Some(leaves), &mut Quiet), expected.is_some());
                 }
-                for &likely in &likely {
-                    let found = caster.occluder(&ray, None, Some(likely), &mut Quiet);
-                    assert_eq!(found.is_some(), expected.is_some(), "{likely} {ray:?}");
-                    assert!(found.is_none_or(|found| world.crossing(&ray, found).is_some()));
-                    hits += u32::from(found == Some(likely));
-                }
             }
         }
     }
-    assert!(hits > 10_000, "{hits}");
 }
 
 #[test]
