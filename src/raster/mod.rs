@@ -1,4 +1,5 @@
-//! Primary visibility by rasterization: the triangles and planes are projected onto the pixels.
+//! Primary visibility by rasterization: the triangles and planes are projected onto the pixels. Spheres and ellipsoids
+//! are not drawn: the rays through the pixels of their boxes are cast, unless something is certainly nearer.
 //!
 //! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much
 //! cheaper to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
@@ -25,6 +26,7 @@ mod worst_cases;
 
 use crate::camera::{Camera, Eye, Projection};
 use crate::grid::Caster;
+use crate::grid::cell_lists::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::memory;
@@ -95,8 +97,8 @@ const TILE_ROWS: usize = 32;
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
-    /// The first hits in a world of triangles and planes, for the rays of this footprint in these rows. None if the
-    /// world has other primitives, if casting the rays is cheaper, or where there is no memory for them.
+    /// The first hits of the rays of this footprint in these rows, as far as triangles and planes determine them. None if
+    /// casting the rays is cheaper, or where there is no memory for them.
     pub fn new<M: Mode>(
         camera: &Camera,
         caster: &Caster<M>,
@@ -126,8 +128,8 @@ impl VisibilityBuffer {
         Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
     }
 
-    /// Whether the camera's rays are such as can be found by rasterization, and the world
-    /// has no other finite primitives than triangles.
+    /// Whether the camera's rays are such as can be found by rasterization, and the world is not one of spheres and
+    /// ellipsoids alone.
     pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
         let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
         let is_accurate = match camera.projection() {
@@ -136,7 +138,8 @@ impl VisibilityBuffer {
                 ParallelView::new(eye, &world.bounds, width, Footprint::Pixel).is_some()
             }
         };
-        world.finite_count() == world.triangles.len() && !is_large && is_accurate
+        let is_drawn = !world.triangles.is_empty() || world.finite_count() == 0;
+        is_drawn && !is_large && is_accurate
     }
 
     /// The number of rays to be cast for these columns of all rows, one for each pixel.
@@ -171,8 +174,10 @@ fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
         |id: u32| world.may_be_hit(id).then(|| TriangleBounds::new(viewport, world, &vertices, id)).flatten();
     let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of).ok()?;
     let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
+    let of_box = |bounds: &Aabb| TriangleBounds::of_box(viewport, bounds);
+    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
     let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
-    drawn(&bins, viewport.screen, memory::collected(planes).ok()?, world, edge_functions)
+    drawn(&bins, viewport.screen, &others, world, edge_functions)
 }
 
 /// The same for parallel rays.
@@ -186,23 +191,46 @@ fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) ->
     };
     let bins = Bins::new(rows, world.triangles.len(), bounds_of).ok()?;
     let planes = world.planes.iter().map(|plane| view.plane(plane));
+    let of_box = |bounds: &Aabb| {
+        let corners = bounds.corners().map(|corner| view.project(corner).on(&view.screen));
+        TriangleBounds::of_box_ahead(&view.screen, rows, corners)
+    };
+    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
     let edge_functions = |id: u32| flat_triangle::edge_functions(corners(id), view.screen_error);
-    drawn(&bins, view.screen, memory::collected(planes).ok()?, world, edge_functions)
+    drawn(&bins, view.screen, &others, world, edge_functions)
 }
 
-/// What the pixels show of these triangles and planes.
+/// What there is beside triangles.
+struct Others {
+    planes: Vec<InvDepthPlane>,
+    /// The boxes of spheres and ellipsoids that are seen.
+    boxes: Vec<TriangleBounds>,
+}
+
+/// The bounds of spheres and ellipsoids on the screen.
+fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Option<Vec<TriangleBounds>> {
+    let mut boxes = memory::with_room(world.finite_count() - world.triangles.len()).ok()?;
+    boxes.extend(world.boxes().filter_map(|bounds| of_box(&widened(bounds))));
+    Some(boxes)
+}
+
+/// What the pixels show of these triangles and of the others.
 fn drawn(
     bins: &Bins,
     screen: Screen,
-    planes: Vec<InvDepthPlane>,
+    Others { planes, boxes }: &Others,
     world: &World,
     edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
 ) -> Option<Vec<u32>> {
-    if bins.pixels() > PIXELS_PER_RAY * screen.width * bins.rows().len() {
+    let marked = boxes.iter().map(TriangleBounds::pixels).sum::<usize>();
+    if bins.pixels().saturating_add(marked) > PIXELS_PER_RAY * screen.width * bins.rows().len() {
         return None;
     }
     let drawn = bins.draw(screen, edge_functions, |tile| {
         planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
+        for TriangleBounds { columns, rows, max_inv_depth, .. } in boxes {
+            tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
+        }
     });
     drawn.ok()
 }

@@ -11,7 +11,7 @@ use super::bins::Bins;
 use super::flat_triangle::{Projected, edge_functions};
 use super::light_view::{LightView, Place, SCREEN_ERROR};
 use super::tile::{self, Tile};
-use super::triangle_bounds::{Span, TriangleBounds};
+use super::triangle_bounds::TriangleBounds;
 use super::{NOTHING, UNSURE};
 use crate::math::aabb::Aabb;
 use crate::memory::{self, NoMemory};
@@ -106,13 +106,16 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Result<Vec<u32>, NoM
         let on_screen = || corners(id).map(|corner| corner.on(&screen));
         world.may_be_hit(id).then(|| TriangleBounds::ahead(&screen, &rows, on_screen(), id)).flatten()
     })?;
-    let spans = boxes.iter().map(|bounds| {
+    let on_screen = |bounds: &Aabb| {
         let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));
-        [0, 1].map(|axis| Span::around(corners, axis, &rows, screen.reach))
-    });
-    let spans = memory::collected(spans)?;
+        TriangleBounds::of_box_ahead(&screen, &rows, corners)
+    };
+    let boxes = memory::collected(boxes.iter().map(on_screen))?;
+    // Nothing is known of the depth of what casts a shadow.
     let mark = |tile: &mut Tile| {
-        spans.iter().for_each(|[columns, rows]| tile.mark_unsure(columns.range(), rows.range()));
+        for TriangleBounds { columns, rows, .. } in boxes.iter().flatten() {
+            tile.mark_unsure(columns.range(), rows.range(), f32::INFINITY);
+        }
     };
     bins.draw(screen, |id| edge_functions(corners(id), SCREEN_ERROR), mark)
 }

@@ -124,6 +124,31 @@ fn pixels_on_an_edge_are_unsure() {
     }
 }
 
+/// The pixels of a sphere's box are unsure, unless a triangle hides them.
+#[test]
+fn rays_are_cast_where_a_sphere_may_be_seen() {
+    let parallel = "OrthographicCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 size 3 }";
+    let wall = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, 0.5), DVec3::new(0.0, 9.0, 0.5)];
+    let small = wall.map(|corner| DVec3::new(0.01 * corner.x + 1.0, 0.01 * corner.y, 0.5));
+    for camera in [CAMERA, parallel] {
+        let unsure = |triangle: [DVec3; 3], sphere: &str| {
+            let (camera, world) = scene(camera, &[triangle], &[sphere], [33, 33]);
+            counts(&camera, &world, [33, 33], 0..33, Footprint::Center)[2]
+        };
+        let (round, flat) = (
+            "Sphere { center 0 0 0 radius 0.25 }",
+            "Transform { Scale 1 0.5 1 Sphere { center 0 0 0 radius 0.25 } }",
+        );
+        let [found, found_flat] = [round, flat].map(|sphere| unsure(small, sphere));
+        assert!((25..150).contains(&found) && (15..found).contains(&found_flat), "{found} {found_flat}");
+        assert_eq!(unsure(wall, round), unsure(wall, "Sphere { center 99 0 0 radius 0.25 }"));
+        assert!(unsure(wall, "Sphere { center 0 0 0.5 radius 0.25 }") >= found);
+    }
+    // The eye is within the sphere's box.
+    let (camera, world) = scene(CAMERA, &[small], &["Sphere { center 0 0 4 radius 2 }"], [33, 33]);
+    assert_eq!(counts(&camera, &world, [33, 33], 0..33, Footprint::Center)[2], 33 * 33);
+}
+
 #[test]
 fn rays_are_cast_where_that_is_less_work_or_the_world_has_other_things() {
     let is_drawn = |camera: &str, triangles: &[[DVec3; 3]], objects: &[&str], cells: Option<[usize; 3]>| {
@@ -133,7 +158,8 @@ fn rays_are_cast_where_that_is_less_work_or_the_world_has_other_things() {
     };
     let few = spread(40, 0.1);
     assert!(is_drawn(CAMERA, &few, &[], None));
-    assert!(!is_drawn(CAMERA, &few, &["Sphere { center 0 0 0 radius 0.1 }"], None));
+    let sphere = "Sphere { center 0 0 0 radius 0.1 }";
+    assert!(is_drawn(CAMERA, &few, &[sphere], None) && !is_drawn(CAMERA, &[], &[sphere], None));
     assert!(is_drawn(ORTHOGRAPHIC, &few, &[], None));
     // From so far away the errors of single rays exceed the triangles.
     let far = "OrthographicCamera { center 1e14 0 4 direction 0 0 -1 up 0 1 0 size 2 }";

@@ -123,7 +123,7 @@ impl<'c> Tile<'c> {
         }
         match edge_functions() {
             Some(edge_functions) => self.rasterize(&edge_functions, columns, rows, triangle_bounds.id),
-            None => self.mark_unsure(columns, rows),
+            None => self.mark_unsure(columns, rows, f32::INFINITY),
         }
     }
 
@@ -175,13 +175,13 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Marks pixels that a primitive of unknown depth may cover, so that their rays are cast.
-    pub fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>) {
+    /// Marks pixels that a primitive may cover whose inverse depth is at most this, unless something is certainly nearer,
+    /// so that their rays are cast.
+    pub fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>, max_inv_depth: f32) {
         let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
         for j in rows {
             for i in columns.clone().step_by(LANES) {
-                let near = [f32::INFINITY; LANES];
-                self.update([i, j], &Coverage::UNKNOWN, &near, 0.0, UNSURE);
+                self.update([i, j], &Coverage::UNKNOWN, &[max_inv_depth; LANES], 0.0, UNSURE);
             }
         }
     }

@@ -1,11 +1,13 @@
-//! The screen-space bounds of triangles: conservatively, the pixels whose rays may hit each.
+//! The screen-space bounds of triangles, and of boxes around other primitives: conservatively, the pixels whose rays may
+//! hit each.
 //!
 //! This is the first step of rasterization. All vertices are projected onto the picture, then the bounds of
 //! each triangle are taken from those of its vertices. A triangle that has a vertex beside or behind the eye
 //! is either certainly outside the view frustum or gets the whole picture as its bounds.
 //! `proofs/raster_bounds.g` proves that the bounds leave out no pixel.
 
-use super::{Eye, Screen, Viewport};
+use super::{Eye, Screen, UNSURE, Viewport};
+use crate::math::aabb::Aabb;
 use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::World;
@@ -120,9 +122,52 @@ impl TriangleBounds {
         } else if max3(inv_depth) < 0.0 || is_outside_frustum(viewport, world.corners(id as usize)) {
             None
         } else {
-            let (columns, rows) = (Span::new(&(0..viewport.screen.width)), Span::new(&viewport.rows));
-            Some((Self { id, columns, rows, max_inv_depth: f32::INFINITY }, true))
+            Some((Self::whole(&viewport.screen, &viewport.rows, id), true))
         }
+    }
+
+    /// The bounds of a box, whose pixels are unsure; none where it covers no pixel.
+    pub fn of_box(viewport: &Viewport, bounds: &Aabb) -> Option<Self> {
+        let corners = bounds.corners();
+        let on_screen = corners.map(|corner| ScreenVertex::of(corner, viewport));
+        if on_screen.iter().all(|corner| corner.inv_depth > 0.0) {
+            Self::of_box_ahead(&viewport.screen, &viewport.rows, on_screen)
+        } else if on_screen.iter().all(|corner| corner.inv_depth < 0.0)
+            || is_outside_frustum(viewport, corners)
+        {
+            None
+        } else {
+            Some(Self::whole(&viewport.screen, &viewport.rows, UNSURE))
+        }
+    }
+
+    /// The same for a box whose corners are all well ahead of the eye.
+    pub fn of_box_ahead(screen: &Screen, rows: &Range<usize>, corners: [ScreenVertex; 8]) -> Option<Self> {
+        let max_inv_depth = corners.iter().fold(f32::NEG_INFINITY, |most, corner| most.max(corner.inv_depth));
+        Self::around(screen, rows, corners, UNSURE, max_inv_depth)
+    }
+
+    /// The whole picture, at any depth.
+    fn whole(screen: &Screen, rows: &Range<usize>, id: u32) -> Self {
+        let (columns, rows) = (Span::new(&(0..screen.width)), Span::new(rows));
+        Self { id, columns, rows, max_inv_depth: f32::INFINITY }
+    }
+
+    /// The bounds of some corners, of which this is the largest inverse depth; none where they cover no pixel.
+    #[inline(always)]
+    fn around<const N: usize>(
+        screen: &Screen,
+        rows: &Range<usize>,
+        corners: [ScreenVertex; N],
+        id: u32,
+        max_inv_depth: f32,
+    ) -> Option<Self> {
+        // The factor exceeds the error of single precision, so the result is an upper bound.
+        let max_inv_depth = 1.000_001 * max_inv_depth;
+        let [columns, rows] = [(0, &(0..screen.width)), (1, rows)]
+            .map(|(axis, pixels)| Span::around(corners, axis, pixels, screen.reach));
+        let is_seen = !columns.is_empty() && !rows.is_empty();
+        is_seen.then_some(Self { id, columns, rows, max_inv_depth })
     }
 
     /// The same for a triangle whose vertices are all well ahead of the eye.
@@ -133,12 +178,9 @@ impl TriangleBounds {
         [a, b, c]: [ScreenVertex; 3],
         id: u32,
     ) -> Option<(Self, bool)> {
-        // The factor exceeds the error of single precision, so the result is an upper bound.
-        let max_inv_depth = 1.000_001 * max3([a.inv_depth, b.inv_depth, c.inv_depth]);
-        let [columns, rows] = [(0, &(0..screen.width)), (1, rows)]
-            .map(|(axis, pixels)| Span::around([a, b, c], axis, pixels, screen.reach));
-        let is_seen = !columns.is_empty() && !rows.is_empty();
-        is_seen.then(|| (Self { id, columns, rows, max_inv_depth }, is_front([a, b, c])))
+        let max_inv_depth = max3([a.inv_depth, b.inv_depth, c.inv_depth]);
+        let bounds = Self::around(screen, rows, [a, b, c], id, max_inv_depth)?;
+        Some((bounds, is_front([a, b, c])))
     }
 
     /// The number of pixels within the bounds.
@@ -151,8 +193,8 @@ impl TriangleBounds {
 /// point's distance from the eye, times the plane's coefficients.
 pub const SIDE_ROUNDINGS: f64 = 4.3;
 
-/// Whether a triangle certainly lies beyond one of the four side planes of the view frustum.
-fn is_outside_frustum(viewport: &Viewport, corners: [DVec3; 3]) -> bool {
+/// Whether all of some points certainly lie beyond one of the four side planes of the view frustum.
+fn is_outside_frustum<const N: usize>(viewport: &Viewport, corners: [DVec3; N]) -> bool {
     let points = corners.map(|corner| viewport.eye_space(corner));
     (0..2).any(|k| {
         let axis = viewport.axes[k];

@@ -107,7 +107,7 @@ fn a_pixel_is_unsure_until_something_is_nearer_than_all_that_it_may_show() {
 fn where_the_depth_is_unknown_pixels_stay_unsure() {
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
     let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids).unwrap();
-    tile.mark_unsure(3..22, 34..36);
+    tile.mark_unsure(3..22, 34..36, f32::INFINITY);
     tile.update([3, 34], &Coverage::FULL, &[9.0; LANES], 1.0, 7);
     let unsure = visible_ids.iter().enumerate().filter(|&(_, id)| *id == UNSURE).map(|(k, _)| k);
     let expected = [34, 35].map(|j| (3..27).map(move |i| (j - 32) * STRIDE + i));

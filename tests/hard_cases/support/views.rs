@@ -2,9 +2,11 @@
 
 use super::rng::Rng;
 use super::scenes::world_of_mesh;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use raytracer::camera::Camera;
+use raytracer::primitive::ellipsoid::Ellipsoid;
 use raytracer::primitive::plane::Plane;
+use raytracer::primitive::sphere::Sphere;
 use raytracer::scene;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
@@ -134,6 +136,17 @@ impl View {
             }
         }
         let mut world = world_of_mesh(&mesh);
+        for _ in 0..rng.below(4).saturating_sub(1) {
+            let size = self.scale * f64::powf(10.0, rng.range(-4.0, 0.0));
+            let center = self.point(rng);
+            if rng.below(2) == 0 {
+                world.spheres.push(Sphere { center, radius: size });
+            } else {
+                let axes = [rng.direction(), rng.direction(), rng.direction()].map(|axis| size * axis);
+                world.ellipsoids.push(Ellipsoid::new(center, DMat3::from_cols(axes[0], axes[1], axes[2])));
+            }
+        }
+        world.bounds = world.boxes().fold(world.bounds, |all, bounds| all.union(bounds));
         for _ in 0..rng.below(3) {
             let normal = if rng.below(2) == 0 { DVec3::Y } else { rng.direction() };
             world.planes.push(Plane { normal, offset: normal.dot(self.point(rng)) });
