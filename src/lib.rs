@@ -39,6 +39,8 @@
 //! Data flows one way: a module imports only from the modules before it in this list.
 
 #[doc(hidden)]
+pub mod shortcut;
+#[doc(hidden)]
 pub mod escape;
 pub mod memory;
 #[doc(hidden)]
@@ -59,7 +61,7 @@ pub mod shading;
 #[doc(hidden)]
 pub mod camera;
 #[doc(hidden)]
-pub mod raster;
+pub mod fast;
 pub mod trace;
 pub mod sampling;
 pub mod picture;

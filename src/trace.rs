@@ -1,6 +1,7 @@
 //! The colour along a ray: local shading, shadows, reflection and refraction (Whitted, "An Improved
 //! Illumination Model for Shaded Display", CACM 23(6), 1980).
 
+use crate::fast::ShadowMaps;
 use crate::grid::Caster;
 #[cfg(target_arch = "x86_64")]
 use crate::math::avx::Avx;
@@ -10,7 +11,6 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::Ray;
 use crate::mode::{Fast, Mode};
-use crate::raster::ShadowMaps;
 use crate::scene::Color;
 use crate::scene::material::Material;
 use crate::shading::light::incident;

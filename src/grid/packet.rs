@@ -19,6 +19,7 @@ use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
+use crate::shortcut::Shortcut;
 use crate::stats::Probe;
 use arrayvec::ArrayVec;
 
@@ -66,7 +67,7 @@ impl<M: Mode> Caster<'_, M> {
     /// Finds the same primitive as [`nearest`](Self::nearest) for each of any number of rays.
     pub fn nearest_of_packet<P: Probe>(&self, rays: &mut [impl PacketRay], probe: &mut P) {
         let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
-        let Some((grid, table)) = grid.filter(|_| !M::AS_COURSE) else {
+        let Some((grid, table)) = grid.filter(|_| Shortcut::Packets.is_taken() && !M::AS_COURSE) else {
             return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
         };
         for rays in rays.chunks_mut(PACKET_SIZE) {

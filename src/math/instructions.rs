@@ -1,6 +1,9 @@
 //! Which instructions the inner loops may use. Zero-sized values prove that the processor has them, so that
 //! safe code cannot reach an instruction that would fault.
 
+#[cfg(target_arch = "x86_64")]
+use crate::shortcut::Shortcut;
+
 /// The empty proof: only instructions of the target that the program is compiled for are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Portable;
@@ -42,7 +45,9 @@ impl Instructions {
     /// The instruction sets that this machine can run, the fastest first.
     pub fn available() -> Vec<Self> {
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = Avx2::detect() {
+        if Shortcut::Avx2.is_taken()
+            && let Some(avx2) = Avx2::detect()
+        {
             return vec![Self::Avx2(avx2), Self::Portable];
         }
         vec![Self::Portable]

@@ -2,9 +2,9 @@
 
 use super::layer::Layer;
 use crate::camera::Camera;
+use crate::fast::{Footprint, ShadowMaps, VisibilityBuffer};
 use crate::grid::Caster;
 use crate::mode::{Fast, Mode};
-use crate::raster::{Footprint, ShadowMaps, VisibilityBuffer};
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;

@@ -3,12 +3,12 @@
 //! overlap, which hides the latency of divisions and of memory.
 
 use crate::camera::Camera;
+use crate::fast::{Seen, VisibilityBuffer};
 use crate::grid::Caster;
 use crate::grid::packet::PacketRay;
 use crate::math::f64x4::{F64x4, LANES};
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
-use crate::raster::{Seen, VisibilityBuffer};
 use crate::stats::Probe;
 use crate::trace::MOST_CAMERA_RAYS;
 use crate::world::World;

@@ -7,6 +7,7 @@ pub use super::foreign_format::Format;
 pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
 use super::{Position, obj_lines, obj_reader, plain_obj};
 use crate::memory::{self, NoMemory};
+use crate::shortcut::Shortcut;
 use glam::DVec3;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
@@ -38,7 +39,9 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
 /// The same with what is doubtful in the file, in its order: one of each kind.
 pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
     let text = without_mark(bytes);
-    if let Some((vertices, triangles)) = plain_obj::parse(text)? {
+    if Shortcut::PlainMeshes.is_taken()
+        && let Some((vertices, triangles)) = plain_obj::parse(text)?
+    {
         return Ok((Mesh { vertices, triangles }, vec![]));
     }
     let foreign = |format| MeshError { at: None, fault: MeshFault::Foreign(format) };

@@ -3,10 +3,10 @@
 use super::event::{Event, Observer};
 use super::optics::transmittance;
 use super::{Lit, Shadows, Tracer};
+use crate::fast::Blocker;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::mode::Mode;
-use crate::raster::Blocker;
 use crate::scene::limits::LARGEST;
 use crate::scene::{Color, Light};
 use crate::shading::light::Incident;

@@ -12,6 +12,7 @@ use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
 use crate::mode::Mode;
 use crate::scene::Color;
+use crate::shortcut::Shortcut;
 use crate::world::surfaces::Traced;
 
 /// Fewer rays are followed one after the other.
@@ -52,7 +53,7 @@ impl<M: Mode> Tracer<'_, M> {
     /// Whether secondary rays are followed side by side. It pays where they traverse a grid with triangles. Where they
     /// are counted or observed, they are followed one after the other.
     pub(super) fn goes_side_by_side<P: Observer>(&self) -> bool {
-        let is_fast = !M::AS_COURSE && !P::OBSERVES && !P::COUNTS;
+        let is_fast = Shortcut::SideBySide.is_taken() && !M::AS_COURSE && !P::OBSERVES && !P::COUNTS;
         is_fast && self.caster.has_grid() && !self.world().triangles.is_empty()
     }
 

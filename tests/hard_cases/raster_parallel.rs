@@ -6,8 +6,8 @@ use crate::support::rays;
 use crate::support::rng::Rng;
 use crate::support::views::{View, triangles};
 use glam::DVec2;
+use raytracer::fast::Footprint;
 use raytracer::primitive::plane::Plane;
-use raytracer::raster::Footprint;
 use raytracer::world::World;
 
 /// Runs pictures for both footprints, and asserts that none is wrong and that more than this part of the rays is sure.

@@ -2,8 +2,8 @@
 //! them disagree, more.
 
 use super::{Colors, Painter, Setting};
+use crate::fast::VisibilityBuffer;
 use crate::memory::{self, NoMemory};
-use crate::raster::VisibilityBuffer;
 use crate::render::RenderMode;
 use crate::render::sample_packet::{Sample, SamplePacket};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};

@@ -132,7 +132,7 @@ impl EdgeFunctions {
 mod tests {
     use super::*;
     use crate::camera::Eye;
-    use crate::raster::Screen;
+    use crate::fast::Screen;
     use glam::DVec2;
 
     #[test]

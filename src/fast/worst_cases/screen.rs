@@ -1,13 +1,13 @@
-//! How tight the error bounds of [`triangle_bounds`](crate::raster::triangle_bounds) are.
+//! How tight the error bounds of [`triangle_bounds`](crate::fast::triangle_bounds) are.
 
 use super::{SIZE, view};
+use crate::fast::Viewport;
+use crate::fast::triangle_bounds::{
+    BEHIND_ROUNDINGS, MAX_STEEPNESS, SCREEN_ROUNDINGS, SIDE_ROUNDINGS, pixel_coordinates,
+};
 use crate::math::double_double::{Dd, difference, dot};
 use crate::math::robust::UNIT_ROUNDOFF as U;
 use crate::math::worst_case::{Input, Rng, search};
-use crate::raster::Viewport;
-use crate::raster::triangle_bounds::{
-    BEHIND_ROUNDINGS, MAX_STEEPNESS, SCREEN_ROUNDINGS, SIDE_ROUNDINGS, pixel_coordinates,
-};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 

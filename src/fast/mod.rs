@@ -31,6 +31,7 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::memory;
 use crate::mode::Mode;
+use crate::shortcut::Shortcut;
 use crate::world::{Primitive, World};
 use bins::Bins;
 use edge_functions::{EdgeFunctions, InvDepthPlane};
@@ -139,7 +140,7 @@ impl VisibilityBuffer {
             }
         };
         let is_drawn = !world.triangles.is_empty() || world.finite_count() == 0;
-        is_drawn && !is_large && is_accurate
+        Shortcut::FirstHits.is_taken() && is_drawn && !is_large && is_accurate
     }
 
     /// The number of rays to be cast for these columns of all rows, one for each pixel.

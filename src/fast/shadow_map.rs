@@ -16,6 +16,7 @@ use super::{NOTHING, UNSURE};
 use crate::math::aabb::Aabb;
 use crate::memory::{self, NoMemory};
 use crate::scene::Light;
+use crate::shortcut::Shortcut;
 use crate::world::World;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -57,7 +58,7 @@ impl ShadowMaps {
         // The light side of spheres is unsure.
         let has_flat_surfaces = !world.triangles.is_empty() || !world.planes.is_empty();
         let pays = rays >= SIZE * SIZE && rays / RAYS_PER_TRIANGLE >= world.triangles.len();
-        if world.finite_count() == 0 || !has_flat_surfaces || !pays {
+        if !Shortcut::ShadowMaps.is_taken() || world.finite_count() == 0 || !has_flat_surfaces || !pays {
             return Self::default();
         }
         Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light)).collect())
