@@ -18,12 +18,15 @@ CARGO = ["cargo", "run", "--release", "--manifest-path", BENCHES / "Cargo.toml",
 SOURCES = {
     "kernels": CARGO,
     "commands": [BENCHES / "commands.py", "--markdown"],
+    "shortcuts": [BENCHES / "shortcuts.py", "--markdown"],
     "instructions": [BENCHES / "instructions.sh", "--record"],
 }
 
 
 def main():
     subprocess.run(["cargo", "build", "--release"], cwd=ROOT, check=True)
+    ablation = ["--features", "ablation", "--target-dir", "target/ablation"]
+    subprocess.run(["cargo", "build", "--release", *ablation], cwd=ROOT, check=True)
     document = ROOT / "docs" / "performance.md"
     for name, command in SOURCES.items():
         output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
