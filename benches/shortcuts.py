@@ -22,7 +22,7 @@ FILES = {
                    "src/fast/edge_functions.rs", "src/fast/flat_triangle.rs", "src/fast/parallel_view.rs"],
     "shadow_maps": ["src/fast/shadow_map.rs", "src/fast/light_view.rs"],
     "packets": ["src/grid/packet.rs", "src/grid/packet_setup.rs", "src/grid/dda4.rs"],
-    "side_by_side": ["src/trace/side_by_side.rs", "src/world/surfaces.rs", "src/primitive/triangle4.rs"],
+    "side_by_side": ["src/trace/side_by_side.rs"],
     "avx2": ["src/math/avx.rs"],
     "plain_meshes": ["src/scene/plain_obj.rs"],
 }
