@@ -7,7 +7,9 @@ use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io::load;
-use raytracer::tools::error_report::{Axis, Bench, Departure, ErrorReport, Group, Kind, Numerical, Sweep};
+use raytracer::tools::error_report::{
+    Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Sweep,
+};
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -78,14 +80,14 @@ fn print(report: &ErrorReport) {
 }
 
 /// The error and the time of each number of samples.
-fn print_curves(group: &Group) {
+fn print_curves(group: &MeasuredFilter) {
     println!("| samples | 1 | 4 | 16 | 64 | 256 | slope | s to 1 level |\n|---|{}", "---:|".repeat(7));
     let cells = |kind| -> String {
         group.curve(kind).map(|one| format!(" {:.2} in {:.4} s |", one.error, one.least())).collect()
     };
     let optional =
         |number: Option<f64>, digits| number.map_or("".into(), |number| format!("{number:.digits$}"));
-    for kind in [Kind::Random, Kind::Uniform, Kind::Jittered] {
+    for kind in [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered] {
         let (slope, seconds) = (optional(group.slope(kind), 2), optional(group.seconds_to_a_level(kind), 4));
         println!("| {} |{} {slope} | {seconds} |", kind.name(), cells(kind));
     }
@@ -93,12 +95,12 @@ fn print_curves(group: &Group) {
         "\n| adaptive, up to 256, error | 8 | 4 | 2 | 1 | 0.5 | s to 1 level |\n|---|{}",
         "---:|".repeat(6)
     );
-    let seconds = optional(group.seconds_to_a_level(Kind::Adaptive), 4);
-    println!("| |{} {seconds} |\n", cells(Kind::Adaptive));
+    let seconds = optional(group.seconds_to_a_level(SamplingKind::Adaptive), 4);
+    println!("| |{} {seconds} |\n", cells(SamplingKind::Adaptive));
 }
 
 /// What nothing else beats, from the cheapest.
-fn print_front(group: &Group) {
+fn print_front(group: &MeasuredFilter) {
     let mut front: Vec<_> =
         group.measurements.iter().zip(group.front()).filter(|(_, is_on)| *is_on).collect();
     front.sort_by(|(a, _), (b, _)| a.least().total_cmp(&b.least()));
@@ -107,7 +109,7 @@ fn print_front(group: &Group) {
 }
 
 /// Fewer bounces, larger weights, fewer octaves and other grids, if there are any.
-fn print_others(group: &Group) {
+fn print_others(group: &MeasuredFilter) {
     println!("| setting | CPU s | RMSE | pixels changed by the grid |\n|---|---:|---:|---:|");
     for one in group.measurements.iter().filter(|one| one.setting.axis != Axis::Samples) {
         let changed = one.changed.map_or("".into(), |pixels| pixels.to_string());

@@ -26,10 +26,10 @@ mod secondary;
 mod shadow;
 mod side_by_side;
 
-pub use event::{End, Event, Observer, Secondary};
+pub use event::{Event, Observer, PathEnd, Secondary};
 pub(crate) use optics::refracted_between;
 pub use optics::{reflected, refracted, transmittance};
-use secondary::{Branch, Path};
+use secondary::{Path, SecondaryRay};
 use side_by_side::Cast;
 
 /// Which objects cast shadows.
@@ -84,7 +84,7 @@ pub const MOST_CAMERA_RAYS: usize = 32;
 #[derive(Debug, Default)]
 pub struct Memory {
     /// A stack of secondary rays for each camera ray, kept so that the loop allocates no memory.
-    pending: [Vec<Branch>; MOST_CAMERA_RAYS],
+    pending: [Vec<SecondaryRay>; MOST_CAMERA_RAYS],
     /// The rays that are cast together.
     cast: Vec<Cast>,
     mixture: Mixture,
@@ -196,7 +196,8 @@ impl<M: Mode> Tracer<'_, M> {
     ) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
-        while let Some(Branch { ray, leaves, path, is_known, known }) = memory.pending[camera_ray].pop() {
+        while let Some(SecondaryRay { ray, leaves, path, is_known, known }) = memory.pending[camera_ray].pop()
+        {
             // Where rays are counted or observed, they are cast all the same.
             if is_known && !M::AS_COURSE && !P::OBSERVES {
                 color += path.filter * known;
@@ -264,8 +265,8 @@ impl<M: Mode> Tracer<'_, M> {
             self.refract(path, &lit, pending, probe);
         } else if P::OBSERVES {
             let phong = material.phong;
-            probe.observe(Secondary::Reflected.ends(End::of(phong.reflective, End::Bounces)));
-            probe.observe(Secondary::Refracted.ends(End::of(phong.transparent, End::Bounces)));
+            probe.observe(Secondary::Reflected.ends(PathEnd::of(phong.reflective, PathEnd::Bounces)));
+            probe.observe(Secondary::Refracted.ends(PathEnd::of(phong.transparent, PathEnd::Bounces)));
         }
         let color = self.shade(&lit, probe);
         if P::OBSERVES {

@@ -21,7 +21,7 @@ use scene::SceneSummary;
 const FORMAT: u32 = 1;
 
 /// What a comparison has found.
-pub struct Verdict {
+pub struct ComparisonResult {
     pub comparison: Comparison,
     /// Why the picture differs, if that was asked.
     pub cause: Option<Finding>,
@@ -29,7 +29,7 @@ pub struct Verdict {
     pub passes: Option<bool>,
 }
 
-impl Verdict {
+impl ComparisonResult {
     /// What there is to print.
     pub fn text(&self) -> String {
         self.comparison.block(self.cause.as_ref().map(|cause| cause as &dyn Display))
@@ -138,7 +138,7 @@ impl<'a> Document<'a> {
         warnings: &'a [String],
         threads: usize,
         rendered: Option<&'a Rendered>,
-        verdict: Option<&Verdict>,
+        verdict: Option<&ComparisonResult>,
     ) -> Self {
         let tolerance = options.comparison.as_ref().and_then(|comparison| comparison.tolerance);
         Self {
@@ -193,7 +193,10 @@ impl<'a> Pixel<'a> {
 }
 
 impl Compared {
-    fn of(Verdict { comparison, cause, passes }: &Verdict, tolerance: Option<Tolerance>) -> Self {
+    fn of(
+        ComparisonResult { comparison, cause, passes }: &ComparisonResult,
+        tolerance: Option<Tolerance>,
+    ) -> Self {
         let above = |levels| comparison.pixels_differing_by_more_than(levels);
         let check = |(tolerance, passes): (Tolerance, bool)| Check {
             tolerance,

@@ -2,7 +2,7 @@
 
 use crate::app::complete_files::CompleteFiles;
 use crate::app::products::Products;
-use crate::app::progress::{Progress, rows_text};
+use crate::app::progress::{ProgressLine, rows_text};
 use crate::app::signals::Signals;
 use crate::app::stopping::{self, upper};
 use crate::app::threads::Crew;
@@ -118,7 +118,7 @@ pub fn render<M: RenderMode>(
         }
     };
     signals.end_at_second();
-    let (progress, start) = (Progress::new(options.progress), Instant::now());
+    let (progress, start) = (ProgressLine::new(options.progress), Instant::now());
     let watch = |rows| {
         if start.elapsed() >= PATIENCE {
             crew.start_all();

@@ -36,7 +36,7 @@ pub type KeptPart = Option<PathBuf>;
 
 /// What is left of a render when all rows are taken.
 #[derive(Default)]
-pub struct Finished {
+pub struct FinishedLayers {
     pub files: Vec<CompleteFile>,
     pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
@@ -141,8 +141,8 @@ impl Products {
     }
 
     /// Completes the files. `size` is the width and height of the picture in pixels.
-    pub fn finish(self, size: [usize; 2]) -> Result<Finished, String> {
-        let mut finished = Finished::default();
+    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, String> {
+        let mut finished = FinishedLayers::default();
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete().map_err(failed)?),

@@ -27,14 +27,14 @@ enum Sink {
 }
 
 /// The line that tells how far a run has come.
-pub struct Progress {
+pub struct ProgressLine {
     sink: Sink,
     start: Instant,
     /// When there is to be another text.
     next: Mutex<Duration>,
 }
 
-impl Progress {
+impl ProgressLine {
     /// The progress of work that starts now.
     pub fn new(wish: ShowProgress) -> Self {
         let sink = Sink::of(wish, stderr().is_terminal());
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn texts_come_after_a_delay_and_then_at_intervals() {
         let told = Mutex::new(0);
-        let count = |progress: &Progress| {
+        let count = |progress: &ProgressLine| {
             progress.show(|_| {
                 *told.lock().unwrap() += 1;
                 String::new()
@@ -156,12 +156,12 @@ mod tests {
             *told.lock().unwrap() = 0;
             let Some(start) = Instant::now().checked_sub(first) else { return };
             let next = |wait| Mutex::new(wait);
-            let late = Progress { sink, start, next: next(first) };
+            let late = ProgressLine { sink, start, next: next(first) };
             assert_eq!([count(&late), count(&late)], [1, 1], "{sink:?}");
-            let early = Progress { sink, start, next: next(first + Duration::from_secs(3600)) };
+            let early = ProgressLine { sink, start, next: next(first + Duration::from_secs(3600)) };
             assert_eq!(count(&early), 1);
         }
-        let silent = Progress { sink: Sink::Nothing, start: Instant::now(), next: Mutex::default() };
+        let silent = ProgressLine { sink: Sink::Nothing, start: Instant::now(), next: Mutex::default() };
         assert_eq!(count(&silent), 1);
     }
 }

@@ -31,7 +31,7 @@ impl Crew {
     pub fn new(wanted: Option<usize>) -> Result<Self, String> {
         let mut reserve = vec![];
         let pool = match wanted.is_some() || memory_is_limited() {
-            true => pool(wanted, Place::Here)?,
+            true => pool(wanted, PoolPlace::Here)?,
             false => ThreadPoolBuilder::new()
                 .num_threads(most_cores())
                 .use_current_thread()
@@ -69,7 +69,7 @@ impl Crew {
 
 /// Where the threads of a pool run.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum PoolPlace {
     /// This thread is among them: for one thread none is started, and calls from here neither wake another nor wait.
     Here,
     /// All are started.
@@ -78,8 +78,8 @@ pub enum Place {
 
 /// A pool of the number of threads that `-threads` asks for; without it, of as many as the machine has cores, or as the
 /// system starts. The pool decides nothing by itself: it would read variables of the environment.
-pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
-    let here = usize::from(place == Place::Here);
+pub fn pool(wanted: Option<usize>, place: PoolPlace) -> Result<ThreadPool, String> {
+    let here = usize::from(place == PoolPlace::Here);
     let count = wanted.unwrap_or_else(cores);
     let waiting = match (start(count - here), wanted) {
         (Ok(waiting), _) => waiting,
@@ -95,7 +95,7 @@ pub fn pool(wanted: Option<usize>, place: Place) -> Result<ThreadPool, String> {
         let next = waiting.next().ok_or_else(|| io::Error::other("no thread is left"))?;
         next.send(thread).map_err(|_| io::Error::other("a thread has ended"))
     });
-    let pool = if place == Place::Here { pool.use_current_thread() } else { pool };
+    let pool = if place == PoolPlace::Here { pool.use_current_thread() } else { pool };
     let pool = pool.build().map_err(|error| refused(&error))?;
     if memory_is_limited() {
         // A thread allocates when it first looks for work, and ends the program if there is no memory left by then.

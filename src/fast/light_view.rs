@@ -110,16 +110,16 @@ impl LightView {
     /// The pixel through which a ray from a point to the light passes on its way past the primitives. One that starts
     /// between them and a point light, or behind it, hits none of them, whichever pixel it is taken for.
     #[inline(always)]
-    pub fn pixel(&self, point: DVec3) -> Place {
+    pub fn pixel(&self, point: DVec3) -> MapPlace {
         // Also false for a NaN.
         let is_usable = point.abs().max_element() <= self.max_abs_position;
         let place = self.project(point).at + self.middle;
         if !is_usable {
-            Place::Unknown
+            MapPlace::Unknown
         } else if place.max_element() < 2.0 * self.middle + 0.5 {
-            Place::Pixel([nearest_pixel(place.x), nearest_pixel(place.y)])
+            MapPlace::Pixel([nearest_pixel(place.x), nearest_pixel(place.y)])
         } else {
-            Place::Outside
+            MapPlace::Outside
         }
     }
 }
@@ -134,7 +134,7 @@ fn nearest_pixel(coordinate: f64) -> usize {
 
 /// Where a ray to the light is in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum MapPlace {
     /// In this column and row.
     Pixel([usize; 2]),
     /// Beside all primitives.

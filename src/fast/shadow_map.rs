@@ -9,7 +9,7 @@
 
 use super::bins::Bins;
 use super::flat_triangle::{Projected, edge_functions};
-use super::light_view::{LightView, Place, SCREEN_ERROR};
+use super::light_view::{LightView, MapPlace, SCREEN_ERROR};
 use super::tile::{self, Tile};
 use super::triangle_bounds::TriangleBounds;
 use super::{NOTHING, UNSURE};
@@ -86,9 +86,9 @@ impl ShadowMap {
     #[inline(always)]
     fn blocker(&self, point: DVec3) -> Blocker {
         match self.view.pixel(point) {
-            Place::Outside => Blocker::Nothing,
-            Place::Unknown => Blocker::Any,
-            Place::Pixel([i, j]) => match self.nearest_ids[j * (SIZE + tile::LANES) + i] {
+            MapPlace::Outside => Blocker::Nothing,
+            MapPlace::Unknown => Blocker::Any,
+            MapPlace::Pixel([i, j]) => match self.nearest_ids[j * (SIZE + tile::LANES) + i] {
                 NOTHING => Blocker::Nothing,
                 UNSURE => Blocker::Any,
                 id => Blocker::Only(id),

@@ -12,8 +12,8 @@ use super::triangle8::{Frame, LANES, NONE};
 use crate::math::aabb::Aabb;
 use crate::memory;
 use crate::world::World;
-use binary::{BinaryTree, Content, HEURISTIC_LEVELS, Half};
-use division::{Bounds, Group, Item};
+use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
+use division::{Bounds, Item, ItemRun};
 
 pub use binary::MAX_LEVELS;
 
@@ -69,7 +69,7 @@ impl Bvh {
         let (nodes, leaves, small, frames) = (vec![], vec![], vec![], vec![(0, *frame)]);
         let mut bvh = Self { root: 0, nodes, leaves, small, frames };
         let mut items = primitives.items(ids.iter().copied(), frame)?;
-        let Group { items, bounds, is_small, .. } = Group::new(&mut items);
+        let ItemRun { items, bounds, is_small, .. } = ItemRun::new(&mut items);
         bvh.root = match items.len() {
             0..=LANES => bvh.add_single_leaf(items, bounds)?,
             _ if is_small => bvh.add_small(primitives, items, frame, 0)?,
@@ -146,9 +146,9 @@ impl Bvh {
         for (lane, child) in tree.children(half).into_iter().enumerate() {
             let own = &items[child.items.clone()];
             let branch = match child.content {
-                Content::Leaf => self.add_leaf(own)?,
-                Content::Small { level } => self.add_small(primitives, own, frame, level)?,
-                Content::Halves(_) => self.add_node(primitives, tree, child, items, frame)?,
+                BranchContent::Leaf => self.add_leaf(own)?,
+                BranchContent::Small { level } => self.add_small(primitives, own, frame, level)?,
+                BranchContent::Halves(_) => self.add_node(primitives, tree, child, items, frame)?,
             };
             let Bounds { min, max } = child.bounds;
             self.nodes[index as usize].set(lane, [min, max], branch);

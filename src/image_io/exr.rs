@@ -11,7 +11,7 @@ pub(super) const FLOAT: i32 = 2;
 
 /// Where the numbers of a file lie in the whole picture.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct ChunkPlace {
     /// Width and height of the whole in pixels.
     pub whole: [u16; 2],
     /// Column and row of the first number, from the top left.
@@ -20,7 +20,7 @@ pub(super) struct Place {
 
 /// What precedes the rows in a file of this width and height in pixels: the attributes, and where each row lies. The
 /// channels have to be in alphabetical order.
-pub(super) fn header([width, height]: [u16; 2], place: Place, channels: &[&str]) -> Vec<u8> {
+pub(super) fn header([width, height]: [u16; 2], place: ChunkPlace, channels: &[&str]) -> Vec<u8> {
     let mut bytes = START.to_vec();
     attribute(&mut bytes, "channels", "chlist", &channel_list(channels));
     attribute(&mut bytes, "compression", "compression", &[0]);

@@ -1,6 +1,6 @@
 //! Rows of numbers in single precision, neither clamped nor cut, for PFM and OpenEXR files.
 
-use super::exr::{self, Place};
+use super::exr::{self, ChunkPlace};
 use super::part::Part;
 use crate::scene::Color;
 
@@ -41,7 +41,7 @@ pub(super) struct FloatRows {
     content: Content,
     size: [u16; 2],
     /// OpenEXR says where a part lies.
-    place: Place,
+    place: ChunkPlace,
     /// The number of rows that have been encoded.
     rows: usize,
     pub exceptional: Exceptional,
@@ -58,8 +58,8 @@ impl FloatRows {
         let size = [u16::try_from(width).ok()?, u16::try_from(height).ok()?];
         let short = |[x, y]: [u32; 2]| Some([u16::try_from(x).ok()?, u16::try_from(y).ok()?]);
         let place = match part {
-            Some(part) => Place { whole: short(part.whole)?, at: short(part.at)? },
-            None => Place { whole: size, at: [0, 0] },
+            Some(part) => ChunkPlace { whole: short(part.whole)?, at: short(part.at)? },
+            None => ChunkPlace { whole: size, at: [0, 0] },
         };
         Some(Self { is_pfm, content, size, place, rows: 0, exceptional: Exceptional::default() })
     }

@@ -25,8 +25,8 @@ pub struct PartFile {
 }
 
 /// What rows are read from.
-pub(super) trait Source: BufRead + Seek + Send {}
-impl<T: BufRead + Seek + Send> Source for T {}
+pub(super) trait RowSource: BufRead + Seek + Send {}
+impl<T: BufRead + Seek + Send> RowSource for T {}
 
 /// The rows of a picture, from the top.
 pub struct Rows {
@@ -42,8 +42,8 @@ pub struct Rows {
 
 enum Decoder {
     /// The rows follow the header uncompressed, with blue first.
-    Tga(Box<dyn Source>),
-    Png(Box<png::Reader<Box<dyn Source>>>),
+    Tga(Box<dyn RowSource>),
+    Png(Box<png::Reader<Box<dyn RowSource>>>),
 }
 
 impl PartFile {
@@ -92,7 +92,7 @@ impl PartFile {
 }
 
 /// The content of a regular file. A pipe could block the program.
-fn source(path: &Path) -> Result<Box<dyn Source>, ImageError> {
+fn source(path: &Path) -> Result<Box<dyn RowSource>, ImageError> {
     let failed = |error| ImageError::io("read", path, error);
     match fs::metadata(path).map_err(failed)?.is_file() {
         true => Ok(Box::new(BufReader::with_capacity(1 << 18, File::open(path).map_err(failed)?))),
@@ -105,7 +105,7 @@ impl Rows {
     pub(super) fn read(
         path: &Path,
         format: Format,
-        source: Box<dyn Source>,
+        source: Box<dyn RowSource>,
     ) -> Result<(Self, Start), ImageError> {
         let path = path.to_owned();
         let read = match format {
@@ -183,7 +183,7 @@ pub(super) struct Start {
 type Found = ([u32; 2], Decoder, Start);
 
 /// None if the file is not encoded as this program does.
-fn tga(mut source: Box<dyn Source>) -> io::Result<Option<Found>> {
+fn tga(mut source: Box<dyn RowSource>) -> io::Result<Option<Found>> {
     let mut header = [0; TGA_HEADER];
     source.read_exact(&mut header)?;
     let mut id = vec![0; header[0].into()];
@@ -195,7 +195,7 @@ fn tga(mut source: Box<dyn Source>) -> io::Result<Option<Found>> {
 }
 
 /// None if the file is not encoded as this program does.
-fn png(source: Box<dyn Source>) -> io::Result<Option<Found>> {
+fn png(source: Box<dyn RowSource>) -> io::Result<Option<Found>> {
     let mut options = png::DecodeOptions::default();
     options.set_skip_ancillary_crc_failures(false);
     let reader = png::Decoder::new_with_options(source, options).read_info()?;

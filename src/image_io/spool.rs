@@ -1,7 +1,7 @@
 //! The spool, which holds the bytes of a file until the file is complete.
 
 use super::complete_file::nameless_file;
-use super::part_file::Source;
+use super::part_file::RowSource;
 use crate::memory::{make_room, with_room};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Seek, Write};
@@ -50,7 +50,7 @@ impl Spool {
     }
 
     /// The bytes, to be read from the first one on.
-    pub fn into_source(self) -> io::Result<Box<dyn Source>> {
+    pub fn into_source(self) -> io::Result<Box<dyn RowSource>> {
         let Some(file) = self.file else { return Ok(Box::new(Cursor::new(self.memory))) };
         let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
         file.rewind()?;

@@ -24,7 +24,7 @@ use crate::scene::Color;
 use crate::stats::{Counts, Probe, RayCount};
 use crate::trace::Observer;
 use glam::DVec2;
-use row::Setting;
+use row::RenderSetting;
 use std::fmt;
 use std::ops::ControlFlow;
 use strip::Strip;
@@ -150,7 +150,7 @@ fn render<M: RenderMode>(
     }
     let shadow_maps = request.shadow_maps(caster, view);
     let shadow_maps = shadow_maps.as_ref();
-    let setting = Setting { camera, caster, view, request, shadow_maps };
+    let setting = RenderSetting { camera, caster, view, request, shadow_maps };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
     let mut counter = M::Counter::default();
@@ -172,7 +172,9 @@ pub fn strata<M: RenderMode>(
     settings: Adaptive,
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
-    Setting { camera, caster, view, request, shadow_maps: None }.strata(settings, pixel).unwrap_or_default()
+    RenderSetting { camera, caster, view, request, shadow_maps: None }
+        .strata(settings, pixel)
+        .unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

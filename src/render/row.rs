@@ -3,7 +3,7 @@
 use super::RenderMode;
 use super::layer::Layer;
 use super::request::{Request, View};
-use super::sample_packet::{Place, Sample, SamplePacket};
+use super::sample_packet::{Sample, SamplePacket, SamplePlace};
 use crate::camera::Camera;
 use crate::fast::{ShadowMaps, VisibilityBuffer};
 use crate::grid::Caster;
@@ -32,7 +32,7 @@ mod traced;
 pub use traced::{Colors, Row};
 
 /// Everything that is needed to trace any row of a picture.
-pub struct Setting<'a, M> {
+pub struct RenderSetting<'a, M> {
     pub camera: &'a Camera,
     pub caster: &'a Caster<'a, M>,
     pub view: View<'a>,
@@ -42,15 +42,15 @@ pub struct Setting<'a, M> {
 }
 
 // Implemented by hand, because a derived `Clone` would require that `M` is `Clone`.
-impl<M> Clone for Setting<'_, M> {
+impl<M> Clone for RenderSetting<'_, M> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M> Copy for Setting<'_, M> {}
+impl<M> Copy for RenderSetting<'_, M> {}
 
-impl<M: RenderMode> Setting<'_, M> {
+impl<M: RenderMode> RenderSetting<'_, M> {
     /// Traces an empty row. `visibility` has the first hits of the rays through its centres, as far as they are
     /// known. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
     pub fn row(
@@ -74,7 +74,7 @@ impl<M: RenderMode> Setting<'_, M> {
 
     /// The columns whose samples contribute to the row.
     fn columns(&self) -> Range<usize> {
-        let Setting { request, .. } = *self;
+        let RenderSetting { request, .. } = *self;
         let (shown, support) = (request.columns(), request.support());
         shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
     }
@@ -86,7 +86,7 @@ impl<M: RenderMode> Setting<'_, M> {
         visibility: Option<&'a VisibilityBuffer>,
         is_shown: bool,
     ) -> Painter<'a, M> {
-        let Setting { caster, request, shadow_maps, .. } = *self;
+        let RenderSetting { caster, request, shadow_maps, .. } = *self;
         Painter {
             setting: *self,
             tracer: Tracer { caster, effects: request.effects, shadow_maps },
@@ -104,7 +104,7 @@ impl<M: RenderMode> Setting<'_, M> {
 
     /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
     pub fn empty_row(&self, j: usize, used: Option<Row<M::Counter>>) -> Result<Row<M::Counter>, NoMemory> {
-        let Setting { request, .. } = *self;
+        let RenderSetting { request, .. } = *self;
         if let Some(row) = used.and_then(|used| used.emptied(j)) {
             return Ok(row);
         }
@@ -125,7 +125,7 @@ impl<M: RenderMode> Setting<'_, M> {
 
 /// Traces the pixels of one row.
 struct Painter<'a, M: RenderMode> {
-    setting: Setting<'a, M>,
+    setting: RenderSetting<'a, M>,
     tracer: Tracer<'a, M>,
     visibility: Option<&'a VisibilityBuffer>,
     is_shown: bool,
@@ -193,7 +193,7 @@ impl<M: RenderMode> Painter<'_, M> {
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
     fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Setting { view, request, .. } = self.setting;
+        let RenderSetting { view, request, .. } = self.setting;
         let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<M>(view));
         let wanted = Wanted {
             hits: measures || casts,
@@ -260,7 +260,7 @@ impl<M: RenderMode> Painter<'_, M> {
         wanted: Wanted,
         packet: &mut SamplePacket,
     ) -> [Color; SamplePacket::SIZE] {
-        let Setting { camera, caster, .. } = self.setting;
+        let RenderSetting { camera, caster, .. } = self.setting;
         packet.aim::<F>(proof, camera, self.row.j);
         if wanted.hits {
             packet.cast(caster, self.visibility, self.row.j, &mut self.row.probe);
@@ -275,7 +275,7 @@ impl<M: RenderMode> Painter<'_, M> {
     #[inline(always)]
     fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket, colors: &[Color]) {
         let mut sum = self.sum;
-        for (Sample { source: Place { column, offset, is_last }, .. }, color) in
+        for (Sample { source: SamplePlace { column, offset, is_last }, .. }, color) in
             packet.samples().iter().zip(colors)
         {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);

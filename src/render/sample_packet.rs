@@ -18,7 +18,7 @@ use std::ops::Range;
 
 /// The place of a sample in a row of pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct SamplePlace {
     pub column: usize,
     /// The offset from the pixel's centre, in pixels.
     pub offset: DVec2,
@@ -27,11 +27,11 @@ pub struct Place {
 }
 
 /// A sample in a row of pixels, and what its ray hits.
-pub type Sample = Traced<Place>;
+pub type Sample = Traced<SamplePlace>;
 
 /// A sample that has not been placed.
 const UNPLACED: Sample = Traced::new(
-    Place { column: 0, offset: DVec2::ZERO, is_last: false },
+    SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
     Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
 );
 
@@ -98,7 +98,7 @@ impl SamplePacket {
     #[inline(always)]
     pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
         if let Some(place) = self.places.get_mut(self.count) {
-            place.source = Place { column, offset, is_last };
+            place.source = SamplePlace { column, offset, is_last };
             (place.visible, place.surface) = (None, None);
             self.count += 1;
         }

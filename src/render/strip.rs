@@ -7,7 +7,7 @@
 use super::layer::Layer;
 use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
-use super::row::{Colors, Row, Setting};
+use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::{RenderMode, Stopped, TakeRow, delivery};
 use crate::fast::VisibilityBuffer;
@@ -39,7 +39,7 @@ const ROWS_PER_SUPPORT: usize = 64;
 
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a, M> {
-    setting: &'a Setting<'a, M>,
+    setting: &'a RenderSetting<'a, M>,
     pub rows: Range<usize>,
 }
 
@@ -55,7 +55,7 @@ struct Finished<P> {
 
 impl<'a, M: RenderMode> Strip<'a, M> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(setting: &'a Setting<'a, M>, end: usize, first: usize) -> Self {
+    pub fn below(setting: &'a RenderSetting<'a, M>, end: usize, first: usize) -> Self {
         let Request { layers, sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
@@ -80,7 +80,7 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     pub fn render(&self, tally: &Tally, take_row: TakeRow) -> Result<M::Counter, Stopped> {
         let visibility = self.visibility();
         let caster = self.setting.caster.for_rays(|| self.unknown_rays(visibility.as_ref()));
-        let setting = Setting { caster: &caster, ..*self.setting };
+        let setting = RenderSetting { caster: &caster, ..*self.setting };
         let strip = Strip { setting: &setting, rows: self.rows.clone() };
         if Self::hands_out_at_once(setting.request) {
             let finished = strip.finish(visibility.as_ref(), tally)?;
@@ -96,7 +96,7 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         tally: &Tally,
         take_row: TakeRow,
     ) -> Result<M::Counter, Stopped> {
-        let Setting { request, .. } = *self.setting;
+        let RenderSetting { request, .. } = *self.setting;
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
             self.row(self.setting.empty_row(j, used)?, visibility, None, tally)
@@ -126,7 +126,7 @@ impl<'a, M: RenderMode> Strip<'a, M> {
 
     /// The first hits of the rays through these rows, as far as they are known.
     fn visibility(&self) -> Option<VisibilityBuffer> {
-        let Setting { camera, caster, view, request, .. } = *self.setting;
+        let RenderSetting { camera, caster, view, request, .. } = *self.setting;
         let Range { start, end } = self.traced();
         // The first of adaptive samples are traced in the rows beside, too.
         let beside = usize::from(request.adaptive.is_some());
@@ -138,7 +138,7 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     fn unknown_rays(&self, visibility: Option<&VisibilityBuffer>) -> usize {
         /// The number of pixels along an axis at which rays are tried.
         const TRIED: usize = 64;
-        let Setting { camera, caster, request, .. } = *self.setting;
+        let RenderSetting { camera, caster, request, .. } = *self.setting;
         let (columns, rows) = (request.columns(), self.traced());
         if let Some(visibility) = visibility {
             return visibility.unsure(columns);
@@ -197,7 +197,7 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         visibility: Option<&VisibilityBuffer>,
         tally: &Tally,
     ) -> Result<Vec<Option<Row<M::Counter>>>, NoMemory> {
-        let Setting { request, .. } = *self.setting;
+        let RenderSetting { request, .. } = *self.setting;
         let (first, probes) = match request.adaptive {
             Some(_) if request.traces_colors::<M>() => match self.trace_first(&rows, visibility, tally)? {
                 Some(first) => first,
@@ -275,7 +275,7 @@ impl<P: Probe> Finished<P> {
         strip: &Strip<M>,
         film: &mut Film,
     ) -> Result<(), NoMemory> {
-        let Setting { request, .. } = *strip.setting;
+        let RenderSetting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
             self.probe = std::mem::take(&mut self.probe).merge(row.probe);

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A format that is not OBJ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum ForeignFormat {
     /// Text in UTF-16 or UTF-32.
     WideText,
     /// Any other file that is no text.
@@ -42,7 +42,7 @@ const MODELS: [(&[u8], &str); 15] = [
     (b"PXR-USDC", "USD"),
 ];
 
-impl Format {
+impl ForeignFormat {
     /// The format of a file that is certainly not OBJ, by how it begins.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         let starts_with =
@@ -105,7 +105,7 @@ impl Format {
     }
 }
 
-impl fmt::Display for Format {
+impl fmt::Display for ForeignFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::WideText => write!(f, "UTF-16 or UTF-32 text"),
@@ -160,26 +160,26 @@ mod tests {
     fn formats_are_known_by_how_they_begin() {
         let stl = [&[b's'; 80][..], &1_u32.to_le_bytes(), &[0; 50]].concat();
         for (bytes, expected) in [
-            (&b"\xff\xfev\0 \0"[..], Format::WideText),
-            (b"\xfe\xff\0v\0 ", Format::WideText),
-            (b"v\0 \0x\0", Format::WideText),
-            (b"\0#\0 ", Format::WideText),
-            (&stl, Format::Model("binary STL")),
-            (b"solid cube\n facet normal 0 0 1\n", Format::Model("STL")),
-            (b"ply\r\nformat ascii 1.0\n", Format::Model("PLY")),
-            (b"glTF\x02\0\0\0", Format::Model("binary glTF")),
-            (b"\n { \"asset\": { } }", Format::Model("JSON, as in glTF")),
-            (b"OFF\n8 6 12\n", Format::Model("OFF")),
-            (b"MM\x0a\0\0\0\0\0\0\0", Format::Model("3DS")),
-            (b"<!DOCTYPE html>", Format::Markup),
-            (b"\x1f\x8b\x08", Format::Compressed),
-            (b"\x64\x86\x02\0", Format::ObjectCode),
-            (b"version https://git-lfs.github.com/spec/v1\n", Format::LfsPointer),
+            (&b"\xff\xfev\0 \0"[..], ForeignFormat::WideText),
+            (b"\xfe\xff\0v\0 ", ForeignFormat::WideText),
+            (b"v\0 \0x\0", ForeignFormat::WideText),
+            (b"\0#\0 ", ForeignFormat::WideText),
+            (&stl, ForeignFormat::Model("binary STL")),
+            (b"solid cube\n facet normal 0 0 1\n", ForeignFormat::Model("STL")),
+            (b"ply\r\nformat ascii 1.0\n", ForeignFormat::Model("PLY")),
+            (b"glTF\x02\0\0\0", ForeignFormat::Model("binary glTF")),
+            (b"\n { \"asset\": { } }", ForeignFormat::Model("JSON, as in glTF")),
+            (b"OFF\n8 6 12\n", ForeignFormat::Model("OFF")),
+            (b"MM\x0a\0\0\0\0\0\0\0", ForeignFormat::Model("3DS")),
+            (b"<!DOCTYPE html>", ForeignFormat::Markup),
+            (b"\x1f\x8b\x08", ForeignFormat::Compressed),
+            (b"\x64\x86\x02\0", ForeignFormat::ObjectCode),
+            (b"version https://git-lfs.github.com/spec/v1\n", ForeignFormat::LfsPointer),
         ] {
-            assert_eq!(Format::of(bytes), Some(expected), "{bytes:?}");
+            assert_eq!(ForeignFormat::of(bytes), Some(expected), "{bytes:?}");
         }
-        assert_eq!(Format::of_no_mesh(b"# m\nnewmtl red\nKd 1 0 0\n"), Some(Format::Materials));
-        assert_eq!(Format::of_no_mesh(b"a\0b"), Some(Format::Binary));
+        assert_eq!(ForeignFormat::of_no_mesh(b"# m\nnewmtl red\nKd 1 0 0\n"), Some(ForeignFormat::Materials));
+        assert_eq!(ForeignFormat::of_no_mesh(b"a\0b"), Some(ForeignFormat::Binary));
     }
 
     #[test]
@@ -196,7 +196,7 @@ mod tests {
             "g off\nf 1 2 3",
         ] {
             assert_eq!(
-                (Format::of(text.as_bytes()), Format::of_no_mesh(text.as_bytes())),
+                (ForeignFormat::of(text.as_bytes()), ForeignFormat::of_no_mesh(text.as_bytes())),
                 (None, None),
                 "{text}"
             );

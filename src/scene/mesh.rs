@@ -3,7 +3,7 @@
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
 use super::excerpt::line_with_caret;
-pub use super::foreign_format::Format;
+pub use super::foreign_format::ForeignFormat;
 pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
 use super::{Position, obj_lines, obj_reader, plain_obj};
 use crate::memory::{self, NoMemory};
@@ -45,10 +45,10 @@ pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
         return Ok((Mesh { vertices, triangles }, vec![]));
     }
     let foreign = |format| MeshError { at: None, fault: MeshFault::Foreign(format) };
-    if let Some(format) = Format::of(bytes) {
+    if let Some(format) = ForeignFormat::of(bytes) {
         return Err(foreign(format));
     }
-    obj_reader::read(text).map_err(|error| match (&error.fault, Format::of_no_mesh(text)) {
+    obj_reader::read(text).map_err(|error| match (&error.fault, ForeignFormat::of_no_mesh(text)) {
         (MeshFault::NoFaces(_), Some(format)) => foreign(format),
         _ => error,
     })
@@ -157,8 +157,8 @@ mod tests {
         ] {
             assert_eq!(refuse(text).fault, MeshFault::NoFaces(instead), "{text}");
         }
-        assert_eq!(refuse("binary \0 rubbish").fault, MeshFault::Foreign(Format::Binary));
-        assert_eq!(refuse("newmtl red\nKd 1 0 0\n").fault, MeshFault::Foreign(Format::Materials));
+        assert_eq!(refuse("binary \0 rubbish").fault, MeshFault::Foreign(ForeignFormat::Binary));
+        assert_eq!(refuse("newmtl red\nKd 1 0 0\n").fault, MeshFault::Foreign(ForeignFormat::Materials));
     }
 
     #[test]
@@ -166,10 +166,10 @@ mod tests {
         let utf16: Vec<u8> = SQUARE.encode_utf16().flat_map(u16::to_le_bytes).collect();
         let marked = [b"\xff\xfe", utf16.as_slice()].concat();
         for (bytes, format) in [
-            (utf16.as_slice(), Format::WideText),
-            (&marked, Format::WideText),
-            (b"ply\nformat binary_little_endian 1.0\n", Format::Model("PLY")),
-            (b"glTF\x02\0\0\0", Format::Model("binary glTF")),
+            (utf16.as_slice(), ForeignFormat::WideText),
+            (&marked, ForeignFormat::WideText),
+            (b"ply\nformat binary_little_endian 1.0\n", ForeignFormat::Model("PLY")),
+            (b"glTF\x02\0\0\0", ForeignFormat::Model("binary glTF")),
         ] {
             assert_eq!(parse_obj(bytes), Err(MeshError { at: None, fault: MeshFault::Foreign(format) }));
         }

@@ -1,7 +1,7 @@
 //! What is wrong in a mesh file, or doubtful.
 
 use super::Position;
-use super::foreign_format::Format;
+use super::foreign_format::ForeignFormat;
 use crate::escape::quoted;
 use crate::memory::NoMemory;
 use std::fmt;
@@ -21,7 +21,7 @@ pub enum MeshFault {
     /// A file without faces.
     NoFaces(Instead),
     /// A file of another format.
-    Foreign(Format),
+    Foreign(ForeignFormat),
     /// A vertex with a word that is not a number, or with fewer than three.
     BadVertex {
         /// The word; none if the statement ends there.

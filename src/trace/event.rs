@@ -35,7 +35,7 @@ pub enum Secondary {
 /// Why no secondary ray is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "reason", rename_all = "snake_case")]
-pub enum End {
+pub enum PathEnd {
     /// The material lets nothing go this way.
     NoColor,
     /// The ray has been reflected or refracted as often as is allowed.
@@ -51,12 +51,12 @@ pub enum End {
 
 impl Secondary {
     /// No ray of this kind is followed.
-    pub(super) fn ends(self, end: End) -> Event<'static> {
+    pub(super) fn ends(self, end: PathEnd) -> Event<'static> {
         Event::NotFollowed { kind: self, end }
     }
 }
 
-impl End {
+impl PathEnd {
     /// The end of a way with this colour: for want of colour, else for `reason`.
     pub(super) fn of(color: Color, reason: Self) -> Self {
         if color == Color::ZERO { Self::NoColor } else { reason }
@@ -92,7 +92,7 @@ pub enum Event<'e> {
         /// How it would have left the surface.
         kind: Secondary,
         /// Why it does not.
-        end: End,
+        end: PathEnd,
     },
     /// A few roundings could turn refraction into total reflection, or the reverse.
     Critical,

@@ -1,6 +1,6 @@
 //! Secondary rays: which ones leave a surface, and where the last of them end.
 
-use super::event::{End, Event, Observer, Secondary};
+use super::event::{Event, Observer, PathEnd, Secondary};
 use super::optics::{is_critical, reflected, refracted_between};
 use super::{Lit, Tracer};
 use crate::math::ray::Ray;
@@ -30,7 +30,7 @@ impl Path {
 
 /// A secondary ray that has not been traced yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
+pub(super) struct SecondaryRay {
     pub ray: Ray,
     /// The primitive that the ray leaves.
     pub leaves: Option<u32>,
@@ -55,7 +55,7 @@ impl<M: Mode> Tracer<'_, M> {
         &self,
         path: &Path,
         lit: &Lit,
-        pending: &mut Vec<Branch>,
+        pending: &mut Vec<SecondaryRay>,
         probe: &mut P,
     ) {
         let color = lit.material.phong.reflective;
@@ -79,7 +79,7 @@ impl<M: Mode> Tracer<'_, M> {
         &self,
         path: &Path,
         lit: &Lit,
-        pending: &mut Vec<Branch>,
+        pending: &mut Vec<SecondaryRay>,
         probe: &mut P,
     ) {
         let material = lit.material.phong;
@@ -100,7 +100,7 @@ impl<M: Mode> Tracer<'_, M> {
         let precise_normal = || self.world().precise_normal(primitive, n);
         let Some(direction) = refracted_between(d, normal, indices, precise_normal) else {
             if P::OBSERVES {
-                probe.observe(Secondary::Refracted.ends(End::TotalReflection));
+                probe.observe(Secondary::Refracted.ends(PathEnd::TotalReflection));
             }
             return;
         };
@@ -115,10 +115,10 @@ impl<M: Mode> Tracer<'_, M> {
 
     /// The branch of a ray that leaves a hit.
     #[inline(always)]
-    fn branch(&self, lit: &Lit, ray: Ray, path: Path) -> Branch {
+    fn branch(&self, lit: &Lit, ray: Ray, path: Path) -> SecondaryRay {
         let known = self.known_end(lit, ray.direction, path.bounces);
         let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
-        Branch { ray, leaves: lit.surface.primitive, path, is_known, known }
+        SecondaryRay { ray, leaves: lit.surface.primitive, path, is_known, known }
     }
 
     /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on
@@ -146,6 +146,6 @@ impl<M: Mode> Tracer<'_, M> {
 }
 
 /// Why a secondary ray ends that weighs too little, or nothing at all.
-fn too_light(path: &Path, color: Color) -> End {
-    End::of(color, End::Weight { weight: path.weight * color.length() })
+fn too_light(path: &Path, color: Color) -> PathEnd {
+    PathEnd::of(color, PathEnd::Weight { weight: path.weight * color.length() })
 }

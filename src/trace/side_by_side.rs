@@ -4,7 +4,7 @@
 //! of one ray depend on each other, while those of different rays overlap. Each camera ray keeps the order of its own
 //! rays, so that its colour is the same sum as by itself.
 
-use super::secondary::Branch;
+use super::secondary::SecondaryRay;
 use super::{Memory, Observer, Tracer};
 use crate::grid::packet::PacketRay;
 use crate::math::f64x4::F64x4;
@@ -74,7 +74,7 @@ impl<M: Mode> Tracer<'_, M> {
             let mut next_active = 0;
             for camera_ray in lanes(active) {
                 let (color, pending) = (&mut colors[camera_ray], &mut memory.pending[camera_ray]);
-                while let Some(&Branch { ray, leaves, path, is_known, known }) = pending.last() {
+                while let Some(&SecondaryRay { ray, leaves, path, is_known, known }) = pending.last() {
                     if !is_known {
                         cast.push(Cast::new(Origin { camera_ray, leaves }, ray));
                         next_active |= 1 << camera_ray;
@@ -91,7 +91,7 @@ impl<M: Mode> Tracer<'_, M> {
             self.caster.nearest_of_packet(&mut cast, probe);
             self.world().find_surfaces::<F, _>(proof, &mut cast);
             for Cast { source: Origin { camera_ray, .. }, ray, surface, .. } in &cast {
-                let Some(Branch { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
+                let Some(SecondaryRay { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
                 probe.non_shadow_ray();
                 let seen = match surface {
                     Some(surface) => self.follow(ray, &path, surface, *camera_ray, memory, probe),

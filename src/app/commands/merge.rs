@@ -2,7 +2,7 @@
 
 use crate::app::complete_files::CompleteFiles;
 use crate::app::pictures::prepare_file;
-use crate::app::progress::{Progress, rows_text};
+use crate::app::progress::{ProgressLine, rows_text};
 use crate::app::signals::Signals;
 use crate::app::{End, Outcome, failed};
 use raytracer::cli::Merging;
@@ -16,7 +16,7 @@ pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     let file = prepare_file(&options.output).map_err(failed)?;
     let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
     let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
-    let progress = Progress::new(options.progress);
+    let progress = ProgressLine::new(options.progress);
     let watch = |rows| {
         progress.show(|passed| rows_text("merging", rows, passed));
         ControlFlow::Continue(())

@@ -1,7 +1,7 @@
 //! One run of the program: a scene is rendered, and pictures are compared, as the options ask for.
 
 use crate::app::complete_files::CompleteFiles;
-use crate::app::json::{Document, Verdict};
+use crate::app::json::{ComparisonResult, Document};
 use crate::app::page;
 use crate::app::pictures::{Rendered, render};
 use crate::app::signals::Signals;
@@ -83,9 +83,13 @@ pub fn run(
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
-fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&Verdict>) -> Result<String, String> {
+fn text(
+    options: &Options,
+    rendered: Option<&Rendered>,
+    verdict: Option<&ComparisonResult>,
+) -> Result<String, String> {
     let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
-    Ok(rendered.into_iter().chain(verdict.map(Verdict::text)).collect())
+    Ok(rendered.into_iter().chain(verdict.map(ComparisonResult::text)).collect())
 }
 
 /// The pictures and files of a comparison.
@@ -122,7 +126,7 @@ impl<'o> Compared<'o> {
         rendered: Option<&Rendered>,
         crew: &Crew,
         files: &CompleteFiles,
-    ) -> Result<Option<Verdict>, End> {
+    ) -> Result<Option<ComparisonResult>, End> {
         let own = rendered.and_then(|rendered| rendered.picture.as_ref());
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
             return Ok(None);
@@ -137,7 +141,7 @@ impl<'o> Compared<'o> {
             files.add(file.complete(&shown.picture).map_err(failed)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
-        Ok(Some(Verdict { comparison, cause, passes }))
+        Ok(Some(ComparisonResult { comparison, cause, passes }))
     }
 }
 

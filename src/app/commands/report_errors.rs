@@ -1,9 +1,9 @@
 //! A run that reports speed against error: settings are measured, and the page and the table are written.
 
-use crate::app::progress::Progress as Line;
+use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
-use crate::app::threads::{self, Place};
+use crate::app::threads::{self, PoolPlace};
 use crate::app::{End, Outcome, failed};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
@@ -13,7 +13,7 @@ use raytracer::escape::{escape, quoted, shell_word};
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
-use raytracer::tools::error_report::{Bench, ErrorReport, Progress, Setting, Sweep, csv, page, text};
+use raytracer::tools::error_report::{Bench, ErrorReport, Setting, Sweep, SweepProgress, csv, page, text};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let ErrorReporting { options, target, .. } = reporting;
     let written = WrittenFiles::of_error_reporting(reporting)?;
-    let (many, one) = (threads::pool(options.threads, Place::Apart)?, threads::pool(Some(1), Place::Apart)?);
+    let (many, one) =
+        (threads::pool(options.threads, PoolPlace::Apart)?, threads::pool(Some(1), PoolPlace::Apart)?);
     streams::check_input(options)?;
 
     let start = Instant::now();
@@ -34,8 +35,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     // A file that cannot be written is no reason to wait for the measurements.
     let [page_file, csv_file] = prepare(reporting)?;
     signals.end_at_second();
-    let line = Line::new(options.progress);
-    let watch = |progress: Progress| {
+    let line = ProgressLine::new(options.progress);
+    let watch = |progress: SweepProgress| {
         line.show(|passed| told(progress, passed));
         if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -88,8 +89,8 @@ fn open(
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.
-fn told(progress: Progress, elapsed: Duration) -> String {
-    let Progress { share, doing } = progress;
+fn told(progress: SweepProgress, elapsed: Duration) -> String {
+    let SweepProgress { share, doing } = progress;
     let left = elapsed.as_secs_f64() * (1.0 - share) / share;
     let left = if share > 0.0 { format!(", {left:.0} s left") } else { String::new() };
     format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
@@ -132,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_time_left_is_that_of_the_rest() {
-        let after = |share, seconds| told(Progress { share, doing: "x" }, Duration::from_secs(seconds));
+        let after = |share, seconds| told(SweepProgress { share, doing: "x" }, Duration::from_secs(seconds));
         assert_eq!([after(0.25, 10), after(0.999, 10)], ["25%, 30 s left: x", "99%, 0 s left: x"]);
         assert_eq!(after(0.0, 10), "0%: x");
     }

@@ -5,7 +5,7 @@
 //! dynamic programming from the leaves upwards (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs
 //! Through Compressed Wide BVHs", High Performance Graphics 2017).
 
-use super::division::{Bounds, Group, Item};
+use super::division::{Bounds, Item, ItemRun};
 use crate::grid::triangle8::LANES;
 use crate::memory::{NoMemory, push};
 use arrayvec::ArrayVec;
@@ -29,13 +29,13 @@ pub struct Half {
     pub bounds: Bounds,
     /// The range of its items.
     pub items: Range<usize>,
-    pub content: Content,
+    pub content: BranchContent,
     /// By the number of children, up to [`LANES`], that may stand for it in a node.
     plans: [Plan; LANES + 1],
 }
 
 /// What becomes of a branch of the binary tree.
-pub enum Content {
+pub enum BranchContent {
     /// A leaf.
     Leaf,
     /// A branch with a frame of its own, below so many levels.
@@ -57,7 +57,7 @@ impl BinaryTree {
     /// The tree of more than [`LANES`] items, below so many levels.
     pub fn new(items: &mut [Item], level: usize) -> Result<Self, NoMemory> {
         let mut tree = Self { halves: vec![] };
-        tree.divide(Group::new(items), 0, level)?;
+        tree.divide(ItemRun::new(items), 0, level)?;
         Ok(tree)
     }
 
@@ -82,7 +82,7 @@ impl BinaryTree {
     }
 
     fn add_halves<'a>(&'a self, half: &Half, count: usize, children: &mut ArrayVec<&'a Half, LANES>) {
-        if let Content::Halves([a, b]) = half.content {
+        if let BranchContent::Halves([a, b]) = half.content {
             let first = half.plans[count].first;
             self.add_children(&self.halves[a], first, children);
             self.add_children(&self.halves[b], count - first, children);
@@ -90,11 +90,11 @@ impl BinaryTree {
     }
 
     /// Adds a branch with these items, the first of which has the index `start`, and returns its index.
-    fn add(&mut self, group: Group, start: usize, level: usize) -> Result<usize, NoMemory> {
+    fn add(&mut self, group: ItemRun, start: usize, level: usize) -> Result<usize, NoMemory> {
         let content = if group.items.len() <= LANES {
-            Content::Leaf
+            BranchContent::Leaf
         } else if level < HEURISTIC_LEVELS && group.is_small {
-            Content::Small { level }
+            BranchContent::Small { level }
         } else {
             return self.divide(group, start, level);
         };
@@ -103,13 +103,13 @@ impl BinaryTree {
     }
 
     /// The same for a group that is divided.
-    fn divide(&mut self, group: Group, start: usize, level: usize) -> Result<usize, NoMemory> {
+    fn divide(&mut self, group: ItemRun, start: usize, level: usize) -> Result<usize, NoMemory> {
         let (bounds, items) = (group.bounds, start..start + group.items.len());
         let [a, b] = group.halves(level >= HEURISTIC_LEVELS);
         let middle = start + a.items.len();
         let halves = [self.add(a, start, level + 1)?, self.add(b, middle, level + 1)?];
         let plans = plans(bounds.half_area(), halves.map(|half| &self.halves[half].plans));
-        self.add_half(Half { bounds, items, content: Content::Halves(halves), plans })
+        self.add_half(Half { bounds, items, content: BranchContent::Halves(halves), plans })
     }
 
     fn add_half(&mut self, half: Half) -> Result<usize, NoMemory> {

@@ -68,7 +68,7 @@ impl Item {
 }
 
 /// Consecutive items.
-pub struct Group<'i> {
+pub struct ItemRun<'i> {
     pub items: &'i mut [Item],
     pub bounds: Bounds,
     /// The bounds of twice the centres.
@@ -79,7 +79,7 @@ pub struct Group<'i> {
     has_large: bool,
 }
 
-impl<'i> Group<'i> {
+impl<'i> ItemRun<'i> {
     pub fn new(items: &'i mut [Item]) -> Self {
         let (mut bounds, mut centers, mut largest) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
         for item in items.iter() {
@@ -106,7 +106,7 @@ impl<'i> Group<'i> {
             None => median(self.items, self.bounds),
         };
         let (left, right) = self.items.split_at_mut(middle);
-        [left, right].map(Group::new)
+        [left, right].map(ItemRun::new)
     }
 }
 
@@ -152,7 +152,7 @@ impl Plane {
     }
 }
 
-impl Group<'_> {
+impl ItemRun<'_> {
     /// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There
     /// is none if all centres are the same.
     fn best_plane(&self) -> Option<(f32, Plane)> {

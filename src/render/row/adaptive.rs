@@ -1,7 +1,7 @@
 //! The adaptive samples of a row of pixels: the first samples of each pixel, and then, where these and those around
 //! them disagree, more.
 
-use super::{Colors, Painter, Setting};
+use super::{Colors, Painter, RenderSetting};
 use crate::fast::VisibilityBuffer;
 use crate::memory::{self, NoMemory};
 use crate::render::RenderMode;
@@ -51,7 +51,7 @@ impl FirstSamples {
 /// The bytes that the first samples of a pixel take.
 pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
-impl<M: RenderMode> Setting<'_, M> {
+impl<M: RenderMode> RenderSetting<'_, M> {
     /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the
     /// columns of the row's pixels and of those around them.
     pub fn first_samples(

@@ -1,6 +1,6 @@
 //! Layers that are measured at the centres of pixels: depths, distances and normals.
 
-use super::{Painter, Setting};
+use super::{Painter, RenderSetting};
 use crate::render::RenderMode;
 use crate::render::layer::Layer;
 use crate::render::sample_packet::Sample;
@@ -13,7 +13,7 @@ impl<M: RenderMode> Painter<'_, M> {
         let first = centers.first().map_or(0, |center| center.source.column);
         let place = |column: usize| column.saturating_sub(first).min(centers.len());
         let shown = &centers[place(self.shown.start)..place(self.shown.end)];
-        let Setting { caster, request, .. } = self.setting;
+        let RenderSetting { caster, request, .. } = self.setting;
         let t = |center: &Sample| Some(caster.world.hit(&center.ray, center.visible?).t);
         let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {

@@ -18,8 +18,13 @@ fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast>)) {
     let caster = Caster::new(&world, None).unwrap();
     let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
-    let setting =
-        Setting { camera: &camera, caster: &caster, view: View::Scene, request: &request, shadow_maps: None };
+    let setting = RenderSetting {
+        camera: &camera,
+        caster: &caster,
+        view: View::Scene,
+        request: &request,
+        shadow_maps: None,
+    };
     check(&mut Painter {
         shown: 2..10,
         center_weight: 1.0,

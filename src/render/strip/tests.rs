@@ -11,13 +11,14 @@ use crate::scene::parser::parse;
 use crate::world::World;
 
 /// Calls `check` with the setting of a request on one thread.
-fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&Setting<Fast>) -> T + Send) -> T {
+fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting<Fast>) -> T + Send) -> T {
     let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 } Group { numObjects 0 }";
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    let setting = Setting { camera: &camera, caster: &caster, view: View::Scene, request, shadow_maps: None };
+    let setting =
+        RenderSetting { camera: &camera, caster: &caster, view: View::Scene, request, shadow_maps: None };
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
 }
 
@@ -71,7 +72,7 @@ fn rays_that_rasterization_leaves_are_counted() {
         let caster = Caster::new(&world, None).unwrap();
         let request = Request { layers: layers.to_vec(), ..Request::new(size) };
         let camera = Camera::new(&scene.camera, size);
-        let setting = Setting {
+        let setting = RenderSetting {
             camera: &camera,
             caster: &caster,
             view: View::Scene,

@@ -7,13 +7,13 @@
 
 use super::box_tree::{BoxTree, Rectangle, Triangle};
 use super::outline::{Corner, Ring};
-use super::projection::Projection;
+use super::projection::DroppedAxis;
 use crate::memory::{NoMemory, collected, filled, with_room};
 use glam::DVec3;
 use std::collections::VecDeque;
 
 /// The ears, all with an area in the projection. None if the outline crosses itself.
-pub fn triangles(ring: &Ring, projection: Projection) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+pub fn triangles(ring: &Ring, projection: DroppedAxis) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
     let turn = projection.turn(&ring.corners);
     if turn == 0 {
         return Ok(None);
@@ -31,7 +31,7 @@ pub fn triangles(ring: &Ring, projection: Projection) -> Result<Option<Vec<[usiz
 
 /// An outline that turns to the left, from which ears are cut.
 struct Clipping {
-    projection: Projection,
+    projection: DroppedAxis,
     corners: Vec<Corner>,
     /// The neighbours of each corner that is left.
     before: Vec<usize>,
@@ -55,7 +55,7 @@ enum Fate {
 }
 
 impl Clipping {
-    fn new(corners: Vec<Corner>, projection: Projection) -> Result<Self, NoMemory> {
+    fn new(corners: Vec<Corner>, projection: DroppedAxis) -> Result<Self, NoMemory> {
         let count = corners.len();
         let mut waiting = VecDeque::new();
         waiting.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<usize>(count))?;

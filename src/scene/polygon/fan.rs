@@ -1,13 +1,13 @@
 //! Triangles around the first corner of a polygon, where every point of it is seen from there.
 
 use super::outline::{Corner, Outline};
-use super::projection::Projection;
+use super::projection::DroppedAxis;
 use crate::math::predicate::area_vector;
 use crate::memory::{NoMemory, with_room};
 
 /// The triangles of a fan around the file's first corner, without those that have no area. None if the fan does not
 /// cover the polygon.
-pub fn triangles(outline: &Outline, projection: Projection) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+pub fn triangles(outline: &Outline, projection: DroppedAxis) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
     if !covers(outline.in_file_order(), projection) {
         return Ok(None);
     }
@@ -26,7 +26,7 @@ pub fn triangles(outline: &Outline, projection: Projection) -> Result<Option<Vec
 }
 
 /// Whether the corners go around the first one in one direction, and less than once.
-fn covers(corners: &[Corner], projection: Projection) -> bool {
+fn covers(corners: &[Corner], projection: DroppedAxis) -> bool {
     let [first, second, ..] = corners else { return false };
     let [x, y] = projection.of(first.point);
     // The quadrant of a corner, seen from the first, without the axes' two half-lines being told apart.

@@ -26,7 +26,7 @@ mod tests;
 use crate::memory::{NoMemory, collected};
 use glam::DVec3;
 use outline::Outline;
-use projection::Projection;
+use projection::DroppedAxis;
 
 /// The triangles of a polygon, counter-clockwise where the polygon is.
 #[derive(Debug, Default, PartialEq)]
@@ -51,7 +51,7 @@ impl From<Vec<[usize; 3]>> for Triangulation {
 /// the outline crosses itself, the polygon covers the points around which it goes, however often it does.
 pub fn triangulate(corners: &[DVec3]) -> Result<Triangulation, NoMemory> {
     let outline = Outline::new(corners)?;
-    let Some(projection) = Projection::facing(&outline) else { return whole_fan(corners.len()) };
+    let Some(projection) = DroppedAxis::facing(&outline) else { return whole_fan(corners.len()) };
     if let Some(triangles) = fan::triangles(&outline, projection)? {
         return Ok(triangles.into());
     }

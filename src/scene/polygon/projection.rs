@@ -10,11 +10,11 @@ use std::cmp::Ordering;
 
 /// The projection along one of the coordinate axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Projection {
+pub struct DroppedAxis {
     axis: usize,
 }
 
-impl Projection {
+impl DroppedAxis {
     /// Along the axis that the polygon faces most. None if the polygon has no area.
     pub fn facing(outline: &Outline) -> Option<Self> {
         let axis = faced_by_whole(outline).or_else(|| faced_by_largest_triangle(outline))?;

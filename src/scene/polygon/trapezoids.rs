@@ -4,7 +4,7 @@
 
 use super::Triangulation;
 use super::outline::{Corner, Ring};
-use super::projection::Projection;
+use super::projection::DroppedAxis;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::memory::{NoMemory, collected, filled, make_room, push};
 use glam::DVec3;
@@ -15,7 +15,11 @@ const MOST_WORK: usize = 1 << 25;
 
 /// The trapezoids with a winding number other than zero, as triangles. New points are numbered from `corners`, the
 /// number of the polygon's corners, on.
-pub fn triangulation(ring: &Ring, projection: Projection, corners: usize) -> Result<Triangulation, NoMemory> {
+pub fn triangulation(
+    ring: &Ring,
+    projection: DroppedAxis,
+    corners: usize,
+) -> Result<Triangulation, NoMemory> {
     let plane = Plane::new(&ring.corners, projection);
     let edges = plane.edges(&ring.corners)?;
     let Some(heights) = heights(&edges, projection)? else { return fan(&ring.corners) };
@@ -78,12 +82,12 @@ impl Edge {
 /// The projection, scaled by a power of two so that all coordinates are below 1 and no product overflows.
 #[derive(Clone, Copy)]
 struct Plane {
-    projection: Projection,
+    projection: DroppedAxis,
     exponent: i32,
 }
 
 impl Plane {
-    fn new(corners: &[Corner], projection: Projection) -> Self {
+    fn new(corners: &[Corner], projection: DroppedAxis) -> Self {
         let sizes = corners.iter().flat_map(|corner| projection.of(corner.point)).map(f64::abs);
         Self { projection, exponent: libm::frexp(sizes.fold(0.0, f64::max)).1 }
     }
@@ -111,7 +115,7 @@ impl Plane {
 }
 
 /// The heights of all corners and crossings, from the lowest to the highest. None if there are too many.
-fn heights(edges: &[Edge], projection: Projection) -> Result<Option<Vec<f64>>, NoMemory> {
+fn heights(edges: &[Edge], projection: DroppedAxis) -> Result<Option<Vec<f64>>, NoMemory> {
     let (mut heights, mut work) = (vec![], 0);
     for (k, edge) in edges.iter().enumerate() {
         push(&mut heights, edge.low[1])?;
@@ -134,7 +138,7 @@ fn heights(edges: &[Edge], projection: Projection) -> Result<Option<Vec<f64>>, N
 }
 
 /// The height where two edges cross, rounded. None where they only touch.
-fn crossing(one: &Edge, other: &Edge, projection: Projection) -> Option<f64> {
+fn crossing(one: &Edge, other: &Edge, projection: DroppedAxis) -> Option<f64> {
     let is_left_of = |a: &Edge, b: &Edge| a.low[0].max(a.high[0]) < b.low[0].min(b.high[0]);
     if is_left_of(one, other) || is_left_of(other, one) {
         return None;

@@ -8,12 +8,12 @@ use crate::tools::compare::colors;
 
 /// A finished picture.
 #[derive(Clone, Debug)]
-pub struct Finished {
+pub struct FinishedPicture {
     colors: FloatPicture,
     changes: &'static [PixelChange],
 }
 
-impl Finished {
+impl FinishedPicture {
     /// A picture as it was rendered.
     pub fn of_colors(colors: FloatPicture) -> Self {
         Self { colors, changes: &PixelChange::ALL }
@@ -55,7 +55,7 @@ mod tests {
             colors(&right).chunks(16).flat_map(|row| row.iter().rev()).copied().collect::<Vec<_>>();
         let mirrored = Picture::from_rgb(16, 16, mirrored.into_flattened());
         let black = Picture::new(16, 16).unwrap();
-        let found = Finished::of_picture(&right).explain(&[mirrored, black]);
+        let found = FinishedPicture::of_picture(&right).explain(&[mirrored, black]);
         let equal = Finding::Equal { cause: Cause::Pixels(PixelChange::Mirrored), pixels: 0 };
         assert_eq!(found, [equal, Finding::Unknown { tried: 5 }]);
     }

@@ -20,7 +20,7 @@ mod window;
 
 pub(crate) use finder::{Finder, Found};
 pub use finding::Finding;
-pub use finished::Finished;
+pub use finished::FinishedPicture;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;

@@ -1,6 +1,6 @@
 //! The measurements as comma-separated values (RFC 4180), a line for each.
 
-use super::{ErrorReport, Group, Measurement, filter_flag};
+use super::{ErrorReport, MeasuredFilter, Measurement, filter_flag};
 use crate::escape::csv_field;
 
 const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds median,repeats,rays,Mrays/s,\
@@ -17,7 +17,7 @@ pub fn csv(report: &ErrorReport) -> String {
     std::iter::once(HEAD.to_owned()).chain(lines).collect()
 }
 
-fn line(report: &ErrorReport, group: &Group, one: &Measurement, is_on_front: bool) -> String {
+fn line(report: &ErrorReport, group: &MeasuredFilter, one: &Measurement, is_on_front: bool) -> String {
     let setting = &one.setting;
     let words = [filter_flag(group.filter), setting.axis.name().into(), setting.label()];
     let flags = csv_field(&setting.flags().unwrap_or_default());

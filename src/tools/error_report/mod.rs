@@ -20,8 +20,8 @@ mod text;
 pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, Kind, Samples, Setting, filter_flag};
-pub use sweep::{Bench, Progress, Sweep, SweepError};
+pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag};
+pub use sweep::{Bench, Sweep, SweepError, SweepProgress};
 pub use text::text;
 
 use crate::picture::Picture;
@@ -38,7 +38,7 @@ pub struct ErrorReport {
     /// Width and height of the pictures in pixels.
     pub size: [usize; 2],
     /// One for each filter, the one that was asked for first.
-    pub groups: Vec<Group>,
+    pub groups: Vec<MeasuredFilter>,
     /// What roundings do, apart from sampling; none if it was not measured.
     pub numerical: Option<Numerical>,
     /// The number of settings that were to be measured.
@@ -49,7 +49,7 @@ pub struct ErrorReport {
 
 /// The measurements of one filter.
 #[derive(Clone, Debug)]
-pub struct Group {
+pub struct MeasuredFilter {
     /// The filter.
     pub filter: Filter,
     /// What the pictures are measured by.
@@ -115,7 +115,7 @@ impl Measurement {
     }
 }
 
-impl Group {
+impl MeasuredFilter {
     /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not
     /// compared, nor what no flags can ask for.
     pub fn front(&self) -> Vec<bool> {
@@ -128,14 +128,14 @@ impl Group {
     }
 
     /// The measurements of one kind of sampling with all that was asked for.
-    pub fn curve(&self, kind: Kind) -> impl Iterator<Item = &Measurement> {
+    pub fn curve(&self, kind: SamplingKind) -> impl Iterator<Item = &Measurement> {
         let is_wanted =
             move |one: &&Measurement| one.setting.axis == Axis::Samples && one.setting.kind() == kind;
         self.measurements.iter().filter(is_wanted)
     }
 
     /// The exponent with which the error changes with the number of samples, from 4 samples on.
-    pub fn slope(&self, kind: Kind) -> Option<f64> {
+    pub fn slope(&self, kind: SamplingKind) -> Option<f64> {
         const FIRST: u32 = 4;
         let points = self.curve(kind).filter_map(|one| {
             let count = one.setting.count().filter(|&count| count >= FIRST)?;
@@ -145,7 +145,7 @@ impl Group {
     }
 
     /// The processor's time in seconds with which a kind of sampling reaches an error of one level.
-    pub fn seconds_to_a_level(&self, kind: Kind) -> Option<f64> {
+    pub fn seconds_to_a_level(&self, kind: SamplingKind) -> Option<f64> {
         let mut points: Vec<Point> = self.curve(kind).map(Measurement::point).collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         curve::cost_of(LEVEL, &points)

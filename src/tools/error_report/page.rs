@@ -1,7 +1,7 @@
 //! The page of a report: one file, without anything from elsewhere and without scripts.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Departure, ErrorReport, Group, Kind, Measurement, Numerical, filter_flag};
+use super::{Departure, ErrorReport, MeasuredFilter, Measurement, Numerical, SamplingKind, filter_flag};
 use crate::escape::html;
 use crate::image_io::embedded::file;
 use crate::picture::Picture;
@@ -71,8 +71,8 @@ fn numerical(numerical: &Numerical) -> String {
     )
 }
 
-fn group(report: &ErrorReport, group: &Group) -> String {
-    let key: String = Kind::ALL.into_iter().map(|kind| key(group, kind)).collect();
+fn group(report: &ErrorReport, group: &MeasuredFilter) -> String {
+    let key: String = SamplingKind::ALL.into_iter().map(|kind| key(group, kind)).collect();
     let rows: String = group
         .measurements
         .iter()
@@ -108,7 +108,7 @@ fn group(report: &ErrorReport, group: &Group) -> String {
 }
 
 /// The mark of a kind of sampling, the slope of its curve, and its time to one level.
-fn key(group: &Group, kind: Kind) -> String {
+fn key(group: &MeasuredFilter, kind: SamplingKind) -> String {
     let name = kind.name();
     let slope = group.slope(kind).map_or(String::new(), |slope| format!(", slope {slope:.2}"));
     let time = group.seconds_to_a_level(kind);
@@ -154,7 +154,7 @@ fn row(report: &ErrorReport, one: &Measurement, is_on_front: bool) -> String {
 }
 
 /// The reference, and the pictures of the front from the cheapest on, each beside a map of its error.
-fn pictures(group: &Group) -> String {
+fn pictures(group: &MeasuredFilter) -> String {
     let mut shown: Vec<&Measurement> = group
         .measurements
         .iter()

@@ -1,7 +1,7 @@
 //! Plots with two logarithmic axes, as SVG within a page.
 
 use super::curve::Point;
-use super::{Group, Kind};
+use super::{MeasuredFilter, SamplingKind};
 use crate::escape::html;
 use std::fmt::Write;
 
@@ -13,12 +13,12 @@ const SPACE: f64 = 16.0;
 
 /// The points of one kind of sampling, each with its name.
 struct Series {
-    kind: Kind,
+    kind: SamplingKind,
     points: Vec<(Point, String)>,
 }
 
 /// Error against the processor's time, with the front as a line.
-pub fn against_time(group: &Group) -> String {
+pub fn against_time(group: &MeasuredFilter) -> String {
     let series = series(group, |one| Some(one.least()));
     let mut front: Vec<Point> = group
         .measurements
@@ -39,7 +39,7 @@ pub fn against_time(group: &Group) -> String {
 }
 
 /// Error against the number of samples, with the fitted lines.
-pub fn against_samples(group: &Group) -> String {
+pub fn against_samples(group: &MeasuredFilter) -> String {
     let series = series(group, |one| one.setting.count().map(f64::from));
     draw("Error against samples", "samples in a pixel", &series, |axes| {
         let fits = series.iter().filter_map(|series| {
@@ -61,8 +61,8 @@ pub fn against_samples(group: &Group) -> String {
 }
 
 /// The points of each kind that have an error, in the order of the first coordinate.
-fn series(group: &Group, x: impl Fn(&super::Measurement) -> Option<f64>) -> Vec<Series> {
-    let of = |kind: Kind| {
+fn series(group: &MeasuredFilter, x: impl Fn(&super::Measurement) -> Option<f64>) -> Vec<Series> {
+    let of = |kind: SamplingKind| {
         let points = group.curve(kind).filter_map(|one| {
             let name = format!("{}: {:.5} s, {:.3} levels", one.setting.label(), one.least(), one.error);
             (one.error > 0.0).then_some(([x(one)?, one.error], name))
@@ -71,7 +71,7 @@ fn series(group: &Group, x: impl Fn(&super::Measurement) -> Option<f64>) -> Vec<
         points.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
         Series { kind, points }
     };
-    Kind::ALL.into_iter().map(of).filter(|series| !series.points.is_empty()).collect()
+    SamplingKind::ALL.into_iter().map(of).filter(|series| !series.points.is_empty()).collect()
 }
 
 /// The powers of ten between which both coordinates lie.
@@ -171,11 +171,11 @@ fn add_series(svg: &mut String, axes: &Axes, series: &Series) {
 }
 
 /// The shape that stands for a kind of sampling, so that nobody needs to tell colours apart.
-pub fn marker(kind: Kind) -> &'static str {
+pub fn marker(kind: SamplingKind) -> &'static str {
     match kind {
-        Kind::Random => "M-4 -4L4 4M-4 4L4 -4",
-        Kind::Uniform => "M-4 -4H4V4H-4Z",
-        Kind::Jittered => "M0 -5L5 4H-5Z",
-        Kind::Adaptive => "M0 -6L6 0L0 6L-6 0Z",
+        SamplingKind::Random => "M-4 -4L4 4M-4 4L4 -4",
+        SamplingKind::Uniform => "M-4 -4H4V4H-4Z",
+        SamplingKind::Jittered => "M0 -5L5 4H-5Z",
+        SamplingKind::Adaptive => "M0 -6L6 0L0 6L-6 0Z",
     }
 }

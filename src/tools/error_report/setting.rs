@@ -19,7 +19,7 @@ pub enum Samples {
 
 /// The kinds of sampling, each of which has a curve of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SamplingKind {
     /// `-random_samples`.
     Random,
     /// `-uniform_samples`.
@@ -30,7 +30,7 @@ pub enum Kind {
     Adaptive,
 }
 
-impl Kind {
+impl SamplingKind {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
 
@@ -107,12 +107,12 @@ impl Setting {
     }
 
     /// How its samples are placed.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> SamplingKind {
         match self.samples {
-            Samples::Fixed(Pattern::Random, _) => Kind::Random,
-            Samples::Fixed(Pattern::Uniform, _) => Kind::Uniform,
-            Samples::Fixed(Pattern::Jittered, _) => Kind::Jittered,
-            Samples::Adaptive(_) => Kind::Adaptive,
+            Samples::Fixed(Pattern::Random, _) => SamplingKind::Random,
+            Samples::Fixed(Pattern::Uniform, _) => SamplingKind::Uniform,
+            Samples::Fixed(Pattern::Jittered, _) => SamplingKind::Jittered,
+            Samples::Adaptive(_) => SamplingKind::Adaptive,
         }
     }
 

@@ -4,7 +4,7 @@ use super::numerical::{self, Numerical};
 use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Samples, Setting};
-use super::{ErrorReport, Group, Measurement};
+use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::grid::GridTooLarge;
 use crate::grid::options::Structure;
 use crate::mode::Fast;
@@ -30,12 +30,12 @@ pub struct Bench<'a> {
     /// The processor's time so far.
     pub clock: &'a (dyn Fn() -> Duration + Sync),
     /// Is told the progress, and may end the sweep.
-    pub watch: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    pub watch: &'a (dyn Fn(SweepProgress) -> ControlFlow<()> + Sync),
 }
 
 /// How far a sweep has come.
 #[derive(Clone, Copy, Debug)]
-pub struct Progress<'a> {
+pub struct SweepProgress<'a> {
     /// The part that is done, from 0 to 1.
     pub share: f64,
     /// What is done now.
@@ -135,7 +135,7 @@ impl<'a> Sweep<'a> {
             let measurements = self.timed(1, measure)?;
             let is_complete = measurements.len() == group.settings.len();
             let Reference { picture, noise, .. } = reference;
-            groups.push(Group { filter: group.filter, reference: picture, noise, measurements });
+            groups.push(MeasuredFilter { filter: group.filter, reference: picture, noise, measurements });
             if !is_complete {
                 break;
             }
@@ -270,7 +270,7 @@ impl<'a> Sweep<'a> {
         let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
         let watch = |rows: crate::render::Progress| {
             let part = rows.done as f64 / rows.rows.max(1) as f64;
-            bench_watch(Progress { share: (done + part * work) / all, doing })
+            bench_watch(SweepProgress { share: (done + part * work) / all, doing })
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(counter) => Ok(Some((picture, counter.counts().rays()))),

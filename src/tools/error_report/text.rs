@@ -1,6 +1,6 @@
 //! The measurements as a block like that of the statistics.
 
-use super::{Departure, ErrorReport, Group, Kind, Measurement, Numerical, filter_flag};
+use super::{Departure, ErrorReport, MeasuredFilter, Measurement, Numerical, SamplingKind, filter_flag};
 use crate::stats::RULE;
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ fn add_numerical(text: &mut String, numerical: &Numerical) {
     }
 }
 
-fn add_group(text: &mut String, report: &ErrorReport, group: &Group) {
+fn add_group(text: &mut String, report: &ErrorReport, group: &MeasuredFilter) {
     let _ = writeln!(text, "{}, noise of the reference {:.3} levels", filter_flag(group.filter), group.noise);
     let head = ["CPU s", "median", "Mrays/s", "RMSE", "PSNR", "FLIP", "> 1 level", "slope", "s to 1"];
     let head: String = head.map(|word| format!(" {word:>9}")).concat();
@@ -55,7 +55,7 @@ fn add_group(text: &mut String, report: &ErrorReport, group: &Group) {
 }
 
 /// The measures of a setting, and behind the last setting of a kind those of the whole curve.
-fn numbers(group: &Group, one: &Measurement) -> String {
+fn numbers(group: &MeasuredFilter, one: &Measurement) -> String {
     let kind = one.setting.kind();
     let is_last = group.curve(kind).last().is_some_and(|last| std::ptr::eq(last, one));
     let curve = if is_last { curve(group, kind) } else { Default::default() };
@@ -74,7 +74,7 @@ fn numbers(group: &Group, one: &Measurement) -> String {
 }
 
 /// The slope and the time to an error of one level.
-fn curve(group: &Group, kind: Kind) -> [String; 2] {
+fn curve(group: &MeasuredFilter, kind: SamplingKind) -> [String; 2] {
     let optional = |number: Option<f64>| number.map_or("-".into(), |number| format!("{number:.3}"));
     [optional(group.slope(kind)), optional(group.seconds_to_a_level(kind))]
 }

@@ -12,7 +12,7 @@ use std::fmt;
 /// What is close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum CloseCallKind {
     /// The ray passes an edge of a triangle within the error bound of its edge function.
     Edge,
     /// The ray is tangent to a sphere or an ellipsoid.
@@ -37,7 +37,7 @@ pub enum Kind {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CloseCall {
     /// What is close.
-    pub kind: Kind,
+    pub kind: CloseCallKind,
     /// The object that it is about, if it is about one.
     pub object: Option<ObjectPart>,
 }
@@ -59,7 +59,7 @@ pub fn is_about_zero(cosine: f64) -> bool {
 
 /// What a ray starts from and sees.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct RayEnds {
     /// The primitive that it leaves, which is not looked at.
     pub leaves: Option<u32>,
     /// The primitive that it sees first, and at which t.
@@ -67,7 +67,7 @@ pub struct Seen {
 }
 
 /// The primitives of the world with which a ray has a close call. Every primitive is looked at, one by one.
-pub fn close_primitives(world: &World, ray: &Ray, seen: Seen) -> Vec<(Kind, u32)> {
+pub fn close_primitives(world: &World, ray: &Ray, seen: RayEnds) -> Vec<(CloseCallKind, u32)> {
     let search = Search { world, ray, seen, shear: Shear::new(ray) };
     let count = world.finite_count() + world.planes.len();
     (0..count as u32)
@@ -79,12 +79,12 @@ pub fn close_primitives(world: &World, ray: &Ray, seen: Seen) -> Vec<(Kind, u32)
 struct Search<'a> {
     world: &'a World,
     ray: &'a Ray,
-    seen: Seen,
+    seen: RayEnds,
     shear: Shear<'a>,
 }
 
 impl Search<'_> {
-    fn close_call(&self, id: u32) -> Option<Kind> {
+    fn close_call(&self, id: u32) -> Option<CloseCallKind> {
         // The line, as far as other roundings could let the ray reach.
         let far = self.seen.sees.map_or(self.ray.t_max, |(_, t)| t);
         let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
@@ -107,27 +107,32 @@ impl Search<'_> {
         }
     }
 
-    fn of_triangle(&self, id: u32, i: usize, reach: &Ray) -> Option<Kind> {
+    fn of_triangle(&self, id: u32, i: usize, reach: &Ray) -> Option<CloseCallKind> {
         let corners = self.world.corners_in_place(i);
         match self.shear.sides(corners) {
             Sides::Outside => None,
-            Sides::Unsure => self.overlaps(reach, i).then_some(Kind::Edge),
+            Sides::Unsure => self.overlaps(reach, i).then_some(CloseCallKind::Edge),
             Sides::Inside => self.shear.intersect(corners).and_then(|t| self.same_t(t, id)),
         }
     }
 
-    fn of_round(&self, id: u32, is_tangent: bool, roots: impl FnOnce() -> Option<[f64; 2]>) -> Option<Kind> {
+    fn of_round(
+        &self,
+        id: u32,
+        is_tangent: bool,
+        roots: impl FnOnce() -> Option<[f64; 2]>,
+    ) -> Option<CloseCallKind> {
         if is_tangent {
-            return Some(Kind::Tangent);
+            return Some(CloseCallKind::Tangent);
         }
         roots()?.into_iter().find_map(|t| self.same_t(t, id))
     }
 
-    fn of_plane(&self, id: u32, i: usize, reach: &Ray) -> Option<Kind> {
+    fn of_plane(&self, id: u32, i: usize, reach: &Ray) -> Option<CloseCallKind> {
         let plane = &self.world.planes[i];
         if is_about_zero(plane.normal.dot(self.ray.direction)) {
             let height = plane.ahead_of(self.ray.origin).abs();
-            return (height <= self.roundings(START_ROUNDINGS, 0.0)).then_some(Kind::Parallel);
+            return (height <= self.roundings(START_ROUNDINGS, 0.0)).then_some(CloseCallKind::Parallel);
         }
         plane.intersect(reach).and_then(|t| self.same_t(t, id))
     }
@@ -138,13 +143,13 @@ impl Search<'_> {
         count * UNIT_ROUNDOFF * largest
     }
 
-    fn same_t(&self, t: f64, id: u32) -> Option<Kind> {
+    fn same_t(&self, t: f64, id: u32) -> Option<CloseCallKind> {
         let near = |other: f64, count: f64| (t - other).abs() <= self.roundings(count, t);
         match self.seen.sees {
-            Some((sees, at)) if sees != id && near(at, SAME_T_ROUNDINGS) => Some(Kind::SameT),
-            _ if near(self.ray.t_min, START_ROUNDINGS) => Some(Kind::Start),
+            Some((sees, at)) if sees != id && near(at, SAME_T_ROUNDINGS) => Some(CloseCallKind::SameT),
+            _ if near(self.ray.t_min, START_ROUNDINGS) => Some(CloseCallKind::Start),
             seen if near(self.ray.t_max, START_ROUNDINGS) && seen.is_none_or(|(sees, _)| sees == id) => {
-                Some(Kind::End)
+                Some(CloseCallKind::End)
             }
             _ => None,
         }
@@ -164,15 +169,15 @@ impl fmt::Display for CloseCall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("close call: ")?;
         f.write_str(match self.kind {
-            Kind::Edge => "within roundings the ray passes through an edge",
-            Kind::Tangent => "within roundings the ray is tangent",
-            Kind::Parallel => "within roundings the ray lies in a plane",
-            Kind::SameT => "within roundings something else is as near",
-            Kind::Start => "within roundings the ray starts in a surface",
-            Kind::End => "within roundings the ray ends in a surface",
-            Kind::Cosine => "the cosine between normal and direction is 0 within roundings",
-            Kind::Critical => "the angle is that of total internal reflection within roundings",
-            Kind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
+            CloseCallKind::Edge => "within roundings the ray passes through an edge",
+            CloseCallKind::Tangent => "within roundings the ray is tangent",
+            CloseCallKind::Parallel => "within roundings the ray lies in a plane",
+            CloseCallKind::SameT => "within roundings something else is as near",
+            CloseCallKind::Start => "within roundings the ray starts in a surface",
+            CloseCallKind::End => "within roundings the ray ends in a surface",
+            CloseCallKind::Cosine => "the cosine between normal and direction is 0 within roundings",
+            CloseCallKind::Critical => "the angle is that of total internal reflection within roundings",
+            CloseCallKind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
         })?;
         match &self.object {
             Some(object) => write!(f, ": {object}"),

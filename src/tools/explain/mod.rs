@@ -11,9 +11,9 @@ mod pixel_text;
 mod ray_tree;
 mod short;
 
-pub use close_call::{CloseCall, Kind};
+pub use close_call::{CloseCall, CloseCallKind};
 pub use cost_map::CostMap;
 pub use cost_report::CostReport;
 pub use objects::{ObjectPart, Objects, TextureWeight};
 pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
-pub use ray_tree::{Blocker, Crossing, Lighting, NotFollowed, RayNode, Shadow, Surface};
+pub use ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};

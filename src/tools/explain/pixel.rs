@@ -1,8 +1,8 @@
 //! Everything behind one pixel: its samples, each traced by itself, and the sum that becomes the picture's bytes.
 
-use super::close_call::{CloseCall, Kind, Seen, close_primitives, is_about_zero};
+use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_about_zero};
 use super::objects::Objects;
-use super::ray_tree::{Blocker, RayNode, Recorder, Shadow, Surface};
+use super::ray_tree::{LightBlocker, RayNode, Recorder, Shadow, Surface};
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
@@ -173,7 +173,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let world = self.prepared.caster().world;
         let hit = node.visible.map(|visible| world.hit(&node.ray, visible));
         let sees = hit.map(|hit| (hit.primitive, hit.t));
-        node.close_calls.extend(self.close_calls(&node.ray, Seen { leaves, sees }));
+        node.close_calls.extend(self.close_calls(&node.ray, RayEnds { leaves, sees }));
         let (Some(surface), Some(hit)) = (&mut node.surface, hit) else { return };
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
@@ -181,16 +181,16 @@ impl<'p, 'r> Explainer<'p, 'r> {
         surface.textures = world
             .with_rounded_point(&surface.point, |point| self.objects.textures(surface.point.material, point));
         if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
-            node.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
+            node.close_calls.push(CloseCall { kind: CloseCallKind::Cosine, object: None });
         }
         if self.is_in_boundary(surface, world) {
-            node.close_calls.push(CloseCall { kind: Kind::Boundary, object: None });
+            node.close_calls.push(CloseCall { kind: CloseCallKind::Boundary, object: None });
         }
         for (index, light) in surface.lights.iter_mut().enumerate() {
             let Some(shadow) = &mut light.shadow else { continue };
             self.annotate_shadow(shadow, index, hit.primitive);
             if is_about_zero(light.cosine) {
-                shadow.close_calls.push(CloseCall { kind: Kind::Cosine, object: None });
+                shadow.close_calls.push(CloseCall { kind: CloseCallKind::Cosine, object: None });
             }
         }
     }
@@ -219,17 +219,18 @@ impl<'p, 'r> Explainer<'p, 'r> {
             visible.map(|visible| world.hit(&shadow.ray, visible))
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));
-        shadow.close_calls = self.close_calls(&shadow.ray, Seen { leaves: Some(leaves), sees });
+        shadow.close_calls = self.close_calls(&shadow.ray, RayEnds { leaves: Some(leaves), sees });
         if shadow.crossed.is_empty() {
             // A light on a triangle is behind it, whether or not the ray's roundings let it meet the triangle.
             let at_light =
                 world.triangles_at_light(light).first().map(|&triangle| (triangle, shadow.ray.t_max));
             let blocker = sees.or(at_light);
-            shadow.blocker = blocker.map(|(primitive, t)| Blocker { object: self.objects.of(primitive), t });
+            shadow.blocker =
+                blocker.map(|(primitive, t)| LightBlocker { object: self.objects.of(primitive), t });
         }
     }
 
-    fn close_calls(&self, ray: &Ray, seen: Seen) -> Vec<CloseCall> {
+    fn close_calls(&self, ray: &Ray, seen: RayEnds) -> Vec<CloseCall> {
         let close = close_primitives(self.prepared.caster().world, ray, seen);
         close.into_iter().map(|(kind, id)| CloseCall { kind, object: self.objects.of(id) }).collect()
     }

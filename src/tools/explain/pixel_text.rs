@@ -2,11 +2,11 @@
 
 use super::objects::ObjectPart;
 use super::pixel::{PixelTree, SampleTree};
-use super::ray_tree::{Blocker, Crossing, Lighting, NotFollowed, RayNode, Shadow, Surface};
+use super::ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
 use super::short::{Short, Triple};
 use crate::scene::{Color, MaterialId, Position};
 use crate::stats::{Counts, RULE};
-use crate::trace::{End, Secondary};
+use crate::trace::{PathEnd, Secondary};
 use std::fmt::{Display, Formatter, Result};
 
 /// From this depth on, lines are not indented any further: a mirror hall may be thousands of rays deep.
@@ -181,7 +181,7 @@ fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut L
         }
     }
     match &shadow.blocker {
-        Some(Blocker { object, t }) => {
+        Some(LightBlocker { object, t }) => {
             lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
         }
         None if light.passed == Color::ZERO && light.cosine > 0.0 && shadow.crossed.is_empty() => {
@@ -220,17 +220,17 @@ fn name(kind: Secondary) -> &'static str {
 }
 
 /// Why there is no ray of a kind.
-struct Why(Secondary, End);
+struct Why(Secondary, PathEnd);
 
 impl Display for Why {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Self(kind, end) = *self;
         match (end, kind) {
-            (End::NoColor, Secondary::Reflected) => f.write_str("no reflective colour"),
-            (End::NoColor, Secondary::Refracted) => f.write_str("no transparent colour"),
-            (End::Bounces, _) => f.write_str("no bounces left"),
-            (End::Weight { weight }, _) => write!(f, "weight {} is too little", Short(weight)),
-            (End::TotalReflection, _) => f.write_str("total internal reflection"),
+            (PathEnd::NoColor, Secondary::Reflected) => f.write_str("no reflective colour"),
+            (PathEnd::NoColor, Secondary::Refracted) => f.write_str("no transparent colour"),
+            (PathEnd::Bounces, _) => f.write_str("no bounces left"),
+            (PathEnd::Weight { weight }, _) => write!(f, "weight {} is too little", Short(weight)),
+            (PathEnd::TotalReflection, _) => f.write_str("total internal reflection"),
         }
     }
 }

@@ -1,13 +1,13 @@
 //! The tree of rays behind one sample, recorded while the tracer follows them.
 
-use super::close_call::{CloseCall, Kind};
+use super::close_call::{CloseCall, CloseCallKind};
 use super::objects::{ObjectPart, TextureWeight};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::scene::material::Phong;
 use crate::scene::{Color, Position};
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe};
-use crate::trace::{End, Event, Observer, Secondary};
+use crate::trace::{Event, Observer, PathEnd, Secondary};
 use crate::world::SurfacePoint;
 use serde::Serialize;
 
@@ -51,7 +51,7 @@ pub struct NotFollowed {
     pub kind: Secondary,
     /// Why it was not followed.
     #[serde(flatten)]
-    pub end: End,
+    pub end: PathEnd,
 }
 
 /// A surface that a ray has met, and how it is lit.
@@ -98,7 +98,7 @@ pub struct Shadow {
     /// The surfaces on its way, as far as it was followed; none for what casts an opaque shadow.
     pub crossed: Vec<Crossing>,
     /// What ends the way of an opaque shadow's ray.
-    pub blocker: Option<Blocker>,
+    pub blocker: Option<LightBlocker>,
     /// The work of finding that.
     pub counts: Counts,
     /// Decisions about it that other roundings could change.
@@ -107,7 +107,7 @@ pub struct Shadow {
 
 /// What ends the way of an opaque shadow's ray.
 #[derive(Clone, Debug, Serialize)]
-pub struct Blocker {
+pub struct LightBlocker {
     /// The object that is in the way.
     pub object: Option<ObjectPart>,
     /// Where on the ray.
@@ -241,7 +241,7 @@ impl Observer for Recorder {
                 self.rays[self.current].ends.push(NotFollowed { kind, end });
             }
             Event::Critical => {
-                let call = CloseCall { kind: Kind::Critical, object: None };
+                let call = CloseCall { kind: CloseCallKind::Critical, object: None };
                 self.rays[self.current].close_calls.push(call);
             }
             Event::Ambient(color) => {

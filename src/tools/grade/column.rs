@@ -53,7 +53,7 @@ pub enum Cell {
 
 /// What a cell says, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CellWord {
     /// The picture is right.
     Passed,
     /// The picture is wrong.
@@ -66,7 +66,7 @@ pub enum Verdict {
     Ungraded,
 }
 
-impl Verdict {
+impl CellWord {
     /// The word.
     pub fn word(self) -> &'static str {
         match self {
@@ -81,13 +81,13 @@ impl Verdict {
 
 impl Cell {
     /// What it says, in a word.
-    pub fn verdict(&self) -> Verdict {
+    pub fn verdict(&self) -> CellWord {
         match self {
-            Self::Equal | Self::Different { passes: true, .. } => Verdict::Passed,
-            Self::Different { passes: false, .. } => Verdict::Failed,
-            Self::Missing => Verdict::Missing,
-            Self::Unusable(_) => Verdict::Unusable,
-            Self::Ungraded => Verdict::Ungraded,
+            Self::Equal | Self::Different { passes: true, .. } => CellWord::Passed,
+            Self::Different { passes: false, .. } => CellWord::Failed,
+            Self::Missing => CellWord::Missing,
+            Self::Unusable(_) => CellWord::Unusable,
+            Self::Ungraded => CellWord::Ungraded,
         }
     }
 
@@ -205,8 +205,8 @@ mod tests {
         let submissions = handed_in.into_iter().chain(rest).collect();
         let (column, wrong) = Column::graded("a".into(), &picture(0), submissions, tolerance, explain);
         assert_eq!(wrong.len(), 3);
-        let verdicts: Vec<Verdict> = column.cells.iter().map(Cell::verdict).collect();
-        use Verdict::{Failed, Missing, Passed, Unusable};
+        let verdicts: Vec<CellWord> = column.cells.iter().map(Cell::verdict).collect();
+        use CellWord::{Failed, Missing, Passed, Unusable};
         assert_eq!(verdicts, [Passed, Failed, Passed, Failed, Passed, Missing, Unusable, Unusable]);
         let reasons: Vec<Option<String>> = column.cells.iter().map(Cell::reason).collect();
         assert_eq!(reasons[1].as_deref(), Some("unknown (3 causes tried)"));

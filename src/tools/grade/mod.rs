@@ -8,7 +8,7 @@ mod csv;
 mod page;
 mod summary;
 
-pub use column::{Cell, Column, Submission, Verdict};
+pub use column::{Cell, CellWord, Column, Submission};
 pub use csv::csv;
 pub use page::Page;
 pub use summary::summary;
@@ -41,8 +41,8 @@ impl Score {
     /// The score of these cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         cells.into_iter().fold(Self::default(), |score, cell| match cell.verdict() {
-            Verdict::Passed => Self { passed: score.passed + 1, graded: score.graded + 1 },
-            Verdict::Ungraded => score,
+            CellWord::Passed => Self { passed: score.passed + 1, graded: score.graded + 1 },
+            CellWord::Ungraded => score,
             _ => Self { graded: score.graded + 1, ..score },
         })
     }

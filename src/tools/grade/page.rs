@@ -1,6 +1,6 @@
 //! The page of a grading: one file, without anything from elsewhere.
 
-use super::{Cell, Column, Score, Table, Verdict};
+use super::{Cell, CellWord, Column, Score, Table};
 use crate::escape::html;
 use crate::image_io::embedded::{Embedded, file, thumbnail_file};
 use crate::picture::Picture;
@@ -150,11 +150,11 @@ fn thumbnail(index: Option<usize>) -> String {
 
 fn cell(column: &Column, cell: &Cell, shown: &Shown) -> String {
     let (class, mark) = match cell.verdict() {
-        Verdict::Passed => ("passed", "\u{2713}"),
-        Verdict::Failed => ("failed", "\u{2717}"),
-        Verdict::Missing => ("missing", "\u{2013} missing"),
-        Verdict::Unusable => ("unusable", "! unusable"),
-        Verdict::Ungraded => ("ungraded", "?"),
+        CellWord::Passed => ("passed", "\u{2713}"),
+        CellWord::Failed => ("failed", "\u{2717}"),
+        CellWord::Missing => ("missing", "\u{2013} missing"),
+        CellWord::Unusable => ("unusable", "! unusable"),
+        CellWord::Ungraded => ("ungraded", "?"),
     };
     let reason = cell.reason().map_or(String::new(), |reason| format!("<small>{}</small>", html(&reason)));
     match cell {

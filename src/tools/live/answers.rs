@@ -5,7 +5,7 @@ use super::http::{Answer, Refusal};
 use super::limits::{MAX_PICTURE_FILE, MAX_QUESTION, MAX_SIDE};
 use super::objects::ObjectMap;
 use super::painter::{Painted, Painter, Subject, Unpainted};
-use super::questions::{Edited, Traced, View, Wanted};
+use super::questions::{Edited, PageView, TracedPixel, Wanted};
 use super::rays::Rays;
 use super::reference::{cause, compare, decode};
 use super::saving::save;
@@ -146,7 +146,7 @@ impl App {
         Ok(framed(meta, &[&rgba(&picture)]))
     }
 
-    fn objects(&self, view: View) -> Found {
+    fn objects(&self, view: PageView) -> Found {
         let subject = self.subject(&view)?;
         let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         let size = clipped(subject.options.size);
@@ -154,7 +154,7 @@ impl App {
         Ok(framed(json!({ "size": size, "objects": map.objects }), &[&map.places]))
     }
 
-    fn trace(&self, Traced { view, pixel }: Traced) -> Found {
+    fn trace(&self, TracedPixel { view, pixel }: TracedPixel) -> Found {
         let subject = self.subject(&view)?;
         let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         let (options, renderer) = (&subject.options, &subject.scene.renderer);
@@ -172,7 +172,7 @@ impl App {
         Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
-    fn save(&self, view: View) -> Found {
+    fn save(&self, view: PageView) -> Found {
         let subject = self.subject(&view)?;
         let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         let said = save(&subject, &self.outputs, &self.compared, &self.painter).map_err(impossible)?;
@@ -225,7 +225,7 @@ impl App {
         self.outputs.iter().find(|output| output.layer == layer)
     }
 
-    fn subject(&self, view: &View) -> Result<Subject, Refusal> {
+    fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
         let options = self.most.options(&view.words).map_err(impossible)?;
         let camera = view.camera.as_deref().map(read_camera).transpose()?;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone, Debug, Deserialize)]
-pub struct View {
+pub struct PageView {
     /// The scene's revision.
     pub scene: u64,
     /// Flags with their values.
@@ -49,7 +49,7 @@ pub struct Wanted {
     pub page: u64,
     /// Grows with each request.
     pub turn: u64,
-    pub view: View,
+    pub view: PageView,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
     pub sketch: Option<[usize; 2]>,
 }
@@ -62,7 +62,7 @@ pub struct Edited {
 
 /// The pixel whose rays are traced, by column and row from the top left.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Traced {
-    pub view: View,
+pub struct TracedPixel {
+    pub view: PageView,
     pub pixel: [usize; 2],
 }

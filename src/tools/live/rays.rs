@@ -19,7 +19,7 @@ const MAX_TEXT: usize = 5000;
 /// What a line in space shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum LineKind {
     Camera,
     Reflected,
     Refracted,
@@ -33,7 +33,7 @@ pub enum Kind {
 /// A line in space.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Segment {
-    pub kind: Kind,
+    pub kind: LineKind,
     pub from: DVec3,
     pub to: DVec3,
 }
@@ -88,9 +88,9 @@ impl Drawing {
 
     fn add_ray(&mut self, node: &RayNode) {
         let kind = match node.kind {
-            None => Kind::Camera,
-            Some(Secondary::Reflected) => Kind::Reflected,
-            Some(Secondary::Refracted) => Kind::Refracted,
+            None => LineKind::Camera,
+            Some(Secondary::Reflected) => LineKind::Reflected,
+            Some(Secondary::Refracted) => LineKind::Refracted,
         };
         let own = self.segments.len();
         let t = node.surface.as_ref().map(|surface| surface.t);
@@ -98,7 +98,11 @@ impl Drawing {
         let Some(surface) = &node.surface else { return self.owners.push((own, vec![])) };
         let (point, normal) = (surface.point.position, surface.point.normal);
         let lights = surface.lights.iter().map(|light| self.add_light(point, light)).collect();
-        self.segments.push(Segment { kind: Kind::Normal, from: point, to: point + 0.06 * self.far * normal });
+        self.segments.push(Segment {
+            kind: LineKind::Normal,
+            from: point,
+            to: point + 0.06 * self.far * normal,
+        });
         self.owners.push((own, lights));
     }
 
@@ -109,15 +113,15 @@ impl Drawing {
         let distance = light.incident.distance;
         let ray = Ray::new(point, light.incident.direction);
         let (kind, t) = match blocked {
-            Some(t) => (Kind::Shadow, Some(t)),
-            None => (Kind::Light, distance.is_finite().then_some(distance)),
+            Some(t) => (LineKind::Shadow, Some(t)),
+            None => (LineKind::Light, distance.is_finite().then_some(distance)),
         };
         self.add(kind, if blocked.is_some() { &shadow.ray } else { &ray }, t);
         Some(self.segments.len() - 1)
     }
 
     /// A ray up to `t`. An orthographic camera's may start behind its plane.
-    fn add(&mut self, kind: Kind, ray: &Ray, t: Option<f64>) {
+    fn add(&mut self, kind: LineKind, ray: &Ray, t: Option<f64>) {
         let length = ray.direction.length().max(f64::MIN_POSITIVE);
         let t = t.unwrap_or(self.far / length);
         let start = if t < 0.0 { t - self.far / length } else { 0.0 };
@@ -213,23 +217,26 @@ mod tests {
         let (tree, rays) = rays(Structure::List);
         let nodes = || tree.samples.iter().flat_map(|sample| &sample.rays);
         let lights = nodes().flat_map(|node| &node.surface).flat_map(|surface| &surface.lights);
-        let drawn = |kinds: &[Kind]| rays.segments.iter().filter(|line| kinds.contains(&line.kind)).count();
+        let drawn =
+            |kinds: &[LineKind]| rays.segments.iter().filter(|line| kinds.contains(&line.kind)).count();
         assert!(nodes().count() > 4);
-        assert_eq!(drawn(&[Kind::Camera, Kind::Reflected, Kind::Refracted]), nodes().count());
+        assert_eq!(drawn(&[LineKind::Camera, LineKind::Reflected, LineKind::Refracted]), nodes().count());
         assert_eq!(
-            drawn(&[Kind::Light, Kind::Shadow]),
+            drawn(&[LineKind::Light, LineKind::Shadow]),
             lights.filter(|light| light.shadow.is_some()).count()
         );
-        for (index, line) in rays.segments.iter().enumerate().filter(|(_, line)| line.kind != Kind::Normal) {
+        for (index, line) in
+            rays.segments.iter().enumerate().filter(|(_, line)| line.kind != LineKind::Normal)
+        {
             let first = rays.tells.iter().position(|&told| told == Some(index)).expect("a line of the text");
             let word = match line.kind {
-                Kind::Camera => "camera ray",
-                Kind::Reflected => "reflected ray",
-                Kind::Refracted => "refracted ray",
+                LineKind::Camera => "camera ray",
+                LineKind::Reflected => "reflected ray",
+                LineKind::Refracted => "refracted ray",
                 _ => "light ",
             };
             assert!(rays.text[first].trim_start().starts_with(word), "{}", rays.text[first]);
-            if line.kind == Kind::Shadow {
+            if line.kind == LineKind::Shadow {
                 assert!(rays.text[first + 1].contains("shadow ray blocked"), "{}", rays.text[first + 1]);
             }
         }
@@ -239,7 +246,7 @@ mod tests {
     fn a_ray_ends_where_the_next_one_starts() {
         let (_, rays) = rays(Structure::List);
         let (camera, second) =
-            (&rays.segments[0], rays.segments.iter().find(|line| line.kind == Kind::Refracted));
+            (&rays.segments[0], rays.segments.iter().find(|line| line.kind == LineKind::Refracted));
         assert_eq!(camera.from, DVec3::new(0.0, 0.0, 5.0));
         assert!((second.unwrap().from - camera.to).length() < 1e-12);
     }

@@ -5,14 +5,14 @@ use glam::DVec3;
 
 /// A triangle of a mesh.
 #[derive(Clone, Copy)]
-pub struct Face {
+pub struct MeshFace {
     /// The indices of its vertices.
     pub ids: [u32; 3],
     /// Its vertices.
     pub corners: [DVec3; 3],
 }
 
-impl Face {
+impl MeshFace {
     /// An axis along which the triangle's projection has an area; none if the largest projection has none.
     pub fn axis(&self) -> Option<usize> {
         let axis = self.widest_axis();
@@ -43,7 +43,7 @@ impl Face {
 }
 
 /// Whether two triangles with areas meet only at the vertices and the edges that they share.
-pub fn meet_properly(one: &Face, other: &Face) -> bool {
+pub fn meet_properly(one: &MeshFace, other: &MeshFace) -> bool {
     let is_shared = [0, 1, 2].map(|i| other.ids.contains(&one.ids[i]));
     let is_shared_too = [0, 1, 2].map(|i| one.ids.contains(&other.ids[i]));
     // The one vertex that is shared, or that is not.
@@ -62,7 +62,7 @@ fn agree(sides: &[i32]) -> bool {
 }
 
 /// Whether two triangles have no point in common.
-fn are_apart(one: &Face, other: &Face) -> bool {
+fn are_apart(one: &MeshFace, other: &MeshFace) -> bool {
     let others = one.sides(other.corners);
     if agree(&others) {
         return true;
@@ -76,14 +76,14 @@ fn are_apart(one: &Face, other: &Face) -> bool {
 }
 
 /// Whether no edge of a triangle, whose vertices are on these sides of a face, meets the face.
-fn edges_miss(corners: &[DVec3; 3], sides: [i32; 3], face: &Face) -> bool {
+fn edges_miss(corners: &[DVec3; 3], sides: [i32; 3], face: &MeshFace) -> bool {
     [(0, 1), (1, 2), (2, 0)]
         .iter()
         .all(|&(i, j)| segment_misses([corners[i], corners[j]], [sides[i], sides[j]], face))
 }
 
 /// Whether a segment, whose ends are on these sides of a face, does not meet it.
-pub fn segment_misses([p, q]: [DVec3; 2], sides: [i32; 2], face: &Face) -> bool {
+pub fn segment_misses([p, q]: [DVec3; 2], sides: [i32; 2], face: &MeshFace) -> bool {
     if sides == [0; 2] {
         return are_apart_in_plane(face.widest_axis(), &[p, q], &face.corners);
     }
@@ -111,7 +111,7 @@ fn are_apart_in_plane(axis: usize, one: &[DVec3], other: &[DVec3]) -> bool {
 
 /// Whether two triangles with the same first vertex have only this in common. They do so if and only if the cones that
 /// they span there do.
-fn meet_at_first_vertex(one: &Face, other: &Face) -> bool {
+fn meet_at_first_vertex(one: &MeshFace, other: &MeshFace) -> bool {
     let ([v, a, b], [_, c, d]) = (one.corners, other.corners);
     let [of_c, of_d] = one.sides([c, d]);
     if of_c * of_d > 0 {
@@ -163,7 +163,7 @@ fn is_opposite(v: DVec3, a: DVec3, b: DVec3) -> bool {
 
 /// Whether a triangle whose last two vertices are an edge of another one, with this vertex beside, has only the edge in
 /// common with it.
-fn meet_at_an_edge(one: &Face, beside: DVec3) -> bool {
+fn meet_at_an_edge(one: &MeshFace, beside: DVec3) -> bool {
     let [opposite, p, q] = one.corners;
     let axis = one.widest_axis();
     side(one.corners, beside) != 0 || turn(axis, [p, q, opposite]) != turn(axis, [p, q, beside])

@@ -1,6 +1,6 @@
 //! Which meshes are embedded, that is, bound a solid and do not touch themselves.
 
-use super::contact::{Face, meet_properly, segment_misses};
+use super::contact::{MeshFace, meet_properly, segment_misses};
 use super::neighbors::all_overlapping;
 use super::orientation::side;
 use super::{MARGIN, Solid, has_balanced_edges, sorted_edges};
@@ -74,17 +74,17 @@ impl<'w> Mesh<'w> {
     }
 
     #[inline]
-    fn face(&self, index: usize) -> Face {
+    fn face(&self, index: usize) -> MeshFace {
         let ids = self.triangles[index];
-        Face { ids, corners: ids.map(|i| self.world.vertices[i as usize]) }
+        MeshFace { ids, corners: ids.map(|i| self.world.vertices[i as usize]) }
     }
 
-    fn faces(&self) -> impl Iterator<Item = Face> + '_ {
+    fn faces(&self) -> impl Iterator<Item = MeshFace> + '_ {
         (0..self.triangles.len()).map(|index| self.face(index))
     }
 
     /// The faces whose boxes touch a box.
-    fn near(&self, bounds: Aabb) -> impl Iterator<Item = (usize, Face)> + '_ {
+    fn near(&self, bounds: Aabb) -> impl Iterator<Item = (usize, MeshFace)> + '_ {
         let touches = move |with: &Aabb| bounds.min.cmple(with.max).all() && with.min.cmple(bounds.max).all();
         let near = (0..self.boxes.len()).filter(move |&index| touches(&self.boxes[index]));
         near.map(|index| (index, self.face(index)))
@@ -104,7 +104,7 @@ impl<'w> Mesh<'w> {
         let inner = triangle::point(face.corners, [0.52, 0.29, 0.19]);
         let step = MARGIN * self.world.max_abs_coord * triangle::normal(face.corners);
         let ends = [inner + step, inner - step];
-        let sides = |of: &Face| ends.map(|end| side(of.corners, end));
+        let sides = |of: &MeshFace| ends.map(|end| side(of.corners, end));
         let is_before = sides(&face) == [1, -1] && !segment_misses(ends, [1, -1], &face);
         let is_close = is_before
             && self
@@ -120,7 +120,7 @@ impl<'w> Mesh<'w> {
         let shear = Shear::new(&ray);
         let ahead = Aabb { min: point, max: point.with_x(f64::INFINITY) };
         let mut sum = 0;
-        for (_, Face { corners: [a, b, c], .. }) in self.near(ahead) {
+        for (_, MeshFace { corners: [a, b, c], .. }) in self.near(ahead) {
             if shear.intersect([&a, &b, &c]).is_some() {
                 let leaves = projected_area(ray.direction, [a, b, c]).sign();
                 match side([a, b, c], point) * leaves {

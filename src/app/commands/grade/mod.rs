@@ -4,9 +4,9 @@ mod folder;
 mod references;
 
 use crate::app::complete_files::CompleteFiles;
-use crate::app::progress::Progress;
+use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
-use crate::app::threads::{self, Place};
+use crate::app::threads::{self, PoolPlace};
 use crate::app::{End, Outcome, failed};
 use folder::Folder;
 use rayon::ThreadPool;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// Compares everything with its reference. Warnings go to `tell`.
 pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
-    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, Place::Here)?);
+    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, PoolPlace::Here)?);
     let written = WrittenFiles::of_grading(options)?;
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
@@ -39,7 +39,7 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
 
     let page = files.is_some().then(Page::default);
     let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
-    let progress = Progress::new(options.progress);
+    let progress = ProgressLine::new(options.progress);
     let mut columns = Vec::with_capacity(references.len());
     for (index, name) in references.names().enumerate() {
         let (number, all, name_shown) = (index + 1, references.len(), escape(&name.to_string_lossy()));

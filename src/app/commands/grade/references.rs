@@ -13,7 +13,7 @@ use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
-use raytracer::tools::causes::{Cause, Finding, Finished, Original};
+use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,8 +51,8 @@ impl Source<'_> {
     pub fn explain(self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
         let finished = match self {
             Self::Scene(mut original) => return original.explain_parts(wrong, reference),
-            Self::Colors(colors) => Finished::of_colors(colors),
-            Self::File => Finished::of_picture(reference),
+            Self::Colors(colors) => FinishedPicture::of_colors(colors),
+            Self::File => FinishedPicture::of_picture(reference),
         };
         finished.explain(wrong).into_iter().map(Some).collect()
     }

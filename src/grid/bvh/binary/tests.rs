@@ -26,7 +26,7 @@ fn nodes_of(tree: &BinaryTree, half: &Half) -> (f32, usize, usize) {
         assert_eq!(child.items.start, next);
         next = child.items.end;
         match child.content {
-            Content::Halves(_) => {
+            BranchContent::Halves(_) => {
                 let (area, nodes, leaves) = nodes_of(tree, child);
                 sums = (sums.0 + area, sums.1 + nodes, sums.2 + leaves);
             }
@@ -44,7 +44,7 @@ fn least_area(tree: &BinaryTree, index: usize, count: usize, known: &mut Known) 
         return area;
     }
     let half = &tree.halves[index];
-    let Content::Halves([a, b]) = half.content else { return 0.0 };
+    let BranchContent::Halves([a, b]) = half.content else { return 0.0 };
     let mut among = |count: usize| {
         let mut area =
             |first: usize| least_area(tree, a, first, known) + least_area(tree, b, count - first, known);
@@ -94,7 +94,7 @@ fn of_many_small_items_a_branch_is_small_unless_there_are_too_many_levels_above_
         let small = tree
             .halves
             .iter()
-            .filter(|half| matches!(half.content, Content::Small { level: of } if of > level));
+            .filter(|half| matches!(half.content, BranchContent::Small { level: of } if of > level));
         assert_eq!(small.count() > 0, is_small, "{level}");
     }
 }
@@ -102,7 +102,7 @@ fn of_many_small_items_a_branch_is_small_unless_there_are_too_many_levels_above_
 /// The number of levels below a half.
 fn levels(tree: &BinaryTree, half: &Half) -> usize {
     match half.content {
-        Content::Halves(halves) => {
+        BranchContent::Halves(halves) => {
             1 + halves.map(|index| levels(tree, &tree.halves[index])).into_iter().fold(0, usize::max)
         }
         _ => 0,
@@ -118,7 +118,7 @@ fn below_the_levels_of_the_heuristic_items_are_divided_by_their_number() {
     };
     for (level, first) in [(0, 4), (HEURISTIC_LEVELS - 1, 4), (HEURISTIC_LEVELS, 256)] {
         let tree = BinaryTree::new(&mut items((0..500).map(point), 0.01), level).unwrap();
-        let Content::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
+        let BranchContent::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
         let lengths = halves.map(|index| tree.halves[index].items.len());
         assert_eq!(lengths.into_iter().min(), Some(first.min(500 - first)), "{level}: {lengths:?}");
         assert!(
@@ -137,7 +137,7 @@ fn large_items_are_apart_from_small_ones_in_their_middle() {
     let large = Aabb { min: DVec3::new(-0.9, 0.0, -0.9), max: DVec3::new(0.9, 0.0, 0.9) };
     items.extend([500, 501].map(|id| Item::new(&frame, &large, id)));
     let tree = BinaryTree::new(&mut items, 0).unwrap();
-    let Content::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
+    let BranchContent::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
     let lengths = halves.map(|index| tree.halves[index].items.len());
     assert_eq!(lengths, [2, 500]);
 }

@@ -7,9 +7,9 @@ pub const LANES: usize = 8;
 
 /// An odd number of weights, the middle one at the pixel itself.
 #[derive(Clone, Debug)]
-pub struct Kernel(Vec<f64>);
+pub struct Convolution(Vec<f64>);
 
-impl Kernel {
+impl Convolution {
     fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         Self((0..=2 * radius).map(|at| weight(at as f64 - radius as f64)).collect())
     }
@@ -61,9 +61,9 @@ impl Kernel {
 #[derive(Clone, Debug)]
 pub struct SpatialFilters {
     /// For Y and for Cx, along rows and along columns.
-    pub gaussians: [Kernel; 2],
+    pub gaussians: [Convolution; 2],
     /// For Cz: the sum of two filters, each along rows and along columns.
-    pub blue_yellow: [Kernel; 2],
+    pub blue_yellow: [Convolution; 2],
 }
 
 /// The spread of the Gaussians of Y and Cx, in square degrees.
@@ -77,9 +77,10 @@ impl SpatialFilters {
     /// At a viewing distance.
     pub fn new(pixels_per_degree: f64) -> Self {
         let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
-        let gaussian =
-            |spread: f64| Kernel::new(radius, |x| libm::exp(-(PI * x / pixels_per_degree).powi(2) / spread));
-        let normalized = |kernel: Kernel| kernel.clone().scaled(1.0 / kernel.sum());
+        let gaussian = |spread: f64| {
+            Convolution::new(radius, |x| libm::exp(-(PI * x / pixels_per_degree).powi(2) / spread))
+        };
+        let normalized = |kernel: Convolution| kernel.clone().scaled(1.0 / kernel.sum());
         // The weight of both filters of Cz together is the sum of the squares: each is applied twice.
         let blue_yellow = BLUE_YELLOW
             .map(|(height, spread)| gaussian(spread).scaled((height * (PI / spread).sqrt()).sqrt()));
@@ -100,9 +101,9 @@ impl SpatialFilters {
 #[derive(Clone, Debug)]
 pub struct FeatureFilters {
     /// The blur across the direction of a derivative.
-    pub gaussian: Kernel,
+    pub gaussian: Convolution,
     /// The first derivative, largest at edges, and the second, largest at points.
-    pub derivatives: [Kernel; 2],
+    pub derivatives: [Convolution; 2],
 }
 
 /// The width of the features that the eye notices most, in degrees.
@@ -114,10 +115,10 @@ impl FeatureFilters {
         let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
         let radius = (3.0 * deviation).ceil() as usize;
         let gaussian = |x: f64| libm::exp(-(x / deviation).powi(2) / 2.0);
-        let first = Kernel::new(radius, |x| -x * gaussian(x));
-        let second = Kernel::new(radius, |x| ((x / deviation).powi(2) - 1.0) * gaussian(x));
+        let first = Convolution::new(radius, |x| -x * gaussian(x));
+        let second = Convolution::new(radius, |x| ((x / deviation).powi(2) - 1.0) * gaussian(x));
         Self {
-            gaussian: Kernel::new(radius, gaussian).balanced(),
+            gaussian: Convolution::new(radius, gaussian).balanced(),
             derivatives: [first.balanced(), second.balanced()],
         }
     }
@@ -134,7 +135,7 @@ mod tests {
     use crate::tools::compare::PIXELS_PER_DEGREE;
 
     /// What a flat picture of ones becomes.
-    fn of_ones(kernel: &Kernel) -> f64 {
+    fn of_ones(kernel: &Convolution) -> f64 {
         let mut output = [0.0];
         kernel.convolve(&vec![1.0; 2 * kernel.radius() + 1], 1, &mut output);
         output[0]
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn every_lane_and_stride_gives_the_plain_sum() {
         let values: Vec<f64> = (0..100).map(|i| f64::from(i * i % 37)).collect();
-        let kernel = Kernel::new(2, |x| x * x + x + 1.0);
+        let kernel = Convolution::new(2, |x| x * x + x + 1.0);
         for (stride, length) in [(1, 19), (20, 20), (23, 8), (9, 3)] {
             let mut output = vec![f64::NAN; length];
             kernel.convolve(&values, stride, &mut output);

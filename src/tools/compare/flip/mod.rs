@@ -16,7 +16,7 @@ use color::ColorSpace;
 use filter::{FeatureFilters, SpatialFilters};
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use tile::{FilteredTile, Tile, tiles};
+use tile::{FilteredTile, PictureTile, tiles};
 
 /// Of a display 0.7 m wide with 3840 pixels in a row, seen from 0.7 m: 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
@@ -66,14 +66,14 @@ impl Flip {
     /// number of threads.
     pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, CompareError> {
         let [width, height] = common_size(a, b)?.map(|side| side as usize);
-        let tiles: Vec<Tile> = tiles(width, height).collect();
+        let tiles: Vec<PictureTile> = tiles(width, height).collect();
         let sums: Vec<f64> = tiles.par_iter().map(|tile| self.sum_of_errors(a, b, tile)).collect();
         Ok(sums.iter().sum::<f64>() / (width * height) as f64)
     }
 
     /// A pixel's error depends on the pixels within the filters' radius: without a difference there
     /// it is exactly 0.
-    fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &Tile) -> f64 {
+    fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &PictureTile) -> f64 {
         let windows =
             [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), self.radius()));
         if windows[0] == windows[1] {

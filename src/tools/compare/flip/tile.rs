@@ -1,7 +1,7 @@
 //! Parts of a picture that fit into a core's cache.
 
 use super::Flip;
-use super::filter::{Kernel, LANES};
+use super::filter::{Convolution, LANES};
 use glam::{DVec2, DVec3};
 
 /// Pixels per side of the largest tile, a multiple of [`LANES`]. The filters read a border around each tile, which
@@ -10,7 +10,7 @@ const LARGEST: usize = 64;
 
 /// A rectangle of a picture, from its top left.
 #[derive(Clone, Copy, Debug)]
-pub struct Tile {
+pub struct PictureTile {
     x: usize,
     y: usize,
     pub width: usize,
@@ -18,9 +18,9 @@ pub struct Tile {
 }
 
 /// Nearly equal tiles that cover a picture, row by row.
-pub fn tiles(width: usize, height: usize) -> impl Iterator<Item = Tile> {
+pub fn tiles(width: usize, height: usize) -> impl Iterator<Item = PictureTile> {
     parts(height)
-        .flat_map(move |(y, height)| parts(width).map(move |(x, width)| Tile { x, y, width, height }))
+        .flat_map(move |(y, height)| parts(width).map(move |(x, width)| PictureTile { x, y, width, height }))
 }
 
 /// Start and length of each part of a side. Parts start at multiples of the number of SIMD lanes, so
@@ -34,15 +34,15 @@ fn parts(side: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// A tile and the pixels within a radius around it; beyond the picture, its outermost pixels repeat.
 #[derive(Debug, PartialEq)]
-pub struct Window {
+pub struct PaddedTile {
     radius: usize,
     width: usize,
     pixels: Vec<[u8; 3]>,
 }
 
-impl Tile {
+impl PictureTile {
     /// The tile's part of a picture of this width.
-    pub fn window(&self, picture_width: usize, pixels: &[[u8; 3]], radius: usize) -> Window {
+    pub fn window(&self, picture_width: usize, pixels: &[[u8; 3]], radius: usize) -> PaddedTile {
         let around = |start: usize, length: usize, side: usize| {
             (start..start + length + 2 * radius).map(move |at| at.saturating_sub(radius).min(side - 1))
         };
@@ -51,7 +51,7 @@ impl Tile {
             let row = &pixels[y * picture_width..][..picture_width];
             around(self.x, self.width, picture_width).map(|x| row[x])
         });
-        Window { radius, width: self.width + 2 * radius, pixels: pixels.collect() }
+        PaddedTile { radius, width: self.width + 2 * radius, pixels: pixels.collect() }
     }
 }
 
@@ -79,13 +79,14 @@ impl FilteredTile {
 
 impl Flip {
     /// Filters the middle of a window.
-    pub fn filtered(&self, window: &Window, tile: &Tile) -> FilteredTile {
+    pub fn filtered(&self, window: &PaddedTile, tile: &PictureTile) -> FilteredTile {
         let colors: Vec<DVec3> = window.pixels.iter().map(|&rgb| self.colors.to_ycxcz(rgb)).collect();
         let plane = |value: fn(&DVec3) -> f64| colors.iter().map(value).collect::<Vec<f64>>();
         let [y, cx, cz] = [plane(|color| color.x), plane(|color| color.y), plane(|color| color.z)];
         let luminance = plane(|color| (color.x + 16.0) / 116.0);
-        let filtered =
-            |plane: &[f64], across: &Kernel, down: &Kernel| separable(plane, window, tile, [across, down]);
+        let filtered = |plane: &[f64], across: &Convolution, down: &Convolution| {
+            separable(plane, window, tile, [across, down])
+        };
         let ([for_y, for_cx], [for_cz, for_more_cz]) = (&self.spatial.gaussians, &self.spatial.blue_yellow);
         let gaussian = &self.features.gaussian;
         FilteredTile {
@@ -99,7 +100,12 @@ impl Flip {
 }
 
 /// The tile's pixels after a filter along rows and one along columns.
-fn separable(plane: &[f64], window: &Window, tile: &Tile, [across, down]: [&Kernel; 2]) -> Vec<f64> {
+fn separable(
+    plane: &[f64],
+    window: &PaddedTile,
+    tile: &PictureTile,
+    [across, down]: [&Convolution; 2],
+) -> Vec<f64> {
     let [left, top] = [across, down].map(|kernel| window.radius - kernel.radius());
     let mut rows = vec![0.0; tile.width * (tile.height + 2 * down.radius())];
     let windows = plane[top * window.width..].chunks_exact(window.width);
@@ -135,7 +141,7 @@ mod tests {
     #[test]
     fn a_window_repeats_the_outermost_pixels() {
         let pixels: Vec<[u8; 3]> = (0..6).map(|i| [i; 3]).collect();
-        let window = Tile { x: 1, y: 0, width: 2, height: 1 }.window(3, &pixels, 1);
+        let window = PictureTile { x: 1, y: 0, width: 2, height: 1 }.window(3, &pixels, 1);
         let levels: Vec<u8> = window.pixels.iter().map(|pixel| pixel[0]).collect();
         assert_eq!(levels, [0, 1, 2, 2, 0, 1, 2, 2, 3, 4, 5, 5]);
     }

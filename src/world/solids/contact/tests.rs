@@ -37,7 +37,7 @@ fn placed(kind: usize, [x, y, z]: [f64; 3]) -> DVec3 {
 
 /// Whether the triangle of the first three points and the one of these meet properly, in whatever order and place.
 fn meets(ids: [u32; 3]) -> bool {
-    let face = |kind, ids: [u32; 3]| Face { ids, corners: ids.map(|i| placed(kind, POINTS[i as usize])) };
+    let face = |kind, ids: [u32; 3]| MeshFace { ids, corners: ids.map(|i| placed(kind, POINTS[i as usize])) };
     let [a, b, c] = ids;
     let orders = [[a, b, c], [b, c, a], [c, a, b], [c, b, a], [a, c, b], [b, a, c]];
     let base = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1]];
@@ -134,7 +134,7 @@ fn triangles_with_a_shared_edge_must_not_be_folded_over() {
 
 #[test]
 fn a_triangle_has_an_axis_along_which_it_has_an_area() {
-    let face = |corners: [[f64; 3]; 3]| Face { ids: [0, 1, 2], corners: corners.map(DVec3::from) };
+    let face = |corners: [[f64; 3]; 3]| MeshFace { ids: [0, 1, 2], corners: corners.map(DVec3::from) };
     let tiny = 2f64.powi(-60);
     for (axis, corners) in [
         (Some(2), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
