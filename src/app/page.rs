@@ -33,7 +33,7 @@ fn scene_file(options: &Options) -> Option<&Path> {
 }
 
 #[cfg(feature = "gui")]
-pub use page::show;
+pub use server::show;
 
 /// Shows nothing.
 #[cfg(not(feature = "gui"))]
@@ -42,7 +42,7 @@ pub fn show(_: &Options, _: &mut Signals, _: &dyn Fn(&str)) -> Result<(), String
 }
 
 #[cfg(feature = "gui")]
-mod page {
+mod server {
     use super::*;
     use raytracer::tools::live::{Server, Setup};
     use raytracer::undisturbed::undisturbed;

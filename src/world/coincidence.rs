@@ -14,11 +14,11 @@ use glam::{DMat3, DVec3};
 /// moved them: the t of a hit tells no smaller distances apart.
 const COINCIDENT_ROUNDINGS: f64 = 4.0;
 
-/// The hits that may be coincident with one at some t are this part of it away, and more by the largest coordinate of the
-/// finite primitives and by how far flattening may have moved any of them.
+/// Behind the nearest hit, others in the same place are looked for up to a distance of this part of its t, of the largest
+/// coordinate of the finite primitives, and of how far flattening may have moved any of them.
 ///
-/// The t of two hits in the same place differ by the distance of the planes over the cosine of the ray's angle to their
-/// normal. These reach cosines down to a millionth.
+/// The t of two hits in the same place differ by the distance of the surfaces over the cosine between the ray and their
+/// normal. That distance is enough for cosines down to a millionth.
 const PER_T: f64 = 1.0 / (1 << 20) as f64;
 const PER_COORDINATE: f64 = 1.0 / (1 << 30) as f64;
 const PER_FLATTENING_ERROR: f64 = (1 << 20) as f64;
@@ -72,7 +72,7 @@ impl World {
         })
     }
 
-    /// How far a triangle's corners may be from where they coincide with others, along any axis.
+    /// How far along any axis a triangle's corners may be from a plane in which they count as lying.
     fn corner_error(&self, triangle: usize) -> f64 {
         let [a, b, c] = self.corners(triangle).map(DVec3::abs);
         let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * a.max(b).max(c).max_element();
