@@ -313,7 +313,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     #[inline(never)]
     fn foremost<P: Probe>(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
-        let end = t + 2.0 * self.world.coincidence_reach(t);
+        let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         // These rays are so few that the portable instructions will do.
         let probe = &mut P::default();

@@ -118,6 +118,12 @@ impl<'a> RayQuery<'a> {
         }
     }
 
+    /// Notes that primitives that may lie in the same place as the best one were not tested.
+    #[inline(always)]
+    pub fn leave_undecided(&mut self) {
+        self.is_close |= self.best.primitive != NONE;
+    }
+
     /// Whether it is still to be decided which of several primitives in the same place the ray sees.
     #[inline(always)]
     pub fn is_undecided(&self) -> bool {
@@ -274,7 +280,8 @@ impl<'a> RayQuery<'a> {
             let id = block.index.ids[lane];
             if certain >> lane & 1 != 0 {
                 let [lower, upper] = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
-                if upper + self.world.coincidence_reach(upper) < self.t_lower_bound {
+                let reach = self.world.coincidence_reach(lower.abs().max(upper.abs()));
+                if upper + reach < self.t_lower_bound {
                     self.best = Visible { primitive: id, t_bound: upper };
                     self.t_lower_bound = lower;
                     changed = true;
@@ -311,11 +318,11 @@ impl<'a> RayQuery<'a> {
     /// Keeps a primitive that the ray hits at `t` if it precedes the best one, and returns whether it does.
     #[inline(always)]
     fn offer(&mut self, t: f64, primitive: u32) -> bool {
-        let reach = self.world.coincidence_reach(t);
-        if t - reach > self.best.t_bound {
+        if t > self.end::<false>() {
             return false;
         }
-        let better = t + reach < self.t_lower_bound || self.offer_close(t, primitive);
+        let better =
+            t + self.world.coincidence_reach(t) < self.t_lower_bound || self.offer_close(t, primitive);
         if better {
             self.best = Visible { primitive, t_bound: t };
             self.t_lower_bound = t;

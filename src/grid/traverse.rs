@@ -108,6 +108,10 @@ impl AccelerationStructure {
                 }
             }
             if last_t <= cursor.exit() {
+                // The course's program looks no farther, and neither does a ray that seldom has to.
+                if !ANY && cursor.fixed_t(query.end::<ANY>()) > cursor.exit() {
+                    query.leave_undecided();
+                }
                 return;
             }
             let unstepped = cursor.step();

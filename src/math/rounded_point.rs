@@ -7,8 +7,8 @@ use glam::DVec3;
 pub struct RoundedPoint<'a> {
     /// The point as it is computed.
     pub position: DVec3,
-    /// How far along any axis it may be from the surface as the scene describes it. It is computed where it is needed.
-    pub error: &'a dyn Fn() -> f64,
+    /// How far along each axis it may be from the surface as the scene describes it. It is computed where it is needed.
+    pub error: &'a dyn Fn() -> DVec3,
     /// A point that is farther from a boundary in the space of a checkerboard is certainly on its side of it, whatever
     /// its error is.
     pub boundary_width: f64,
@@ -17,6 +17,6 @@ pub struct RoundedPoint<'a> {
 /// A point that lies on its surface exactly.
 impl From<DVec3> for RoundedPoint<'_> {
     fn from(position: DVec3) -> Self {
-        Self { position, error: &|| 0.0, boundary_width: f64::INFINITY }
+        Self { position, error: &|| DVec3::ZERO, boundary_width: f64::INFINITY }
     }
 }

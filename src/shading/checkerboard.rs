@@ -96,7 +96,7 @@ const ALONG_AXIS_ROUNDINGS: f64 = 4.0;
 fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let (sizes, reach) = (absolute(map.map), point.position.abs());
     let of_map = map.error.transform_point3(reach);
-    let of_point = sizes.matrix3 * DVec3::splat((point.error)());
+    let of_point = sizes.matrix3 * (point.error)();
     roundings(sizes.matrix3.transpose()) * sizes.transform_point3(reach) + (of_map + of_point)
 }
 
@@ -183,7 +183,11 @@ mod tests {
                     for (instructions, width) in
                         Instructions::available().into_iter().flat_map(|i| [(i, width), (i, f64::INFINITY)])
                     {
-                        let point = RoundedPoint { position: point, error: &|| error, boundary_width: width };
+                        let point = RoundedPoint {
+                            position: point,
+                            error: &|| DVec3::splat(error),
+                            boundary_width: width,
+                        };
                         let found = is_in_odd_cell(&map.into(), &point, instructions);
                         assert_eq!(found, expected, "{} {map} {instructions:?} {width}", point.position);
                     }

@@ -95,7 +95,7 @@ impl<'a> Builder<'a> {
         vertices: impl ExactSizeIterator<Item = DVec3>,
         faces: &[[u32; 3]],
         placement: &Placement,
-        (material, error): (MaterialId, f64),
+        (material, error): (MaterialId, DVec3),
     ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
@@ -114,7 +114,7 @@ impl<'a> Builder<'a> {
         let is_last = self.uses[id] == 0;
         let error = match placement.transform {
             Some(_) => placement.point_error(reach(&mesh.vertices)),
-            None => 0.0,
+            None => DVec3::ZERO,
         };
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
@@ -142,7 +142,7 @@ impl<'a> Builder<'a> {
         first_vertex: usize,
         first: usize,
         placement: &Placement,
-        (material, error): (MaterialId, f64),
+        (material, error): (MaterialId, DVec3),
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
         self.world.flattening_errors.push(Finite::Triangles, first, error)?;
@@ -267,7 +267,7 @@ fn transformed_plane(
     let transformed = robust::unit(robust::transformed_normal(linear, unit));
     let foot = placement.world_point(offset * unit);
     let plane = Plane { normal: transformed, offset: transformed.dot(foot) };
-    let error = PlaneError::transformed(placement, (normal, offset), foot);
+    let error = PlaneError::transformed(placement, (normal, offset), (transformed, foot));
     Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal)), error))
 }
 

@@ -65,28 +65,28 @@ impl World {
             return false;
         };
         let [of_larger, of_smaller] = [larger, smaller].map(|i| self.corner_error(i));
+        let direction = DVec3::from_array(normal.map(|coordinate| coordinate.over(largest)));
         corners.into_iter().all(|corner| {
-            // The largest coordinate of the normal is at most its length, so the height is at most this.
+            // The height above the plane times the length of `direction`.
             let height = volume(corner, base).over(largest).abs();
-            height <= 2.0 * (of_smaller + of_larger * extrapolation(corner, base))
+            height <= direction.abs().dot(of_smaller + of_larger * extrapolation(corner, base))
         })
     }
 
-    /// How far along any axis a triangle's corners may be from a plane in which they count as lying.
-    fn corner_error(&self, triangle: usize) -> f64 {
+    /// How far along each axis a triangle's corners may be from a plane in which they count as lying.
+    fn corner_error(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.corners(triangle).map(DVec3::abs);
-        let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * a.max(b).max(c).max_element();
+        let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * a.max(b).max(c);
         self.flattening_error(triangle as u32, DVec3::ZERO) + rounding
     }
 
     /// Whether a triangle's corners lie in a plane.
     fn lies_in_plane(&self, triangle: usize, plane: usize) -> bool {
-        let id = self.first_plane() + plane as u32;
-        let of_corners = 2.0 * self.corner_error(triangle);
+        let (error, of_corners) = (self.flattening_errors.of_plane(plane), self.corner_error(triangle));
+        let plane = &self.planes[plane];
+        let of_corners = plane.normal.abs().dot(of_corners);
         let corners = self.corners(triangle);
-        corners.into_iter().all(|corner| {
-            self.planes[plane].ahead_of(corner).abs() <= of_corners + self.flattening_error(id, corner)
-        })
+        corners.into_iter().all(|corner| plane.ahead_of(corner).abs() <= of_corners + error.at(corner))
     }
 
     /// Whether each of two spheres or ellipsoids is the unit sphere in the space of the other one.
@@ -96,7 +96,7 @@ impl World {
             let (center, linear, _) = self.round(id);
             let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
             let rounding = 16.0 * COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);
-            self.flattening_error(id, center) + rounding
+            self.flattening_error(id, center).max_element() + rounding
         });
         let relative = 8.0 * (errors[0] + errors[1]) * largest_number(inverse);
         let (map, moved) = (inverse * other_linear, inverse * (other_center - center));

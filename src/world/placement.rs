@@ -28,16 +28,16 @@ impl Placement<'_> {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
     }
 
-    /// How far the points of the object in world space may be from the exact ones, along any axis. `reach` are upper
+    /// How far along each axis the points of the object in world space may be from the exact ones. `reach` are upper
     /// bounds on the absolute values of their coordinates in object space.
     ///
     /// It includes the one rounding of each coordinate.
-    pub(super) fn point_error(&self, reach: DVec3) -> f64 {
+    pub(super) fn point_error(&self, reach: DVec3) -> DVec3 {
         if self.transform.is_none() {
-            return 0.0;
+            return DVec3::ZERO;
         }
         let error = self.error.transform_point3(reach);
-        (error + UNIT_ROUNDOFF * (absolute(self.matrix).transform_point3(reach) + error)).max_element()
+        error + UNIT_ROUNDOFF * (absolute(self.matrix).transform_point3(reach) + error)
     }
 
     /// An error at the transform, or at the start of the text where there is none.

@@ -5,7 +5,7 @@
 
 use super::placement::Placement;
 use super::{Primitive, SurfacePoint, World};
-use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error};
+use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
 use crate::math::rounded_affine::absolute;
 use crate::math::rounded_point::RoundedPoint;
 use crate::memory::{self, NoMemory};
@@ -31,9 +31,9 @@ const ON_PLANE_ROUNDINGS: f64 = 6.0;
 /// How far flattening may have moved the primitives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FlatteningErrors {
-    /// Of triangles, spheres and ellipsoids: runs of primitives that may have moved equally far along any axis, with the
+    /// Of triangles, spheres and ellipsoids: runs of primitives that may have moved equally far along each axis, with the
     /// first index of each run.
-    runs: [Vec<(u32, f64)>; 3],
+    runs: [Vec<(u32, DVec3)>; 3],
     planes: Vec<PlaneError>,
 }
 
@@ -58,16 +58,19 @@ impl PlaneError {
     }
 
     /// Of a plane that is placed by its normal and by its point nearest to the origin, which is `offset` away from it
-    /// in object space, and at `foot` in world space.
-    pub fn transformed(placement: &Placement, (normal, offset): (DVec3, f64), foot: DVec3) -> Self {
+    /// in object space, and at `foot` in world space, where its unit normal is `world_normal`.
+    pub fn transformed(
+        placement: &Placement,
+        (normal, offset): (DVec3, f64),
+        (world_normal, foot): (DVec3, DVec3),
+    ) -> Self {
         let Placement { matrix, error, .. } = placement;
         let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
         let tilt = transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
-        let reach = DVec3::splat(offset.abs());
-        let of_unit_normal =
-            Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF * absolute(*matrix).transform_vector3(reach);
-        // The length of a vector is at most twice its largest coordinate.
-        let of_foot = 2.0 * (placement.point_error(reach) + of_unit_normal.max_element());
+        let reach = offset.abs() * unit(normal).abs() * (1.0 + of_normals);
+        let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
+        // Only what moves the foot along the normal moves the plane.
+        let of_foot = world_normal.abs().dot(placement.point_error(reach) + of_unit_normal);
         Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
     }
 
@@ -87,9 +90,9 @@ pub(super) enum Finite {
 
 impl FlatteningErrors {
     /// Records how far the primitives of a kind from index `first` on may have moved.
-    pub fn push(&mut self, kind: Finite, first: usize, error: f64) -> Result<(), NoMemory> {
+    pub fn push(&mut self, kind: Finite, first: usize, error: DVec3) -> Result<(), NoMemory> {
         let runs = &mut self.runs[kind as usize];
-        if runs.last().map_or(0.0, |&(_, last)| last) == error {
+        if runs.last().map_or(DVec3::ZERO, |&(_, last)| last) == error {
             return Ok(());
         }
         memory::push(runs, (first as u32, error))
@@ -102,7 +105,7 @@ impl FlatteningErrors {
 
     /// The largest of a finite primitive, or of a plane at the origin.
     pub fn largest(&self) -> f64 {
-        let finite = self.runs.iter().flatten().map(|&(_, error)| error);
+        let finite = self.runs.iter().flatten().map(|&(_, error)| error.max_element());
         finite.chain(self.planes.iter().map(|error| error.at_origin)).fold(0.0, f64::max)
     }
 
@@ -111,10 +114,10 @@ impl FlatteningErrors {
         self.planes.get(index).copied().unwrap_or_default()
     }
 
-    fn of(&self, kind: Finite, index: usize) -> f64 {
+    fn of(&self, kind: Finite, index: usize) -> DVec3 {
         let runs = &self.runs[kind as usize];
         let next = runs.partition_point(|&(first, _)| first as usize <= index);
-        next.checked_sub(1).map_or(0.0, |run| runs[run].1)
+        next.checked_sub(1).map_or(DVec3::ZERO, |run| runs[run].1)
     }
 }
 
@@ -127,38 +130,41 @@ impl World {
         f(&RoundedPoint { position, error: &error, boundary_width: self.boundary_width.at(position) })
     }
 
-    /// The error bound of a point of a surface, along any axis.
-    fn point_error(&self, surface: &SurfacePoint) -> f64 {
-        let Some(id) = surface.primitive else { return 0.0 };
-        let flattening = self.flattening_error(id, surface.position);
+    /// The error bound of a point of a surface, along each axis.
+    fn point_error(&self, surface: &SurfacePoint) -> DVec3 {
+        let Some(id) = surface.primitive else { return DVec3::ZERO };
         let roundings = match self.primitive(id) {
             Primitive::Triangle(i) => {
                 let [a, b, c] = self.corners(i).map(DVec3::abs);
-                BETWEEN_VERTICES_ROUNDINGS * a.max(b).max(c).max_element()
+                BETWEEN_VERTICES_ROUNDINGS * a.max(b).max(c)
             }
             Primitive::Sphere(i) => {
                 let sphere = &self.spheres[i];
-                AT_RADIUS_ROUNDINGS * (sphere.center.abs().max_element() + sphere.radius)
+                AT_RADIUS_ROUNDINGS * (sphere.center.abs() + sphere.radius)
             }
             Primitive::Ellipsoid(i) => {
                 let ellipsoid = &self.ellipsoids[i];
                 let size = ellipsoid.half_lengths().into_iter().sum::<f64>();
-                ON_ELLIPSOID_ROUNDINGS * (ellipsoid.center().abs().max_element() + size)
+                ON_ELLIPSOID_ROUNDINGS * (ellipsoid.center().abs() + size)
             }
+            // Along the plane the point may be anywhere.
             Primitive::Plane(i) => {
-                ON_PLANE_ROUNDINGS * (surface.position.abs().element_sum() + self.planes[i].offset.abs())
+                let plane = &self.planes[i];
+                ON_PLANE_ROUNDINGS
+                    * (surface.position.abs().element_sum() + plane.offset.abs())
+                    * plane.normal.abs()
             }
         };
-        flattening + roundings * UNIT_ROUNDOFF
+        self.flattening_error(id, surface.position) + roundings * UNIT_ROUNDOFF
     }
 
-    /// How far flattening may have moved a primitive along any axis, for a plane at this point.
-    pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> f64 {
+    /// How far along each axis flattening may have moved a primitive, for a plane at this point.
+    pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> DVec3 {
         match self.primitive(id) {
             Primitive::Triangle(i) => self.flattening_errors.of(Finite::Triangles, i),
             Primitive::Sphere(i) => self.flattening_errors.of(Finite::Spheres, i),
             Primitive::Ellipsoid(i) => self.flattening_errors.of(Finite::Ellipsoids, i),
-            Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point),
+            Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point) * self.planes[i].normal.abs(),
         }
     }
 }
