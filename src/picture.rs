@@ -84,6 +84,7 @@ pub const BLUE_FIRST: usize = 2;
 /// Converts colours to bytes, [`CHANNELS`] for each with red at index `RED`: 255 times each channel,
 /// truncated (not rounded) to a whole number and clamped to 0..=255, as in the course's program. NaN becomes
 /// 0. Returns the number of colours with a NaN.
+#[inline]
 pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
     let mut has_nan = false;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
