@@ -108,7 +108,7 @@ impl AccelerationStructure {
                 }
             }
             if last_t <= cursor.exit() {
-                // The course's program looks no farther, and neither does a ray that seldom has to.
+                // Another primitive in the same place may be in the next cell. Seldom enough, another query looks for it.
                 if !ANY && cursor.fixed_t(query.end::<ANY>()) > cursor.exit() {
                     query.leave_undecided();
                 }

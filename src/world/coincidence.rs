@@ -210,6 +210,8 @@ mod tests {
             ("Plane { normal 0 0 1 offset 0.1000001 }", false),
             ("Plane { normal 0 1e-6 1 offset 0.1 }", false),
             ("Transform { Scale 1 1 0.5 Plane { normal 0 0 1 offset 0.2 } }", true),
+            // What is large along the plane does not move it.
+            ("Transform { Scale 4e20 0.2 0.2 Plane { normal 0 0 1 offset 1 } }", false),
         ] {
             assert_eq!(coincide(LOW, plane), expected, "{plane}");
         }
