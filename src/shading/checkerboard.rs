@@ -66,14 +66,19 @@ fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
 
 /// Whether a point lies in a boundary within its error bounds.
 pub fn is_in_boundary(map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    (0..3).any(|axis| error_bounds_to_boundary(map, point)[axis] <= 1.0)
+    to_boundaries(map, point).cmple(error_bounds(map, point)).any()
 }
 
 /// The distance of each coordinate from the nearest boundary, in its error bounds.
 pub fn error_bounds_to_boundary(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
+    to_boundaries(map, point) / error_bounds(map, point)
+}
+
+/// The distance of each coordinate from the nearest boundary.
+fn to_boundaries(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let [x, y, z, _] = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
     let values = DVec3::new(x, y, z);
-    (values - values.round()).abs() / error_bounds(map, point)
+    (values - values.round()).abs()
 }
 
 /// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
@@ -207,6 +212,7 @@ mod tests {
             (DAffine3::IDENTITY, 3.0, 16.0, false),
             (moved, -5.0, 48.0, true),
             (moved, -5.0, 56.0, false),
+            (DAffine3::IDENTITY, 0.0, 0.0, true),
         ] {
             for sign in [1.0, -1.0] {
                 assert_eq!(
