@@ -3,7 +3,7 @@
 
 use super::World;
 use super::placement::{Placement, course_sphere_box};
-use super::point_error::{BoundaryWidth, Finite, PlaneError};
+use super::point_error::{BoundaryWidth, Finite, PlacementError, PlaneError};
 use super::resting_lights::RestingLights;
 use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
@@ -60,12 +60,12 @@ impl<'a> Builder<'a> {
         match *placement.object {
             Object::Triangle { vertices, material } => {
                 let [a, b, c] = vertices.map(DVec3::abs);
-                let error = placement.point_error(a.max(b).max(c));
+                let error = PlacementError::new(placement, a.max(b).max(c));
                 self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, (material, error))
             }
             Object::Box { min, max, material } => {
                 let corners = Aabb { min, max }.corners().into_iter().map(map);
-                let error = placement.point_error(min.abs().max(max.abs()));
+                let error = PlacementError::new(placement, min.abs().max(max.abs()));
                 self.triangles(corners, &BOX_FACES, placement, (material, error))
             }
             Object::Mesh { mesh, material } => {
@@ -95,7 +95,7 @@ impl<'a> Builder<'a> {
         vertices: impl ExactSizeIterator<Item = DVec3>,
         faces: &[[u32; 3]],
         placement: &Placement,
-        (material, error): (MaterialId, DVec3),
+        (material, error): (MaterialId, PlacementError),
     ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
@@ -113,8 +113,8 @@ impl<'a> Builder<'a> {
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
         let error = match placement.transform {
-            Some(_) => placement.point_error(reach(&mesh.vertices)),
-            None => DVec3::ZERO,
+            Some(_) => PlacementError::new(placement, reach(&mesh.vertices)),
+            None => PlacementError::default(),
         };
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
@@ -142,7 +142,7 @@ impl<'a> Builder<'a> {
         first_vertex: usize,
         first: usize,
         placement: &Placement,
-        (material, error): (MaterialId, DVec3),
+        (material, error): (MaterialId, PlacementError),
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
         self.world.flattening_errors.push(Finite::Triangles, first, error)?;
@@ -175,7 +175,7 @@ impl<'a> Builder<'a> {
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
-        let error = placement.point_error(center.abs() + radius);
+        let error = PlacementError::new(placement, center.abs() + radius);
         let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
             push_run(&mut self.materials[1], self.world.spheres.len(), material)?;
             let sphere = Sphere { center: center_in_world, radius: scale * radius };

@@ -4,6 +4,7 @@
 //! ray to ray, and the picture would be speckled. So it is decided for the pair, by the planes, and not for the ray: of
 //! coincident surfaces a ray sees the one that [`World::comes_first`].
 
+use super::point_error::weights;
 use super::{Primitive, World};
 use crate::math::predicate::{area_vector, volume};
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -64,29 +65,31 @@ impl World {
         let Some(largest) = normal.into_iter().max_by(|p, q| size(*p).total_cmp(&size(*q))) else {
             return false;
         };
-        let [of_larger, of_smaller] = [larger, smaller].map(|i| self.corner_error(i));
+        let errors = base.map(|corner| self.corner_error(larger, corner));
         let direction = DVec3::from_array(normal.map(|coordinate| coordinate.over(largest)));
         corners.into_iter().all(|corner| {
             // The height above the plane times the length of `direction`.
             let height = volume(corner, base).over(largest).abs();
-            height <= direction.abs().dot(of_smaller + of_larger * extrapolation(corner, base))
+            // A corner of the larger one moves its plane here by its weight.
+            let [u, v, w] = weights(corner, base);
+            let of_plane = u * errors[0] + v * errors[1] + w * errors[2];
+            height <= direction.abs().dot(self.corner_error(smaller, corner) + of_plane)
         })
     }
 
-    /// How far along each axis a triangle's corners may be from a plane in which they count as lying.
-    fn corner_error(&self, triangle: usize) -> DVec3 {
-        let [a, b, c] = self.corners(triangle).map(DVec3::abs);
-        let rounding = COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * a.max(b).max(c);
-        self.flattening_error(triangle as u32, DVec3::ZERO) + rounding
+    /// How far along each axis a triangle's corner may be from a plane in which it counts as lying.
+    fn corner_error(&self, triangle: usize, corner: DVec3) -> DVec3 {
+        self.flattening_error(triangle as u32, corner) + COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * corner.abs()
     }
 
     /// Whether a triangle's corners lie in a plane.
     fn lies_in_plane(&self, triangle: usize, plane: usize) -> bool {
-        let (error, of_corners) = (self.flattening_errors.of_plane(plane), self.corner_error(triangle));
+        let error = self.flattening_errors.of_plane(plane);
         let plane = &self.planes[plane];
-        let of_corners = plane.normal.abs().dot(of_corners);
-        let corners = self.corners(triangle);
-        corners.into_iter().all(|corner| plane.ahead_of(corner).abs() <= of_corners + error.at(corner))
+        self.corners(triangle).into_iter().all(|corner| {
+            let of_corner = plane.normal.abs().dot(self.corner_error(triangle, corner));
+            plane.ahead_of(corner).abs() <= of_corner + error.at(corner)
+        })
     }
 
     /// Whether each of two spheres or ellipsoids is the unit sphere in the space of the other one.
@@ -147,15 +150,6 @@ fn size(number: Scaled) -> f64 {
     f64::from(number.exponent) + number.significand.abs()
 }
 
-/// How many times the error of a triangle's corners may move its plane at a point: the sum of the absolute values of the
-/// point's barycentric weights.
-fn extrapolation(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a);
-    let square = normal.length_squared();
-    let weight = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(normal) / square).abs();
-    weight(a, b) + weight(b, c) + weight(c, a)
-}
-
 fn largest_number(m: DMat3) -> f64 {
     m.to_cols_array().into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
 }
@@ -200,6 +194,28 @@ mod tests {
         let wide = "Triangle { vertex0 1 0 0.1 vertex1 1.02 0 0.1 vertex2 1 0.4 0.1 }";
         assert!(coincide(&turned(thin), &turned(wide)));
         assert!(!coincide(&turned(thin), &turned(&wide.replace("0.4 0.1", "0.4 0.1000001"))));
+    }
+
+    /// The roundings of a far corner matter little near the others, with a transform and without one.
+    #[test]
+    fn a_far_corner_makes_nothing_coincide_near_the_others() {
+        let near = "Triangle { vertex0 -0.25 -0.25 0.5 vertex1 0.25 -0.25 0.5 vertex2 0 0.25 0.5 }";
+        for far in ["1e9", "1e16", "1e30", "1e90"] {
+            let triangle =
+                format!("Triangle {{ vertex0 -0.5 1.2 0 vertex1 0.5 1.2 0 vertex2 0.3 -{far} -{far} }}");
+            for transform in ["", "XRotate 20 ZRotate 30", "Scale 1 2 0.3 YRotate 7"] {
+                let under = |object: &str| match transform {
+                    "" => object.to_string(),
+                    _ => format!("Transform {{ {transform} {object} }}"),
+                };
+                assert!(!coincide(&under(near), &under(&triangle)), "{far} {transform}");
+                assert!(
+                    !coincide(&under(&triangle), "Plane { normal 0 1 -1 offset 1.3 }"),
+                    "{far} {transform}"
+                );
+                assert!(coincide(&under(&triangle), &under(&triangle)));
+            }
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::memory::{NoMemory, make_room};
 use crate::primitive::sphere::Sphere;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::{Object, ObjectId, Position, Scene};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// A leaf of the object tree with the matrix that takes it to world space.
 #[derive(Clone, Copy, Debug)]
@@ -28,16 +28,20 @@ impl Placement<'_> {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
     }
 
-    /// How far along each axis the points of the object in world space may be from the exact ones. `reach` are upper
-    /// bounds on the absolute values of their coordinates in object space.
-    ///
-    /// It includes the one rounding of each coordinate.
-    pub(super) fn point_error(&self, reach: DVec3) -> DVec3 {
-        if self.transform.is_none() {
-            return DVec3::ZERO;
+    /// The map from upper bounds on the absolute coordinates of a point of the object to how far along each axis the point
+    /// in world space may be from the exact one. It includes the one rounding of each coordinate.
+    pub(super) fn point_error(&self) -> DAffine3 {
+        let sizes = absolute(self.matrix);
+        let rounded = |error: DVec3, size: DVec3| error + UNIT_ROUNDOFF * (size + error);
+        let (error, linear) = (self.error.matrix3, sizes.matrix3);
+        DAffine3 {
+            matrix3: DMat3::from_cols(
+                rounded(error.x_axis, linear.x_axis),
+                rounded(error.y_axis, linear.y_axis),
+                rounded(error.z_axis, linear.z_axis),
+            ),
+            translation: rounded(self.error.translation, sizes.translation),
         }
-        let error = self.error.transform_point3(reach);
-        error + UNIT_ROUNDOFF * (absolute(self.matrix).transform_point3(reach) + error)
     }
 
     /// An error at the transform, or at the start of the text where there is none.

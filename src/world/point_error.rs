@@ -10,7 +10,7 @@ use crate::math::rounded_affine::absolute;
 use crate::math::rounded_point::RoundedPoint;
 use crate::memory::{self, NoMemory};
 use crate::scene::material::{Material, Pattern, Texture};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// The error bound of a point between three vertices, in roundings of their largest coordinate: of each product one, of
 /// two sums two each, and of the quotient one (`proofs/checkerboard.g`).
@@ -31,10 +31,45 @@ const ON_PLANE_ROUNDINGS: f64 = 6.0;
 /// How far flattening may have moved the primitives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FlatteningErrors {
-    /// Of triangles, spheres and ellipsoids: runs of primitives that may have moved equally far along each axis, with the
-    /// first index of each run.
-    runs: [Vec<(u32, DVec3)>; 3],
+    /// Of triangles, spheres and ellipsoids: runs of primitives of one placement, with the first index of each run.
+    runs: [Vec<(u32, PlacementError)>; 3],
     planes: Vec<PlaneError>,
+}
+
+/// How far along each axis the points of a placed object may be from the exact ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PlacementError {
+    /// That of any of its points.
+    largest: DVec3,
+    /// That of a point by the absolute values of its coordinates in object space.
+    point_error: DAffine3,
+    matrix: DAffine3,
+    /// It is not finite where there is none.
+    inverse: DAffine3,
+}
+
+impl PlacementError {
+    /// Of an object with no larger coordinates than these in object space.
+    pub fn new(placement: &Placement, reach: DVec3) -> Self {
+        if placement.transform.is_none() {
+            return Self::default();
+        }
+        let (matrix, point_error) = (placement.matrix, placement.point_error());
+        let largest = point_error.transform_point3(reach);
+        Self { largest, point_error, matrix, inverse: matrix.inverse() }
+    }
+
+    /// That of the point that is here in world space. It may be far less than the largest if others are far away.
+    fn at(&self, point: DVec3) -> DVec3 {
+        let local = self.inverse.transform_point3(point);
+        // What the inverse, as it is rounded, leaves of the point.
+        let rest = (point - self.matrix.transform_point3(local)).abs()
+            + 4.0 * UNIT_ROUNDOFF * absolute(self.matrix).transform_point3(local.abs());
+        let reach = local.abs() + 2.0 * (absolute(self.inverse).matrix3 * rest);
+        let error = self.point_error.transform_point3(reach);
+        // Where the map has no inverse.
+        if error.is_finite() { error.min(self.largest) } else { self.largest }
+    }
 }
 
 /// How far a plane may be from the exact one: at the origin this much, and more by the tilt for each unit of distance
@@ -70,7 +105,8 @@ impl PlaneError {
         let reach = offset.abs() * unit(normal).abs() * (1.0 + of_normals);
         let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
         // Only what moves the foot along the normal moves the plane.
-        let of_foot = world_normal.abs().dot(placement.point_error(reach) + of_unit_normal);
+        let of_placement = placement.point_error().transform_point3(reach);
+        let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
         Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
     }
 
@@ -90,9 +126,9 @@ pub(super) enum Finite {
 
 impl FlatteningErrors {
     /// Records how far the primitives of a kind from index `first` on may have moved.
-    pub fn push(&mut self, kind: Finite, first: usize, error: DVec3) -> Result<(), NoMemory> {
+    pub fn push(&mut self, kind: Finite, first: usize, error: PlacementError) -> Result<(), NoMemory> {
         let runs = &mut self.runs[kind as usize];
-        if runs.last().map_or(DVec3::ZERO, |&(_, last)| last) == error {
+        if runs.last().map_or(PlacementError::default(), |&(_, last)| last) == error {
             return Ok(());
         }
         memory::push(runs, (first as u32, error))
@@ -105,7 +141,7 @@ impl FlatteningErrors {
 
     /// The largest of a finite primitive, or of a plane at the origin.
     pub fn largest(&self) -> f64 {
-        let finite = self.runs.iter().flatten().map(|&(_, error)| error.max_element());
+        let finite = self.runs.iter().flatten().map(|(_, error)| error.largest.max_element());
         finite.chain(self.planes.iter().map(|error| error.at_origin)).fold(0.0, f64::max)
     }
 
@@ -114,10 +150,20 @@ impl FlatteningErrors {
         self.planes.get(index).copied().unwrap_or_default()
     }
 
-    fn of(&self, kind: Finite, index: usize) -> DVec3 {
+    /// How far along each axis any point of a primitive may have moved.
+    fn largest_of(&self, kind: Finite, index: usize) -> DVec3 {
+        self.run(kind, index).map_or(DVec3::ZERO, |error| error.largest)
+    }
+
+    /// The same for this point of it.
+    fn at(&self, kind: Finite, index: usize, point: DVec3) -> DVec3 {
+        self.run(kind, index).map_or(DVec3::ZERO, |error| error.at(point))
+    }
+
+    fn run(&self, kind: Finite, index: usize) -> Option<&PlacementError> {
         let runs = &self.runs[kind as usize];
         let next = runs.partition_point(|&(first, _)| first as usize <= index);
-        next.checked_sub(1).map_or(DVec3::ZERO, |run| runs[run].1)
+        Some(&runs[next.checked_sub(1)?].1)
     }
 }
 
@@ -135,8 +181,13 @@ impl World {
         let Some(id) = surface.primitive else { return DVec3::ZERO };
         let roundings = match self.primitive(id) {
             Primitive::Triangle(i) => {
-                let [a, b, c] = self.corners(i).map(DVec3::abs);
-                BETWEEN_VERTICES_ROUNDINGS * a.max(b).max(c)
+                // Each corner counts by its weight, since one that is far away moves the points near the others little.
+                let (corners, weights) = (self.corners(i), weights(surface.position, self.corners(i)));
+                let of_corner = |k: usize| {
+                    let rounding = BETWEEN_VERTICES_ROUNDINGS * UNIT_ROUNDOFF * corners[k].abs();
+                    weights[k] * (self.flattening_error(id, corners[k]) + rounding)
+                };
+                return of_corner(0) + of_corner(1) + of_corner(2);
             }
             Primitive::Sphere(i) => {
                 let sphere = &self.spheres[i];
@@ -158,15 +209,34 @@ impl World {
         self.flattening_error(id, surface.position) + roundings * UNIT_ROUNDOFF
     }
 
-    /// How far along each axis flattening may have moved a primitive, for a plane at this point.
+    /// How far along each axis flattening may have moved this point of a primitive: a corner of a triangle, the centre of a
+    /// sphere or an ellipsoid, or any point of a plane.
     pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> DVec3 {
         match self.primitive(id) {
-            Primitive::Triangle(i) => self.flattening_errors.of(Finite::Triangles, i),
-            Primitive::Sphere(i) => self.flattening_errors.of(Finite::Spheres, i),
-            Primitive::Ellipsoid(i) => self.flattening_errors.of(Finite::Ellipsoids, i),
+            Primitive::Triangle(i) => self.flattening_errors.at(Finite::Triangles, i, point),
+            Primitive::Sphere(i) => self.flattening_errors.largest_of(Finite::Spheres, i),
+            Primitive::Ellipsoid(i) => self.flattening_errors.largest_of(Finite::Ellipsoids, i),
             Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point) * self.planes[i].normal.abs(),
         }
     }
+}
+
+/// The absolute values of a point's barycentric weights in a triangle, with an allowance for their rounding.
+pub(super) fn weights(point: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
+    let corners = triangle.map(|corner| corner - point);
+    // On a scale on which no product overflows.
+    let size = corners.iter().map(|corner| corner.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
+    let [a, b, c] = corners.map(|corner| corner / size);
+    let (p, q) = ((triangle[1] - triangle[0]) / size, (triangle[2] - triangle[0]) / size);
+    let normal = p.cross(q);
+    let length = normal.length();
+    // Of the areas, by the lengths of their sides, and of the normal.
+    let rounding = 32.0 * UNIT_ROUNDOFF;
+    let of_normal = 1.0 + rounding * (p.length() * q.length() / length);
+    [[b, c], [c, a], [a, b]].map(|[p, q]| {
+        let area = p.cross(q).dot(normal / length).abs() + rounding * p.length() * q.length();
+        area / length * of_normal
+    })
 }
 
 /// How wide the boundaries of checkerboards are: a point of any surface that is farther away from them, in the space of

@@ -137,3 +137,35 @@ fn of_two_surfaces_in_one_place_one_is_seen_throughout() {
         }
     }
 }
+
+/// What is nearer is seen, and a checkerboard keeps its squares, however far away a corner of a triangle is.
+#[test]
+fn a_corner_far_away_changes_nothing_near_the_others() {
+    for transform in ["", "ZRotate 20 XRotate 10", "Translate 0.3 0.2 0.1 YRotate 5"] {
+        let under = |object: &str| match transform {
+            "" => object.to_string(),
+            _ => format!("Transform {{ {transform} {object} }}"),
+        };
+        let pictures = ["1e6", "1e12", "1e16", "1e30"].map(|far| {
+            let near = "Triangle { vertex0 -0.9 -0.9 0.5 vertex1 0.9 -0.9 0.5 vertex2 0 0.9 0.5 }";
+            let behind =
+                format!("Triangle {{ vertex0 1.5 1.2 0 vertex1 -1.5 1.2 0 vertex2 0.3 -{far} -{far} }}");
+            let both = pair(&under(near), &under(&behind));
+            let floor = format!("Triangle {{ vertex0 -9 0.25 9 vertex1 9 0.25 9 vertex2 0 0.25 -{far} }}");
+            ["-size 60 60 -shade_back", "-size 60 60 -shade_back -grid 3 3 3"].map(|flags| {
+                [rendered(&both, 1, flags), rendered(&board("Scale 1 2 1", &under(&floor)), 1, flags)]
+            })
+        });
+        let [near, ..] = &pictures;
+        let red = near[0][0].pixels.iter().filter(|&&pixel| pixel == [255, 0, 0]).count();
+        assert!(red > 100, "{red}");
+        for one in pictures.iter().flatten() {
+            for (found, expected) in one.iter().zip(&near[0]) {
+                let count =
+                    found.pixels.iter().zip(&expected.pixels).filter(|(one, other)| one != other).count();
+                // The far part of the floor and of the other triangle ends at a horizon.
+                assert!(count < 40, "{count} {transform}");
+            }
+        }
+    }
+}
