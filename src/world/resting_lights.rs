@@ -5,6 +5,7 @@
 //! light that lies on it, on both of its sides.
 
 use super::World;
+use super::point_error::weights;
 use crate::math::predicate::area_vector;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::memory::{self, NoMemory};
@@ -71,26 +72,35 @@ fn margin(point: DVec3, corner: DVec3) -> f64 {
 }
 
 /// Whether a point lies on a triangle. Nothing lies on one without area, which no ray hits.
+///
+/// Each corner's roundings count by its weight at the nearest point of the triangle, since a corner that is far away is not
+/// where the light is.
 fn lies_on(point: DVec3, corners: [DVec3; 3]) -> bool {
-    let margin = corners.iter().map(|&corner| margin(point, corner)).fold(0.0, f64::max);
+    let sizes = corners.map(|corner| corner.abs().max_element());
+    let margin = |size: f64| margin(point, DVec3::splat(size));
     // Divided by the largest size, so that no product overflows, and none that matters underflows.
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let size = [a, b, c].iter().map(|v| v.abs().max_element()).fold(margin, f64::max);
-    let [a, b, c] = [a, b, c].map(|v| v / size);
-    let margin = margin / size;
-    let is_near = [[a, b], [b, c], [c, a]].into_iter().any(|edge| distance_to_edge(edge) <= margin)
-        || is_above([a, b, c]) && height([a, b, c]) <= margin;
-    is_near && area_vector(corners).iter().any(|component| component.sign() != 0)
+    let relative = corners.map(|corner| corner - point);
+    let unit = relative.iter().map(|v| v.abs().max_element()).fold(margin(sizes[0]), f64::max);
+    let relative = relative.map(|v| v / unit);
+    let is_at_edge = [[0, 1], [1, 2], [2, 0]].into_iter().any(|[i, j]| {
+        let (distance, part) = distance_to_edge([relative[i], relative[j]]);
+        distance * unit <= margin((1.0 - part) * sizes[i] + part * sizes[j])
+    });
+    let is_inside = || {
+        let [u, v, w] = weights(point, corners);
+        is_above(relative) && height(relative) * unit <= margin(u * sizes[0] + v * sizes[1] + w * sizes[2])
+    };
+    (is_at_edge || is_inside()) && area_vector(corners).iter().any(|component| component.sign() != 0)
 }
 
-/// The distance of the origin from an edge.
-fn distance_to_edge([p, q]: [DVec3; 2]) -> f64 {
+/// The distance of the origin from an edge, and the part of the edge before the nearest point.
+fn distance_to_edge([p, q]: [DVec3; 2]) -> (f64, f64) {
     let along = q - p;
     let square = along.length_squared();
     let nearest = if square > 0.0 { (-p.dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
     // From the nearer end, which has the smaller rounding error.
     let from_nearer = if nearest <= 0.5 { p + nearest * along } else { q - (1.0 - nearest) * along };
-    from_nearer.length()
+    (from_nearer.length(), nearest)
 }
 
 /// Whether the foot of the origin on a triangle's plane lies within the triangle.

@@ -181,6 +181,14 @@ fn a_light_on_a_triangle_is_behind_it_also_on_an_edge_and_at_a_corner() {
         assert!(shown.contains("shadow ray blocked by Triangle"), "{shown}");
         assert!(folder.render("-size 80 80").pixels.iter().any(|&pixel| pixel != [51; 3]));
     }
+    // A corner far away does not make the light lie on the triangle.
+    let far = "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1e30 -1e30 }";
+    let text = under_a_triangle("0 -1.5 0")
+        .replace("Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }", far);
+    assert!(text.contains(far));
+    let folder = Folder::with_scene(&text);
+    assert_eq!(folder.run("-input s.txt -output o.tga -shadows").ok().stderr, "");
+    assert!(folder.render("-size 80 80 -shadows").pixels.iter().any(|&pixel| pixel != [51; 3]));
     // Beside the edge it lights the plane, but for the triangle's shadow.
     let folder = Folder::with_scene(&under_a_triangle("0 -1.000000001 -0.000000001"));
     let lit = folder.render("-size 80 80 -shadows").pixels.iter().filter(|&&pixel| pixel != [51; 3]).count();
