@@ -1,6 +1,6 @@
 //! The errors of the command line, and their messages.
 
-use super::flags::{self, Flag};
+use super::flags;
 use crate::escape::quoted;
 use std::ffi::OsString;
 use std::fmt;
@@ -32,21 +32,19 @@ pub enum CliError {
     /// A flag that is given more than once.
     GivenTwice {
         /// The flag.
-        flag: String,
+        flag: &'static str,
     },
     /// Two flags that exclude each other.
     Conflict {
         /// The flag.
-        flag: String,
+        flag: &'static str,
         /// The other flag.
-        other: String,
+        other: &'static str,
     },
     /// A flag with too few or too many values.
     WrongCount {
         /// The flag.
-        flag: String,
-        /// The number of values that the flag takes.
-        expected: usize,
+        flag: &'static str,
         /// The number of values that it was given.
         given: usize,
     },
@@ -132,11 +130,6 @@ pub enum CliError {
         /// The other flag.
         other: &'static str,
     },
-    /// An error that clap reports and that this program does not expect.
-    Unreadable {
-        /// Clap's description.
-        reason: String,
-    },
 }
 
 /// The reason why a value is not valid.
@@ -209,7 +202,7 @@ impl CliError {
             Self::EqualsForm { flag } => format!("`-{flag}` takes its values as separate words, without `=`"),
             Self::GivenTwice { flag } => format!("`-{flag}` given twice"),
             Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
-            Self::WrongCount { flag, expected, given } => wrong_count(flag, *expected, *given),
+            Self::WrongCount { flag, given } => wrong_count(flag, *given),
             Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
             Self::DepthOrder { t0, t1 } => format!("`-depth`: t0 must be less than t1, but {t0} >= {t1}"),
             Self::DepthRange => "`-depth`: t1 - t0 is too large for a number".into(),
@@ -241,7 +234,6 @@ impl CliError {
             Self::SameStream { flag, other } => {
                 format!("`-{flag}` and `-{other}` both write to standard output")
             }
-            Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
         }
     }
 }
@@ -268,13 +260,14 @@ fn unexpected_word(word: &OsString, meant: Option<&str>) -> String {
     }
 }
 
-fn wrong_count(flag: &str, expected: usize, given: usize) -> String {
-    let example = flags::find(flag).map_or_else(String::new, Flag::example);
-    match (flag, expected) {
-        (_, 1) => format!("`-{flag}` needs a value, as in `{example}`"),
+fn wrong_count(name: &str, given: usize) -> String {
+    let flag = flags::find(name);
+    let (expected, example) = flag.map_or_else(Default::default, |flag| (flag.values.len(), flag.example()));
+    match (name, expected) {
+        (_, 1) => format!("`-{name}` needs a value, as in `{example}`"),
         ("grid", _) => format!(
-            "`-{flag}` takes {expected} values, as in `{example}`, or one, which is `auto` or `none`; {given} given"
+            "`-{name}` takes {expected} values, as in `{example}`, or one, which is `auto` or `none`; {given} given"
         ),
-        _ => format!("`-{flag}` takes {expected} values, as in `{example}`; {given} given"),
+        _ => format!("`-{name}` takes {expected} values, as in `{example}`; {given} given"),
     }
 }

@@ -54,6 +54,11 @@ impl Flag {
         }
     }
 
+    /// Whether two flags cannot be combined.
+    pub fn conflicts_with(&self, other: &Flag) -> bool {
+        self.conflicts.contains(&other.name) || other.conflicts.contains(&self.name)
+    }
+
     /// All spellings.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.aliases.iter().copied())

@@ -151,9 +151,7 @@ impl Flag {
 
     /// The flags that this one cannot be combined with, in either order.
     pub fn excluded(&self) -> impl Iterator<Item = &'static Flag> {
-        let by_this = |other: &Flag| self.conflicts.contains(&other.name);
-        let by_other = |other: &Flag| other.conflicts.contains(&self.name);
-        flags::FLAGS.iter().copied().filter(move |other| by_this(other) || by_other(other))
+        flags::FLAGS.iter().copied().filter(|other| self.conflicts_with(other))
     }
 }
 
