@@ -1,5 +1,6 @@
 //! The errors of the command line, and their messages.
 
+use super::flag::Offer;
 use super::flags;
 use crate::escape::quoted;
 use std::ffi::OsString;
@@ -83,8 +84,13 @@ pub enum CliError {
         /// Width and height of the picture.
         size: [usize; 2],
     },
-    /// `-merge` without `-output`.
-    OutputNeeded,
+    /// A flag without another one that it needs.
+    Needed {
+        /// The flag.
+        flag: &'static str,
+        /// The other flag with the names of its values.
+        needed: String,
+    },
     /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
@@ -94,21 +100,6 @@ pub enum CliError {
     InputNeeded,
     /// A flag about a comparison, without a picture to compare.
     ComparisonNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about grading, without a folder to grade.
-    GradeNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about the report on errors, without a folder for it.
-    ErrorReportNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about the live page, without `-gui`.
-    GuiNeeded {
         /// The flag.
         flag: &'static str,
     },
@@ -216,7 +207,7 @@ impl CliError {
             Self::RegionOutside { size: [w, h] } => {
                 format!("`-region`: not within the picture of {w} x {h} pixels")
             }
-            Self::OutputNeeded => "`-merge` needs `-output file`".into(),
+            Self::Needed { flag, needed } => format!("`-{flag}` needs `{needed}`"),
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
@@ -224,9 +215,6 @@ impl CliError {
             Self::ComparisonNeeded { flag } => {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
-            Self::GradeNeeded { flag } => format!("`-{flag}` needs `-grade folder`"),
-            Self::ErrorReportNeeded { flag } => format!("`-{flag}` needs `-error_report folder`"),
-            Self::GuiNeeded { flag } => format!("`-{flag}` needs `-gui`"),
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
@@ -261,12 +249,17 @@ fn unexpected_word(word: &OsString, meant: Option<&str>) -> String {
 }
 
 fn wrong_count(name: &str, given: usize) -> String {
-    let flag = flags::find(name);
-    let (expected, example) = flag.map_or_else(Default::default, |flag| (flag.values.len(), flag.example()));
-    match (name, expected) {
-        (_, 1) => format!("`-{name}` needs a value, as in `{example}`"),
-        ("grid", _) => format!(
-            "`-{name}` takes {expected} values, as in `{example}`, or one, which is `auto` or `none`; {given} given"
+    let Some(flag) = flags::find(name) else { return format!("`-{name}` takes another number of values") };
+    let (expected, example) = (flag.values.len(), flag.example_or_usage());
+    let alone = match flag.values.first() {
+        Some(value) if flag.fewest < expected => value.offer,
+        _ => Offer::Nothing,
+    };
+    match alone {
+        _ if expected == 1 => format!("`-{name}` needs a value, as in `{example}`"),
+        Offer::Words(words) => format!(
+            "`-{name}` takes {expected} values, as in `{example}`, or one, which is `{}`; {given} given",
+            words.join("` or `")
         ),
         _ => format!("`-{name}` takes {expected} values, as in `{example}`; {given} given"),
     }

@@ -1,8 +1,9 @@
 //! The first stage of the command line: the words are grouped to flags with the right number of values.
 
 use super::error::CliError;
-use super::flags::{self, FLAGS, Flag};
-use super::values::ends_in;
+use super::flag::{Definition, Flag, Run};
+use super::flags::{self, FLAGS};
+use super::values::{Values, ends_in};
 use crate::image_io::Format;
 use std::ffi::{OsStr, OsString};
 use std::ops::Range;
@@ -74,71 +75,73 @@ impl Raw {
 
     fn conflict(&self) -> Option<CliError> {
         self.given.iter().find_map(|Given { flag, .. }| {
-            let other = self.given.iter().find(|other| flag.conflicts_with(other.flag))?;
+            let other = self.given.iter().find(|other| flag.conflicts(other.flag))?;
             Some(CliError::Conflict { flag: flag.name, other: other.flag.name })
         })
     }
 
     /// Whether the flag is given.
     pub fn given(&self, flag: &Flag) -> bool {
-        self.all_values(flag).is_some()
+        self.values(flag).is_some()
     }
 
-    /// An error if a flag is given that is not among those that `flag` understands.
-    pub fn refuse_others(&self, flag: &Flag, understood: &[&Flag]) -> Result<(), CliError> {
-        let is_foreign =
-            |other: &&&Flag| self.given(other) && !understood.iter().any(|known| known.name == other.name);
+    /// The values of a flag; none if it is not given.
+    pub fn values(&self, flag: &Flag) -> Option<Values<'_>> {
+        let Given { flag, values } = self.given.iter().find(|given| given.flag.name == flag.name)?;
+        let words = self.line[values.clone()].iter().map(OsString::as_os_str).collect();
+        Some(Values { flag, words, line: &self.line })
+    }
+
+    /// What a flag is given; none if it is not given.
+    pub fn read<T>(&self, flag: &Definition<T>) -> Result<Option<T>, CliError> {
+        self.values(flag).map(|values| (flag.read)(&values)).transpose()
+    }
+
+    /// What a flag is given, or the default that its definition names.
+    pub fn read_or_default<T>(&self, flag: &'static Definition<T>) -> Result<T, CliError> {
+        let default = || Values {
+            flag: &flag.flag,
+            words: flag.default.split(' ').map(OsStr::new).collect(),
+            line: &self.line,
+        };
+        (flag.read)(&self.values(flag).unwrap_or_else(default))
+    }
+
+    /// What the first of these flags is given that is given at all.
+    pub fn read_first<T>(&self, flags: &[&Definition<T>]) -> Result<Option<T>, CliError> {
+        let given = flags.iter().find(|flag| self.given(flag));
+        given.map_or(Ok(None), |flag| self.read(flag))
+    }
+
+    /// An error if a flag is given that a run does not understand, which `flag` asks for.
+    pub fn refuse_others(&self, flag: &Flag, run: Run) -> Result<(), CliError> {
+        let is_foreign = |other: &&&Flag| self.given(other) && !other.runs.contains(&run);
         match FLAGS.iter().find(is_foreign) {
             Some(other) => Err(CliError::Conflict { flag: flag.name, other: other.name }),
             None => Ok(()),
         }
     }
 
-    /// A flag with its values as they were given; nothing if it is not given.
-    pub fn words_of(&self, flag: &Flag) -> Vec<String> {
-        let Some(values) = self.all_values(flag) else { return vec![] };
-        let values = values.into_iter().map(|word| word.to_string_lossy().into_owned());
-        std::iter::once(format!("-{}", flag.name)).chain(values).collect()
-    }
-
-    /// The value of a flag that is given exactly one.
-    pub fn single(&self, flag: &Flag) -> Option<&OsStr> {
-        self.values::<1>(flag).ok().flatten().map(|[word]| word)
-    }
-
-    /// All values of a flag; `None` if it is not given.
-    pub fn all_values(&self, flag: &Flag) -> Option<Vec<&OsStr>> {
-        let given = self.given.iter().find(|given| given.flag.name == flag.name)?;
-        Some(self.line[given.values.clone()].iter().map(OsString::as_os_str).collect())
-    }
-
-    /// The values of a flag that takes `N` of them; `None` if the flag is not given.
-    pub fn values<const N: usize>(&self, flag: &Flag) -> Result<Option<[&OsStr; N]>, CliError> {
-        self.all_values(flag).map(|words| exactly(flag, words)).transpose()
-    }
-
-    /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if
-    /// there is one. No word may follow a name that tells it.
-    pub fn picture_values<const N: usize>(&self, flag: &Flag) -> Result<Option<Picture<'_, N>>, CliError> {
-        let Some(mut words) = self.all_values(flag) else { return Ok(None) };
-        let Some(place) = flag.picture.filter(|_| words.len() > N) else {
-            return exactly(flag, words).map(|words| Some((words, None)));
-        };
-        if Format::of(Path::new(words[place])).is_some() {
-            return Err(unexpected(words[N], &self.line));
+    /// An error if a flag is given that needs `flag`, which is not given.
+    pub fn refuse_without(&self, flag: &Flag) -> Result<(), CliError> {
+        let needs_it =
+            |other: &&&Flag| self.given(other) && other.needs.is_some_and(|needed| needed.name == flag.name);
+        match FLAGS.iter().find(needs_it) {
+            Some(other) => Err(CliError::Needed { flag: other.name, needed: flag.usage() }),
+            None => Ok(()),
         }
-        let format = words.remove(place + 1);
-        exactly(flag, words).map(|words| Some((words, Some(format))))
     }
-}
 
-/// The values of a flag that writes a picture, and the name of the format where it stands by itself.
-pub(super) type Picture<'a, const N: usize> = ([&'a OsStr; N], Option<&'a OsStr>);
-
-fn exactly<'a, const N: usize>(flag: &Flag, words: Vec<&'a OsStr>) -> Result<[&'a OsStr; N], CliError> {
-    let given = words.len();
-    let wrong = |_| CliError::WrongCount { flag: flag.name, given };
-    words.try_into().map_err(wrong)
+    /// The given flags among those that a run understands, with their values, in the order of the help.
+    pub fn words_for(&self, run: Run) -> Vec<String> {
+        let values =
+            FLAGS.iter().filter(|flag| flag.runs.contains(&run)).filter_map(|flag| self.values(flag));
+        let words = |values: Values| {
+            let words = values.words.into_iter().map(|word| word.to_string_lossy().into_owned());
+            std::iter::once(format!("-{}", values.flag.name)).chain(words).collect::<Vec<_>>()
+        };
+        values.flat_map(words).collect()
+    }
 }
 
 impl Given {
