@@ -1,4 +1,5 @@
-//! The flags: each is one definition, from which parsing, help, manual page and completions come.
+//! The flags: each is one definition, from which parsing, help, manual page, completions and the table in
+//! `docs/command-line.md` come.
 
 use super::error::{CliError, Problem};
 use super::flag::{Definition, Flag, Run, file, flag_name, folder, number, output, word};

@@ -23,6 +23,7 @@ mod parts;
 mod raw;
 mod rest;
 mod section;
+pub mod table;
 mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
