@@ -1,6 +1,7 @@
-//! Writes the manual page and the completions of the command line to `man` and `completions`.
+//! Writes what is made from the definitions of the flags: the manual page, the completions, and the table in
+//! `docs/command-line.md`.
 
-use raytracer::cli::{completions, man_page};
+use raytracer::cli::{completions, man_page, table};
 use std::fs;
 use std::path::Path;
 
@@ -14,5 +15,12 @@ fn main() -> std::io::Result<()> {
     ] {
         fs::write(root.join(file), text)?;
     }
-    Ok(())
+    let page = root.join("docs/command-line.md");
+    let text = fs::read_to_string(&page)?;
+    // The table is the first one of the page.
+    let is_row = |line: &&str| line.starts_with('|');
+    let head = text.lines().take_while(|line| !is_row(line));
+    let rest = text.lines().skip_while(|line| !is_row(line)).skip_while(is_row);
+    let lines = |lines: Vec<&str>| lines.join("\n") + "\n";
+    fs::write(page, lines(head.collect()) + &table::table() + &lines(rest.collect()))
 }

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::flags;
 use super::raw::Raw;
-use super::values::{bad, byte_picture_name, lossy_or_null, picture_name, whole};
+use super::values::lossy_or_null;
 use crate::tools::compare::Tolerance;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -27,11 +27,8 @@ pub struct Comparison {
 impl Comparison {
     /// The comparison that the flags ask for.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
-        let file = |flag| raw.values(flag)?.map(|[word]| picture_name(flag, word)).transpose();
-        let (picture, reference) = (file(&flags::COMPARE)?, file(&flags::REFERENCE)?);
-        let difference = |[word]: [_; 1]| byte_picture_name(&flags::DIFFERENCE, word);
-        let (difference, tolerance) =
-            (raw.values(&flags::DIFFERENCE)?.map(difference).transpose()?, tolerance(raw)?);
+        let (picture, reference) = (raw.read(&flags::COMPARE)?, raw.read(&flags::REFERENCE)?);
+        let (difference, tolerance) = (raw.read(&flags::DIFFERENCE)?, raw.read(&flags::TOLERANCE)?);
         if picture.is_some() || reference.is_some() {
             return Ok(Some(Self { picture, reference, difference, tolerance }));
         }
@@ -46,12 +43,4 @@ impl Comparison {
     pub fn needs_scene(&self) -> bool {
         self.picture.is_none() || self.reference.is_none()
     }
-}
-
-/// The difference that still passes.
-pub(super) fn tolerance(raw: &Raw) -> Result<Option<Tolerance>, CliError> {
-    let Some([levels, pixels]) = raw.values(&flags::TOLERANCE)? else { return Ok(None) };
-    let number = |word, range| whole(word, range).map_err(|problem| bad(&flags::TOLERANCE, word, problem));
-    let levels = number(levels, (0, u32::from(u8::MAX)))?;
-    Ok(Some(Tolerance { levels: levels as u8, pixels: number(pixels, (0, u32::MAX))?.into() }))
 }

@@ -1,15 +1,40 @@
-//! Completions of the command line for bash, zsh and fish, generated from the table of flags.
+//! Completions of the command line for bash, zsh and fish, generated from the definitions of the flags.
 
-use super::completion::{Offer, offer, summary, takes_any_number, values};
-use super::flags::{FLAGS, Flag};
+use super::flag::{Flag, Offer, Value};
+use super::flags::FLAGS;
 
 const ORIGIN: &str = "Made from the table of flags by `cargo run --example shell_files`.";
 
+/// What a shell has for all values, each with its flag and index. That of a flag with any number of values stands for
+/// all of them.
+fn of_values(text: fn(&Flag, usize, Offer) -> String) -> String {
+    let values = |flag: &&'static Flag| flag.values.iter().enumerate();
+    FLAGS.iter().flat_map(|flag| values(flag).map(|(index, value)| text(flag, index, value.offer))).collect()
+}
+
+/// The words that are offered.
+fn words(offer: Offer) -> String {
+    match offer {
+        Offer::Words(words) => words.join(" "),
+        Offer::Flags => flag_names(""),
+        _ => String::new(),
+    }
+}
+
+fn flag_names(dash: &str) -> String {
+    FLAGS.iter().map(|flag| format!("{dash}{}", flag.name)).collect::<Vec<_>>().join(" ")
+}
+
+/// The first sentence of what a flag does.
+fn summary(flag: &Flag) -> &'static str {
+    let end = flag.help.find(". ").unwrap_or(flag.help.len());
+    flag.help[..end].trim_end_matches('.')
+}
+
 /// The completions for bash.
 pub fn bash() -> String {
-    let cases: String = values().map(|(flag, index, offer)| bash_case(flag, index, &offer)).collect();
-    let flags: Vec<String> = FLAGS.iter().map(|flag| format!("-{}", flag.name)).collect();
-    let flags = flags.join(" ");
+    let cases: String = of_values(bash_case);
+    let flags = flag_names("-");
     format!(
         r#"# Completions of raytracer for bash. {ORIGIN}
 
@@ -50,15 +75,17 @@ complete -F _raytracer raytracer
     )
 }
 
-fn bash_case(flag: &Flag, index: usize, offer: &Offer) -> String {
+fn bash_case(flag: &Flag, index: usize, offer: Offer) -> String {
     let action = match offer {
         Offer::Files(extensions) => format!("_raytracer_files \"$current\" {}", extensions.join(" ")),
         Offer::Folders => "_raytracer_files \"$current\"".to_owned(),
-        Offer::Words(words) => format!("COMPREPLY=($(compgen -W '{}' -- \"$current\"))", words.join(" ")),
+        Offer::Words(_) | Offer::Flags => {
+            format!("COMPREPLY=($(compgen -W '{}' -- \"$current\"))", words(offer))
+        }
         Offer::Nothing => String::new(),
     };
     let separator = if action.is_empty() { "" } else { "; " };
-    let number = if takes_any_number(flag) { "*".to_owned() } else { index.to_string() };
+    let number = if flag.takes_any_number() { "*".to_owned() } else { index.to_string() };
     let names = flag.names().map(|name| format!("{name}:{number}"));
     format!("            {}) {action}{separator}return ;;\n", names.collect::<Vec<_>>().join(" | "))
 }
@@ -83,19 +110,20 @@ fn zsh_specs(flag: &Flag) -> Vec<String> {
 }
 
 fn zsh_value(flag: &Flag, index: usize) -> String {
-    let name = flag.values[index].trim_end_matches('.');
-    let action = match offer(flag, index) {
+    let Value { name, offer, .. } = flag.values[index];
+    let name = name.trim_end_matches('.');
+    let action = match offer {
         // A single word in brackets would be the qualifier of a pattern.
         Offer::Files([extension]) => format!("_files -g \"*.{extension}\""),
         Offer::Files(extensions) => format!("_files -g \"*.({})\"", extensions.join("|")),
         Offer::Folders => "_files -/".to_owned(),
-        Offer::Words(words) => format!("({})", words.join(" ")),
+        Offer::Words(_) | Offer::Flags => format!("({})", words(offer)),
         Offer::Nothing => " ".to_owned(),
     };
     let start = match () {
         // Up to the next flag.
-        () if takes_any_number(flag) => ":*-*:",
-        () if index >= *flag.value_counts().start() || flag.name == "help" => "::",
+        () if flag.takes_any_number() => ":*-*:",
+        () if index >= *flag.value_counts().start() => "::",
         () => ":",
     };
     format!("{start}{name}:{action}")
@@ -104,7 +132,7 @@ fn zsh_value(flag: &Flag, index: usize) -> String {
 /// The completions for fish.
 pub fn fish() -> String {
     let flags: String = FLAGS.iter().map(|flag| fish_flag(flag)).collect();
-    let values: String = values().map(|(flag, index, offer)| fish_value(flag, index, &offer)).collect();
+    let values: String = of_values(fish_value);
     format!(
         r#"# Completions of raytracer for fish. {ORIGIN}
 
@@ -143,15 +171,15 @@ fn fish_flag(flag: &Flag) -> String {
     flag.names().map(|name| format!("complete -c raytracer -o {name} -d '{doc}'\n")).collect()
 }
 
-fn fish_value(flag: &Flag, index: usize, offer: &Offer) -> String {
-    let words = match offer {
+fn fish_value(flag: &Flag, index: usize, offer: Offer) -> String {
+    let candidates = match offer {
         Offer::Files(extensions) => format!("(__raytracer_files {})", extensions.join(" ")),
         Offer::Folders => "(__raytracer_files)".to_owned(),
-        Offer::Words(words) => words.join(" "),
+        Offer::Words(_) | Offer::Flags => words(offer),
         Offer::Nothing => return String::new(),
     };
-    let number = if takes_any_number(flag) { "\\*".to_owned() } else { index.to_string() };
+    let number = if flag.takes_any_number() { "\\*".to_owned() } else { index.to_string() };
     let line =
-        |name| format!("complete -c raytracer -n '__raytracer_is_value {name} {number}' -a '{words}'\n");
+        |name| format!("complete -c raytracer -n '__raytracer_is_value {name} {number}' -a '{candidates}'\n");
     flag.names().map(line).collect()
 }

@@ -1,6 +1,7 @@
 //! The errors of the command line, and their messages.
 
-use super::flags::{self, Flag};
+use super::flag::Offer;
+use super::flags;
 use crate::escape::quoted;
 use std::ffi::OsString;
 use std::fmt;
@@ -32,21 +33,19 @@ pub enum CliError {
     /// A flag that is given more than once.
     GivenTwice {
         /// The flag.
-        flag: String,
+        flag: &'static str,
     },
     /// Two flags that exclude each other.
     Conflict {
         /// The flag.
-        flag: String,
+        flag: &'static str,
         /// The other flag.
-        other: String,
+        other: &'static str,
     },
     /// A flag with too few or too many values.
     WrongCount {
         /// The flag.
-        flag: String,
-        /// The number of values that the flag takes.
-        expected: usize,
+        flag: &'static str,
         /// The number of values that it was given.
         given: usize,
     },
@@ -85,8 +84,13 @@ pub enum CliError {
         /// Width and height of the picture.
         size: [usize; 2],
     },
-    /// `-merge` without `-output`.
-    OutputNeeded,
+    /// A flag without another one that it needs.
+    Needed {
+        /// The flag.
+        flag: &'static str,
+        /// The other flag with the names of its values.
+        needed: String,
+    },
     /// A picture of samples or of the filter with a side that is too long.
     EnlargedTooMuch {
         /// The flag.
@@ -96,21 +100,6 @@ pub enum CliError {
     InputNeeded,
     /// A flag about a comparison, without a picture to compare.
     ComparisonNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about grading, without a folder to grade.
-    GradeNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about the report on errors, without a folder for it.
-    ErrorReportNeeded {
-        /// The flag.
-        flag: &'static str,
-    },
-    /// A flag about the live page, without `-gui`.
-    GuiNeeded {
         /// The flag.
         flag: &'static str,
     },
@@ -131,11 +120,6 @@ pub enum CliError {
         flag: &'static str,
         /// The other flag.
         other: &'static str,
-    },
-    /// An error that clap reports and that this program does not expect.
-    Unreadable {
-        /// Clap's description.
-        reason: String,
     },
 }
 
@@ -209,7 +193,7 @@ impl CliError {
             Self::EqualsForm { flag } => format!("`-{flag}` takes its values as separate words, without `=`"),
             Self::GivenTwice { flag } => format!("`-{flag}` given twice"),
             Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
-            Self::WrongCount { flag, expected, given } => wrong_count(flag, *expected, *given),
+            Self::WrongCount { flag, given } => wrong_count(flag, *given),
             Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
             Self::DepthOrder { t0, t1 } => format!("`-depth`: t0 must be less than t1, but {t0} >= {t1}"),
             Self::DepthRange => "`-depth`: t1 - t0 is too large for a number".into(),
@@ -223,7 +207,7 @@ impl CliError {
             Self::RegionOutside { size: [w, h] } => {
                 format!("`-region`: not within the picture of {w} x {h} pixels")
             }
-            Self::OutputNeeded => "`-merge` needs `-output file`".into(),
+            Self::Needed { flag, needed } => format!("`-{flag}` needs `{needed}`"),
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
@@ -231,9 +215,6 @@ impl CliError {
             Self::ComparisonNeeded { flag } => {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
-            Self::GradeNeeded { flag } => format!("`-{flag}` needs `-grade folder`"),
-            Self::ErrorReportNeeded { flag } => format!("`-{flag}` needs `-error_report folder`"),
-            Self::GuiNeeded { flag } => format!("`-{flag}` needs `-gui`"),
             Self::ReferencesNeeded => "`-grade` needs `-reference folder` or `-commands file`".into(),
             Self::SameFile { flag, other, file } => {
                 format!("`-{flag}` and `-{other}` both write {}", quoted(file))
@@ -241,7 +222,6 @@ impl CliError {
             Self::SameStream { flag, other } => {
                 format!("`-{flag}` and `-{other}` both write to standard output")
             }
-            Self::Unreadable { reason } => format!("the command line cannot be read: {reason}"),
         }
     }
 }
@@ -268,13 +248,19 @@ fn unexpected_word(word: &OsString, meant: Option<&str>) -> String {
     }
 }
 
-fn wrong_count(flag: &str, expected: usize, given: usize) -> String {
-    let example = flags::find(flag).map_or_else(String::new, Flag::example);
-    match (flag, expected) {
-        (_, 1) => format!("`-{flag}` needs a value, as in `{example}`"),
-        ("grid", _) => format!(
-            "`-{flag}` takes {expected} values, as in `{example}`, or one, which is `auto` or `none`; {given} given"
+fn wrong_count(name: &str, given: usize) -> String {
+    let Some(flag) = flags::find(name) else { return format!("`-{name}` takes another number of values") };
+    let (expected, example) = (flag.values.len(), flag.example_or_usage());
+    let alone = match flag.values.first() {
+        Some(value) if flag.fewest < expected => value.offer,
+        _ => Offer::Nothing,
+    };
+    match alone {
+        _ if expected == 1 => format!("`-{name}` needs a value, as in `{example}`"),
+        Offer::Words(words) => format!(
+            "`-{name}` takes {expected} values, as in `{example}`, or one, which is `{}`; {given} given",
+            words.join("` or `")
         ),
-        _ => format!("`-{flag}` takes {expected} values, as in `{example}`; {given} given"),
+        _ => format!("`-{name}` takes {expected} values, as in `{example}`; {given} given"),
     }
 }

@@ -1,11 +1,10 @@
 //! The flags about the report on speed and error.
 
-use super::error::{CliError, Problem};
-use super::flags::{self, Flag};
+use super::error::CliError;
+use super::flag::Run;
+use super::flags;
 use super::options::Options;
 use super::raw::Raw;
-use super::shaping::SHAPING;
-use super::values::{bad, finite};
 use std::path::PathBuf;
 
 /// A report on what settings cost and buy.
@@ -19,10 +18,6 @@ pub struct ErrorReporting {
     pub target: Option<f64>,
 }
 
-/// The flags that a report understands, beside those that shape the colour picture.
-const UNDERSTOOD: [&Flag; 6] =
-    [&flags::ERROR_REPORT, &flags::TARGET, &flags::INPUT, &flags::THREADS, &flags::PROGRESS, &flags::QUIET];
-
 impl ErrorReporting {
     /// The page and the table.
     pub fn report_files(&self) -> [PathBuf; 2] {
@@ -31,21 +26,10 @@ impl ErrorReporting {
 
     /// The report that the flags ask for, if they do.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
-        let Some([folder]) = raw.values(&flags::ERROR_REPORT)? else {
-            let needs_folder = raw.given(&flags::TARGET);
-            let needed = CliError::ErrorReportNeeded { flag: flags::TARGET.name };
-            return if needs_folder { Err(needed) } else { Ok(None) };
+        let Some(folder) = raw.read(&flags::ERROR_REPORT)? else {
+            return raw.refuse_without(&flags::ERROR_REPORT).map(|()| None);
         };
-        raw.refuse_others(&flags::ERROR_REPORT, &[UNDERSTOOD.as_slice(), &SHAPING].concat())?;
-        let options = Options::from_raw(raw)?;
-        Ok(Some(Self { options, folder: folder.into(), target: target(raw)? }))
-    }
-}
-
-fn target(raw: &Raw) -> Result<Option<f64>, CliError> {
-    let Some([word]) = raw.values(&flags::TARGET)? else { return Ok(None) };
-    match finite(&flags::TARGET, word)? {
-        target if target < 0.0 => Err(bad(&flags::TARGET, word, Problem::Negative)),
-        target => Ok(Some(target)),
+        raw.refuse_others(&flags::ERROR_REPORT, Run::ErrorReport)?;
+        Ok(Some(Self { options: Options::from_raw(raw)?, folder, target: raw.read(&flags::TARGET)? }))
     }
 }

@@ -1,11 +1,10 @@
 //! The flags about the grading of a folder.
 
-use super::comparison::tolerance;
-use super::error::{CliError, Problem};
-use super::flags::{self, Flag};
-use super::options::{ShowProgress, THREAD_RANGE};
+use super::error::CliError;
+use super::flag::Run;
+use super::flags;
+use super::options::ShowProgress;
 use super::raw::Raw;
-use super::values::{bad, ends_in, wholes};
 use crate::tools::compare::Tolerance;
 use std::path::{Path, PathBuf};
 
@@ -35,18 +34,6 @@ pub enum References {
     Commands(PathBuf),
 }
 
-/// The flags that a grading understands.
-const UNDERSTOOD: [&Flag; 8] = [
-    &flags::GRADE,
-    &flags::REFERENCE,
-    &flags::COMMANDS,
-    &flags::REPORT,
-    &flags::TOLERANCE,
-    &flags::THREADS,
-    &flags::PROGRESS,
-    &flags::QUIET,
-];
-
 impl Grading {
     /// The page and the table beside it, if they are written.
     pub fn report_files(&self) -> Option<[PathBuf; 2]> {
@@ -64,30 +51,23 @@ impl Grading {
 
     /// The grading that the flags ask for, if they do.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
-        let path = |flag| Ok(raw.values(flag)?.map(|[word]| PathBuf::from(word)));
-        let Some(folder) = path(&flags::GRADE)? else { return refuse_without_folder(raw) };
-        raw.refuse_others(&flags::GRADE, &UNDERSTOOD)?;
-        let references = match (path(&flags::REFERENCE)?, path(&flags::COMMANDS)?) {
+        let Some(folder) = raw.read(&flags::GRADE)? else {
+            return raw.refuse_without(&flags::GRADE).map(|()| None);
+        };
+        raw.refuse_others(&flags::GRADE, Run::Grade)?;
+        let folder_of_references = raw.values(&flags::REFERENCE).map(|values| values.path()).transpose()?;
+        let references = match (folder_of_references, raw.read(&flags::COMMANDS)?) {
             (Some(folder), _) => References::Folder(folder),
             (None, Some(file)) => References::Commands(file),
             (None, None) => return Err(CliError::ReferencesNeeded),
         };
-        let threads = wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize);
-        let (report, tolerance, progress) = (report(raw)?, tolerance(raw)?, ShowProgress::from_raw(raw));
-        Ok(Some(Self { folder, references, report, tolerance, threads, progress }))
-    }
-}
-
-fn refuse_without_folder(raw: &Raw) -> Result<Option<Grading>, CliError> {
-    match [&flags::COMMANDS, &flags::REPORT].into_iter().find(|flag| raw.given(flag)) {
-        Some(flag) => Err(CliError::GradeNeeded { flag: flag.name }),
-        None => Ok(None),
-    }
-}
-
-fn report(raw: &Raw) -> Result<Option<PathBuf>, CliError> {
-    match raw.values(&flags::REPORT)? {
-        Some([word]) if !ends_in(word, ".html") => Err(bad(&flags::REPORT, word, Problem::NotPage)),
-        words => Ok(words.map(|[word]| word.into())),
+        Ok(Some(Self {
+            folder,
+            references,
+            threads: raw.read(&flags::THREADS)?,
+            report: raw.read(&flags::REPORT)?,
+            tolerance: raw.read(&flags::TOLERANCE)?,
+            progress: ShowProgress::from_raw(raw),
+        }))
     }
 }

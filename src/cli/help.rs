@@ -1,9 +1,9 @@
-//! The help texts, generated from the table of flags.
+//! The help texts, generated from the definitions of the flags.
 
 use super::error::CliError;
-use super::flags::{self, FLAGS, Flag};
-use super::notes;
-use super::section::Section;
+use super::flag::Flag;
+use super::flags::{self, FLAGS};
+use super::section::{SECTIONS, Section};
 use std::ffi::OsStr;
 
 /// The column at which the descriptions start.
@@ -35,7 +35,7 @@ command line, 3 for a difference above the tolerance, and 130, 143 or 129 for a 
 
 /// The text that `-help` prints.
 pub(super) fn text() -> String {
-    let sections: String = Section::ALL.into_iter().map(section).collect();
+    let sections: String = SECTIONS.into_iter().map(section).collect();
     format!("{HEAD}{sections}{TAIL}{}", paragraph(STATUS, 0))
 }
 
@@ -54,15 +54,15 @@ pub(super) fn version() -> String {
     format!("raytracer {}\n", env!("CARGO_PKG_VERSION"))
 }
 
-fn section(section: Section) -> String {
+fn section((section, title): (Section, &str)) -> String {
     let flags: String = FLAGS.iter().filter(|flag| flag.section == section).map(|flag| entry(flag)).collect();
-    format!("\n{}:\n{flags}", section.title())
+    format!("\n{}:\n{flags}", title)
 }
 
 fn entry(flag: &Flag) -> String {
     let mut left = format!("  {}", flag.usage());
     let mut text = String::new();
-    for line in wrap(flag.doc, WIDTH - INDENT).into_iter().chain(default_and_example(flag)) {
+    for line in wrap(flag.help, WIDTH - INDENT).into_iter().chain(default_and_example(flag)) {
         text += &format!("{left:<INDENT$}{line}\n");
         left.clear();
     }
@@ -71,9 +71,8 @@ fn entry(flag: &Flag) -> String {
 
 /// The default and an example, in one line if they fit.
 fn default_and_example(flag: &Flag) -> Vec<String> {
-    let notes = notes::of(flag);
-    let default = (!notes.default.is_empty()).then(|| format!("Default: {}", notes.default));
-    let example = (!notes.example.is_empty()).then(|| format!("Example: {}", notes.example));
+    let default = (!flag.default.is_empty()).then(|| format!("Default: {}", flag.default));
+    let example = (!flag.example.is_empty()).then(|| format!("Example: {}", flag.example));
     let parts: Vec<String> = default.into_iter().chain(example).collect();
     let line = parts.join("   ");
     if line.chars().count() <= WIDTH - INDENT && !line.is_empty() { vec![line] } else { parts }
@@ -81,16 +80,15 @@ fn default_and_example(flag: &Flag) -> Vec<String> {
 
 /// Everything about a flag.
 fn in_full(flag: &Flag) -> String {
-    let notes = notes::of(flag);
-    let mut text = format!("{}\n{}", flag.usage(), paragraph(flag.doc, 2));
-    if !notes.details.is_empty() {
-        text += &paragraph(notes.details, 2);
+    let mut text = format!("{}\n{}", flag.usage(), paragraph(flag.help, 2));
+    if !flag.details.is_empty() {
+        text += &paragraph(flag.details, 2);
     }
     text += "\n";
     let excluded: Vec<String> = flag.excluded().map(|other| format!("-{}", other.name)).collect();
     let aliases: Vec<String> = flag.aliases.iter().map(|alias| format!("-{alias}")).collect();
     for (label, value) in [
-        ("Default", notes.default.to_owned()),
+        ("Default", flag.default.to_owned()),
         ("Not with", excluded.join(" ")),
         ("Also", aliases.join(" ")),
         ("Example", flag.command()),

@@ -1,10 +1,9 @@
 //! The flags about the live page.
 
 use super::error::CliError;
+use super::flag::Run;
 use super::flags;
 use super::raw::Raw;
-use super::shaping::SHAPING;
-use super::values::wholes;
 use serde::Serialize;
 
 /// The live page that `-gui` asks for.
@@ -22,15 +21,10 @@ pub struct LivePage {
 impl LivePage {
     /// The page that the flags ask for.
     pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
-        let port = wholes(raw, &flags::PORT, (0, u32::from(u16::MAX)))?.map(|[port]| port as u16);
-        if raw.given(&flags::GUI) {
-            let shaping = SHAPING.into_iter().chain([&flags::VISUALIZE_GRID]);
-            let words = shaping.flat_map(|flag| raw.words_of(flag)).collect();
-            return Ok(Some(Self { port, browser: !raw.given(&flags::NO_BROWSER), words }));
+        let port = raw.read(&flags::PORT)?;
+        if !raw.given(&flags::GUI) {
+            return raw.refuse_without(&flags::GUI).map(|()| None);
         }
-        match [&flags::PORT, &flags::NO_BROWSER].into_iter().find(|flag| raw.given(flag)) {
-            Some(flag) => Err(CliError::GuiNeeded { flag: flag.name }),
-            None => Ok(None),
-        }
+        Ok(Some(Self { port, browser: !raw.given(&flags::NO_BROWSER), words: raw.words_for(Run::Page) }))
     }
 }

@@ -1,13 +1,13 @@
-//! The manual page, generated from the table of flags, in the macros of man(7).
+//! The manual page, generated from the definitions of the flags, in the macros of man(7).
 
-use super::flags::{FLAGS, Flag};
+use super::flag::Flag;
+use super::flags::FLAGS;
 use super::help::STATUS;
-use super::notes;
-use super::section::Section;
+use super::section::{SECTIONS, Section};
 
 /// The text of `raytracer.1`.
 pub fn man_page() -> String {
-    let sections: String = Section::ALL.into_iter().map(section).collect();
+    let sections: String = SECTIONS.into_iter().map(section).collect();
     let version = env!("CARGO_PKG_VERSION");
     let status = escape(STATUS);
     format!(
@@ -44,23 +44,22 @@ raytracer \\-compare mine.tga \\-reference theirs.png \\-difference difference.p
     )
 }
 
-fn section(section: Section) -> String {
+fn section((section, title): (Section, &str)) -> String {
     let flags: String = FLAGS.iter().filter(|flag| flag.section == section).map(|flag| entry(flag)).collect();
-    format!(".SS {}\n{flags}", escape(section.title()))
+    format!(".SS {}\n{flags}", escape(title))
 }
 
 fn entry(flag: &Flag) -> String {
-    let values: String = flag.values.iter().map(|value| format!(" \\fI{}\\fR", escape(value))).collect();
-    let notes = notes::of(flag);
+    let values: String = flag.values.iter().map(|value| format!(" \\fI{}\\fR", escape(value.name))).collect();
     let mut text = format!(".TP\n\\fB{}\\fR{values}\n", escape(&format!("-{}", flag.name)));
-    for sentence in [flag.doc, notes.details].into_iter().filter(|sentence| !sentence.is_empty()) {
+    for sentence in [flag.help, flag.details].into_iter().filter(|sentence| !sentence.is_empty()) {
         text += &format!("{}\n", escape(sentence));
     }
-    if !notes.default.is_empty() {
-        text += &format!(".br\nDefault: {}\n", escape(notes.default));
+    if !flag.default.is_empty() {
+        text += &format!(".br\nDefault: {}\n", escape(flag.default));
     }
-    if !notes.example.is_empty() {
-        text += &format!(".br\nExample: {}\n", escape(notes.example));
+    if !flag.example.is_empty() {
+        text += &format!(".br\nExample: {}\n", escape(flag.example));
     }
     text
 }

@@ -8,7 +8,6 @@
 
 mod commands;
 mod comparison;
-mod completion;
 pub mod completions;
 mod error;
 mod error_report;
@@ -18,15 +17,13 @@ mod grading;
 mod help;
 mod live_page;
 pub mod man_page;
-mod notes;
 mod options;
 mod outputs;
 mod parts;
 mod raw;
-mod sampling;
 mod rest;
 mod section;
-mod shaping;
+pub mod table;
 mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};

@@ -1,22 +1,21 @@
 //! The second stage of the command line: the values are parsed and checked, each by itself and then together.
 
 use super::comparison::Comparison;
-use super::error::{CliError, Problem};
-use super::flags::{self, Flag};
+use super::error::CliError;
+use super::flag::Flag;
+use super::flags;
 use super::live_page::LivePage;
 use super::outputs::{Output, distinct, outputs};
-use super::parts::region;
 use super::raw::Raw;
-use super::sampling::{adaptive, filter, sampler};
-use super::values::{bad, ends_in, finite, lossy, lossy_or_null, whole, wholes};
-use crate::grid::options::{Resolution, Structure};
+use super::values::{lossy, lossy_or_null};
+use crate::grid::options::Structure;
 use crate::render::{Layer, Request, Window};
 use crate::sampling::adaptive::Adaptive;
+use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
-use crate::sampling::sampler::Sampler;
+use crate::sampling::sampler::{Pattern, Sampler};
 use crate::trace::{Effects, Shadows};
 use serde::Serialize;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// The checked options of a run. Every number is in the range that its field states.
@@ -103,43 +102,34 @@ impl ShowProgress {
     }
 }
 
-pub(super) const SIZE_RANGE: (u32, u32) = (1, 65535);
-/// The largest value of the course's `int`.
-const MAX_INT: u32 = i32::MAX as u32;
-/// The upper limit is far above the cores of any machine, and far below the number of threads that cannot be
-/// started.
-pub(super) const THREAD_RANGE: (u32, u32) = (1, 4096);
-/// The number of cells stays below this, so that the index of a cell fits into 32 bits.
-const CELL_LIMIT: u64 = 1 << 31;
-
 impl Options {
     /// Checks each flag in the order of the help, then the combination of the flags.
     pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
         let options = Self {
-            input: raw.values(&flags::INPUT)?.map(|[word]| word.into()),
+            input: raw.read(&flags::INPUT)?,
             outputs: outputs(raw)?,
-            size: size(raw)?.unwrap_or([100, 100]).map(|n| n as usize),
-            region: region(raw)?,
+            size: raw.read_or_default(&flags::SIZE)?,
+            region: raw.read(&flags::REGION)?,
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
-                bounces: bounces(raw)?.unwrap_or(0),
-                min_weight: weight(raw)?,
+                bounces: raw.read_or_default(&flags::BOUNCES)?,
+                min_weight: raw.read_or_default(&flags::WEIGHT)?,
             },
-            says_no_bounces: bounces(raw)? == Some(0),
+            says_no_bounces: raw.read(&flags::BOUNCES)? == Some(0),
             sampler: sampler(raw)?,
-            adaptive: adaptive(raw)?,
+            adaptive: raw.read(&flags::ADAPTIVE_SAMPLES)?,
             filter: filter(raw)?,
-            structure: structure(raw)?,
+            structure: raw.read(&flags::GRID)?.unwrap_or(Structure::Any),
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
             strict: raw.given(&flags::STRICT),
-            json: json(raw)?,
-            pixel: wholes(raw, &flags::PIXEL, (0, SIZE_RANGE.1 - 1))?.map(|pixel| pixel.map(|n| n as usize)),
+            json: raw.read(&flags::JSON)?,
+            pixel: raw.read(&flags::PIXEL)?,
             preview: preview(raw)?,
             page: LivePage::from_raw(raw)?,
-            threads: wholes(raw, &flags::THREADS, THREAD_RANGE)?.map(|[n]| n as usize),
+            threads: raw.read(&flags::THREADS)?,
             progress: ShowProgress::from_raw(raw),
         };
         options.check_together()?;
@@ -166,7 +156,7 @@ impl Options {
         }
         for output in &self.outputs {
             let [width, height] = output.layer.size(self.size);
-            if width.max(height) > SIZE_RANGE.1 as usize {
+            if width.max(height) > flags::SIDE.1 as usize {
                 return Err(CliError::EnlargedTooMuch { flag: output.flag().name });
             }
         }
@@ -187,7 +177,7 @@ impl Options {
     fn files(&self) -> Vec<(&'static Flag, &Path)> {
         let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        pictures.chain(difference.map(|file| (&flags::DIFFERENCE, file))).collect()
+        pictures.chain(difference.map(|file| (&flags::DIFFERENCE.flag, file))).collect()
     }
 
     /// Whether anything is written to standard output.
@@ -216,15 +206,6 @@ impl Options {
     }
 }
 
-fn json(raw: &Raw) -> Result<Option<JsonTarget>, CliError> {
-    match raw.values(&flags::JSON)? {
-        None => Ok(None),
-        Some([word]) if word == "-" => Ok(Some(JsonTarget::StandardOutput)),
-        Some([word]) if ends_in(word, ".json") => Ok(Some(JsonTarget::File(word.into()))),
-        Some([word]) => Err(bad(&flags::JSON, word, Problem::NotJson)),
-    }
-}
-
 fn shadows(raw: &Raw) -> Shadows {
     match (raw.given(&flags::TRANSPARENT_SHADOWS), raw.given(&flags::SHADOWS)) {
         (true, _) => Shadows::Transparent,
@@ -233,50 +214,23 @@ fn shadows(raw: &Raw) -> Shadows {
     }
 }
 
-fn bounces(raw: &Raw) -> Result<Option<u32>, CliError> {
-    Ok(wholes(raw, &flags::BOUNCES, (0, MAX_INT))?.map(|[n]| n))
+fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
+    let rng = raw.read(&flags::SEED)?.unwrap_or(Drand48::UNSEEDED);
+    let samples = [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::JITTERED_SAMPLES];
+    Ok(match raw.read_first(&samples)? {
+        Some((pattern, count)) => Sampler::new(pattern, count, rng),
+        // The first samples of each pixel.
+        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::first_of_adaptive(rng),
+        None => Sampler::new(Pattern::Uniform, 1, rng),
+    })
 }
 
-fn weight(raw: &Raw) -> Result<f64, CliError> {
-    let Some([word]) = raw.values(&flags::WEIGHT)? else { return Ok(0.0) };
-    match finite(&flags::WEIGHT, word)? {
-        weight if weight < 0.0 => Err(bad(&flags::WEIGHT, word, Problem::Negative)),
-        weight => Ok(weight),
-    }
-}
-
-/// The size as two words, or as one with an `x` between the numbers.
-fn size(raw: &Raw) -> Result<Option<[u32; 2]>, CliError> {
-    let flag = &flags::SIZE;
-    let joined = raw.single(flag).and_then(OsStr::to_str).and_then(|word| word.split_once(['x', 'X']));
-    let Some((width, height)) = joined else { return wholes(raw, flag, SIZE_RANGE) };
-    let side = |word: &str| {
-        whole(OsStr::new(word), SIZE_RANGE).map_err(|problem| bad(flag, OsStr::new(word), problem))
-    };
-    Ok(Some([side(width)?, side(height)?]))
-}
-
-fn structure(raw: &Raw) -> Result<Structure, CliError> {
-    match raw.single(&flags::GRID).and_then(OsStr::to_str) {
-        Some("auto") => return Ok(Structure::Grid(Resolution::Auto)),
-        Some("none") => return Ok(Structure::List),
-        _ => {}
-    }
-    let is_name = |word: &&OsStr| *word == "auto" || *word == "none";
-    if let Some(name) = raw.all_values(&flags::GRID).into_iter().flatten().find(is_name) {
-        return Err(bad(&flags::GRID, name, Problem::NotAlone));
-    }
-    let Some(cells) = wholes::<3>(raw, &flags::GRID, (1, MAX_INT))? else { return Ok(Structure::Any) };
-    let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
-    match product {
-        Some(product) if product < CELL_LIMIT => {
-            Ok(Structure::Grid(Resolution::Cells(cells.map(|n| n as usize))))
-        }
-        _ => Err(CliError::TooManyCells { cells }),
-    }
+fn filter(raw: &Raw) -> Result<Filter, CliError> {
+    let others = [&flags::TENT_FILTER, &flags::GAUSSIAN_FILTER, &flags::MITCHELL_FILTER];
+    raw.read_first(&others)?.map_or_else(|| raw.read_or_default(&flags::BOX_FILTER), Ok)
 }
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {
-    let tessellation = wholes::<2>(raw, &flags::TESSELLATION, (1, MAX_INT))?;
+    let tessellation = raw.read(&flags::TESSELLATION)?;
     Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
 }

@@ -1,7 +1,9 @@
 //! The command lines that complete a picture of which only the first rows are there.
 
-use super::flags::{self, Flag};
-use super::raw::is_flag;
+use super::flag::{Flag, Value};
+use super::flags;
+use super::raw::{is_flag, named};
+use super::section::Section;
 use crate::escape::shell_word;
 use crate::image_io::beside;
 use crate::render::Window;
@@ -11,19 +13,10 @@ use std::path::Path;
 /// What the file of the rest is called: `o.rest.tga` for `o.tga`.
 const REST: &str = "rest";
 
-/// Flags whose pictures have a rest, which gets a name of its own.
-const RENAMED: [&Flag; 4] = [&flags::OUTPUT, &flags::DEPTH, &flags::NORMALS, &flags::RENDER_SAMPLES];
-
-/// Flags that have no meaning for a part, or another one.
-const DROPPED: [&Flag; 7] = [
-    &flags::REGION,
-    &flags::RENDER_FILTER,
-    &flags::COST_MAP,
-    &flags::COMPARE,
-    &flags::REFERENCE,
-    &flags::DIFFERENCE,
-    &flags::TOLERANCE,
-];
+/// Whether a flag has no meaning for a part, or another one.
+fn is_dropped(flag: &Flag) -> bool {
+    flag.name == flags::REGION.name || flag.conflicts(&flags::REGION) || flag.section == Section::Comparison
+}
 
 /// The command line that renders this region with all else as in `argv`, whose first word is the program's name. A
 /// shell reads it as it stands.
@@ -44,13 +37,13 @@ pub fn command_of_rest(argv: &[OsString], region: Window) -> String {
 
 /// A flag and its values for the rest.
 fn kept(word: &OsStr, values: &[OsString]) -> Vec<String> {
-    let flag = word.to_str().and_then(|word| flags::find(word.trim_start_matches('-')));
-    let is_among = |flags: &[&Flag]| flag.is_some_and(|flag| flags.iter().any(|one| one.name == flag.name));
-    if is_among(&DROPPED) {
+    let flag = named(word);
+    if flag.is_some_and(is_dropped) {
         return vec![];
     }
+    // The pictures of the rest get names of their own.
     let is_file =
-        |index| is_among(&RENAMED) && flag.is_some_and(|flag| flag.values.get(index) == Some(&"file"));
+        |index| flag.and_then(|flag| flag.values.get(index)).is_some_and(|value: &Value| value.is_output);
     let value = |(index, value): (usize, &OsString)| match is_file(index) {
         true if value != "-" => shell_word(beside(Path::new(value), REST)),
         _ => shell_word(value),

@@ -15,33 +15,16 @@ pub(super) enum Section {
     Other,
 }
 
-impl Section {
-    /// All sections, in the order of the help.
-    pub const ALL: [Self; 10] = [
-        Self::Pictures,
-        Self::Shading,
-        Self::Sampling,
-        Self::Grid,
-        Self::Comparison,
-        Self::Grading,
-        Self::ErrorReport,
-        Self::Statistics,
-        Self::Preview,
-        Self::Other,
-    ];
-
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Pictures => "Scene and pictures",
-            Self::Shading => "Shading",
-            Self::Sampling => "Sampling",
-            Self::Grid => "Grid",
-            Self::Comparison => "Comparison",
-            Self::Grading => "Grading",
-            Self::ErrorReport => "Speed against error",
-            Self::Statistics => "Statistics",
-            Self::Preview => "Live page",
-            Self::Other => "Other",
-        }
-    }
-}
+/// All sections with their titles, in the order of the help.
+pub(super) const SECTIONS: [(Section, &str); 10] = [
+    (Section::Pictures, "Scene and pictures"),
+    (Section::Shading, "Shading"),
+    (Section::Sampling, "Sampling"),
+    (Section::Grid, "Grid"),
+    (Section::Comparison, "Comparison"),
+    (Section::Grading, "Grading"),
+    (Section::ErrorReport, "Speed against error"),
+    (Section::Statistics, "Statistics"),
+    (Section::Preview, "Live page"),
+    (Section::Other, "Other"),
+];

@@ -1,6 +1,7 @@
-//! The manual page and the completions agree with the table of flags, and work in the shells.
+//! The manual page, the completions and the table in `docs/command-line.md` agree with the definitions of the flags, and
+//! the completions work in the shells.
 
-use raytracer::cli::{completions, man_page};
+use raytracer::cli::{completions, man_page, table};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -72,6 +73,11 @@ fn the_files_are_those_of_the_table() {
         let found = fs::read_to_string(root().join(file)).unwrap_or_default();
         assert!(found == text, "{file}: write it anew by `cargo run --example shell_files`");
     }
+    let is_row = |line: &&str| line.starts_with('|');
+    let page = include_str!("../../docs/command-line.md").lines();
+    let rows = page.skip_while(|line| !is_row(line)).take_while(is_row);
+    let found: String = rows.map(|line| line.to_owned() + "\n").collect();
+    assert!(found == table::table(), "the table: write it anew by `cargo run --example shell_files`");
 }
 
 #[test]
