@@ -46,10 +46,18 @@ pub struct InvDepthPlane {
 pub struct ErrorBound(pub [f64; 3]);
 
 impl ErrorBound {
+    pub const NONE: Self = Self([0.0; 3]);
+
     /// The error bound for values whose magnitude is at most `max_abs`.
     pub fn at(self, max_abs: f64) -> f64 {
         let [constant, linear, square] = self.0;
         constant + (linear + square * max_abs) * max_abs
+    }
+
+    /// The bound of the sum of two errors.
+    pub fn plus(self, other: Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.0, other.0);
+        Self([a + d, b + e, c + f])
     }
 }
 
@@ -154,7 +162,13 @@ mod tests {
             scale: 0.5,
             axes: [DVec3::X, DVec3::Y],
             max_direction_length: 3.0,
-            screen: Screen { middle: eye.middle, width: 8, reach: 0.0, nothing: 0.0 },
+            screen: Screen {
+                middle: eye.middle,
+                width: 8,
+                reach: 0.0,
+                nothing: 0.0,
+                same_place: ErrorBound::NONE,
+            },
             rows: 0..8,
         };
         let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });

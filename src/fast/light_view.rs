@@ -4,6 +4,7 @@
 //! coordinates of points are accurate to a small fraction of a pixel, or there is no such picture.
 
 use super::Screen;
+use super::edge_functions::ErrorBound;
 use super::flat_triangle::Projected;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
@@ -92,7 +93,14 @@ impl LightView {
 
     /// The pixels of the picture.
     pub fn screen(&self) -> Screen {
-        Screen { middle: DVec2::splat(self.middle), width: self.size, reach: REACH, nothing: 0.0 }
+        // It does not matter which of several primitives in one place blocks the light.
+        Screen {
+            middle: DVec2::splat(self.middle),
+            width: self.size,
+            reach: REACH,
+            nothing: 0.0,
+            same_place: ErrorBound::NONE,
+        }
     }
 
     /// Where a point is in the picture.

@@ -34,7 +34,7 @@ use crate::mode::Mode;
 use crate::shortcut::Shortcut;
 use crate::world::{Primitive, World};
 use bins::Bins;
-use edge_functions::{EdgeFunctions, InvDepthPlane};
+use edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use flat_triangle::Projected;
 use glam::{DVec2, DVec3};
 use parallel_view::ParallelView;
@@ -117,12 +117,14 @@ impl VisibilityBuffer {
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }
+        let same_place = world.coincidence_reach_by_t();
         let visible_ids = match camera.projection() {
             Projection::Perspective(eye) => {
-                drawn_from_eye(&Viewport::new(eye, world.bounds, width, rows.clone(), footprint)?, world)?
+                let viewport = Viewport::new(eye, world.bounds, width, rows.clone(), footprint, same_place)?;
+                drawn_from_eye(&viewport, world)?
             }
             Projection::Orthographic(eye) => {
-                let view = ParallelView::new(eye, &world.bounds, width, footprint)?;
+                let view = ParallelView::new(eye, &world.bounds, width, footprint, same_place)?;
                 drawn_in_parallel(&view, world, &rows)?
             }
         };
@@ -136,7 +138,8 @@ impl VisibilityBuffer {
         let is_accurate = match camera.projection() {
             Projection::Perspective(_) => true,
             Projection::Orthographic(eye) => {
-                ParallelView::new(eye, &world.bounds, width, Footprint::Pixel).is_some()
+                let same_place = world.coincidence_reach_by_t();
+                ParallelView::new(eye, &world.bounds, width, Footprint::Pixel, same_place).is_some()
             }
         };
         let is_drawn = !world.triangles.is_empty() || world.finite_count() == 0;
@@ -262,12 +265,23 @@ struct Screen {
     reach: f64,
     /// The inverse depth at which nothing is seen: not more than that of anything that is.
     nothing: f32,
+    /// How far the inverse depths of two hits may be apart that lie in one place, so that it is decided by the primitives
+    /// which of them is seen, and not by the depths.
+    same_place: ErrorBound,
 }
 
 impl Viewport {
     /// None if numbers are too large or too small for the error bounds, or if the view is so narrow or so
-    /// skewed that the error of a projected vertex may exceed a small fraction of a pixel.
-    fn new(eye: Eye, bounds: Aabb, width: usize, rows: Range<usize>, footprint: Footprint) -> Option<Self> {
+    /// skewed that the error of a projected vertex may exceed a small fraction of a pixel. The last parameter is
+    /// [`World::coincidence_reach_by_t`].
+    fn new(
+        eye: Eye,
+        bounds: Aabb,
+        width: usize,
+        rows: Range<usize>,
+        footprint: Footprint,
+        [margin, per_t]: [f64; 2],
+    ) -> Option<Self> {
         let distance = |corner: DVec3| (corner - eye.center).length();
         let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
         let scale = libm::ldexp(1.0, -libm::frexp(farthest).1);
@@ -279,7 +293,9 @@ impl Viewport {
         let is_usual = (1e-60..1e60).contains(&scale)
             && max_direction_length < 1e12
             && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0 };
+        // With n = 1 / t, a distance of e in t is one of less than e n^2 in n. The directions of rays are no shorter than 1.
+        let same_place = ErrorBound([0.0, per_t, margin * scale]);
+        let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0, same_place };
         is_usual.then_some(Self { eye, scale, axes, max_direction_length, screen, rows })
     }
 

@@ -41,8 +41,14 @@ pub struct ParallelView {
 }
 
 impl ParallelView {
-    /// None if errors may be too large.
-    pub fn new(eye: Eye, bounds: &Aabb, width: usize, footprint: Footprint) -> Option<Self> {
+    /// None if errors may be too large. The last parameter is [`coincidence_reach_by_t`](crate::world::World::coincidence_reach_by_t).
+    pub fn new(
+        eye: Eye,
+        bounds: &Aabb,
+        width: usize,
+        footprint: Footprint,
+        [margin, per_t]: [f64; 2],
+    ) -> Option<Self> {
         let middle = 0.5 * (bounds.min + bounds.max);
         let radius = 1.000_001 * (bounds.max - middle).length();
         let lengths = [eye.right, eye.up].map(DVec3::length);
@@ -56,7 +62,8 @@ impl ParallelView {
         let pixels_per_unit = 1.0 / lengths[0].min(lengths[1]);
         let screen_error = pixels_per_unit * error + interpolation_error(pixels_per_unit * distance);
         let reach = footprint.reach();
-        let screen = Screen { middle: eye.middle, width, reach, nothing: f32::NEG_INFINITY };
+        let same_place = ErrorBound([(margin + per_t * extent) / radius, 0.0, 0.0]);
+        let screen = Screen { middle: eye.middle, width, reach, nothing: f32::NEG_INFINITY, same_place };
         // All comparisons are false for a NaN.
         let is_usual = (1e-100..1e100).contains(&radius)
             && (1e-100..1e100).contains(&pixels_per_unit)
@@ -136,7 +143,7 @@ mod tests {
         let direction = DVec3::new(0.48, 0.6, 0.64);
         let (right, up) = (DVec3::new(-0.8, 0.0, 0.6) / 3.0, DVec3::new(0.36, -0.8, 0.48) / 3.0);
         let eye = Eye { center: middle, direction, right, up, middle: DVec2::splat(31.5) };
-        ParallelView::new(eye, &bounds, 64, Footprint::Center).unwrap()
+        ParallelView::new(eye, &bounds, 64, Footprint::Center, [0.0; 2]).unwrap()
     }
 
     /// The difference of a plane's nearness from the exact one at a pixel, and its error bound.
@@ -179,8 +186,9 @@ mod tests {
     fn there_is_no_view_with_large_errors() {
         let good = view(1.0, 0.0).eye;
         let bounds = |size: f64| Aabb { min: DVec3::splat(-size), max: DVec3::splat(size) };
-        let is_drawn =
-            |eye: Eye, size: f64| ParallelView::new(eye, &bounds(size), 64, Footprint::Center).is_some();
+        let is_drawn = |eye: Eye, size: f64| {
+            ParallelView::new(eye, &bounds(size), 64, Footprint::Center, [0.0; 2]).is_some()
+        };
         assert!(is_drawn(good, 1.0) && is_drawn(good, 1e-4) && is_drawn(good, 1e4));
         // The primitives are small, large, or far away, or the axes are not at right angles.
         assert!(!is_drawn(good, 1e-9) && !is_drawn(good, 1e5) && !is_drawn(good, 1e6));

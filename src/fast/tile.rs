@@ -148,7 +148,8 @@ impl<'c> Tile<'c> {
         let of_edges = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
         let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, reach, of_edges));
         let InvDepthPlane { inv_depth, error_bound } = edge_functions.inv_depth_plane;
-        let inv_depth = AffineRow::new(inv_depth, corner, extent, reach, error_bound);
+        let inv_depth =
+            AffineRow::new(inv_depth, corner, extent, reach, error_bound.plus(self.screen.same_place));
         for j in rows {
             let y = j as f64 - middle.y;
             for i in columns.clone().step_by(LANES) {
@@ -165,7 +166,8 @@ impl<'c> Tile<'c> {
         let corner = [-middle.x, self.rows.start as f64 - middle.y];
         let extent = [width + LANES, self.rows.len()];
         let reach = self.screen.reach;
-        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, reach, plane.error_bound);
+        let error_bound = plane.error_bound.plus(self.screen.same_place);
+        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, reach, error_bound);
         for j in self.rows.clone() {
             let y = j as f64 - middle.y;
             for i in (0..width).step_by(LANES) {

@@ -264,6 +264,7 @@ fn is_front(corners: [ScreenVertex; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fast::edge_functions::ErrorBound;
 
     /// Eight rows of eight pixels, each an eighth wide at distance 1, seen along -z.
     fn viewport() -> Viewport {
@@ -274,7 +275,13 @@ mod tests {
             scale: 1.0,
             axes: [8.0 * DVec3::X, 8.0 * DVec3::Y],
             max_direction_length: 2.0,
-            screen: Screen { middle: DVec2::splat(3.5), width: 8, reach: 0.0, nothing: 0.0 },
+            screen: Screen {
+                middle: DVec2::splat(3.5),
+                width: 8,
+                reach: 0.0,
+                nothing: 0.0,
+                same_place: ErrorBound::NONE,
+            },
             rows: 0..8,
         }
     }

@@ -31,6 +31,11 @@ impl World {
         PER_T * t.abs() + self.coincidence_margin
     }
 
+    /// The coefficients of [`World::coincidence_reach`] as a polynomial in |t|.
+    pub fn coincidence_reach_by_t(&self) -> [f64; 2] {
+        [self.coincidence_margin, PER_T]
+    }
+
     /// The part of [`World::coincidence_reach`] that does not depend on t.
     pub(super) fn find_coincidence_margin(&self) -> f64 {
         PER_COORDINATE * self.max_abs_coord + PER_FLATTENING_ERROR * self.flattening_errors.largest()

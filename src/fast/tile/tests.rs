@@ -4,7 +4,13 @@ use glam::DVec2;
 const WIDTH: usize = 200;
 const STRIDE: usize = WIDTH + LANES;
 
-const SCREEN: Screen = Screen { middle: DVec2::new(99.5, 40.5), width: WIDTH, reach: 0.0, nothing: 0.0 };
+const SCREEN: Screen = Screen {
+    middle: DVec2::new(99.5, 40.5),
+    width: WIDTH,
+    reach: 0.0,
+    nothing: 0.0,
+    same_place: ErrorBound::NONE,
+};
 
 /// An inverse depth that is `value` at a pixel, and 0 on a line through another one, which may lie beside the
 /// picture.
