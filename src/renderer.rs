@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
-use crate::world::{Solids, World};
+use crate::world::World;
 use glam::DVec2;
 use rayon::ThreadPool;
 use std::path::Path;
@@ -41,9 +41,6 @@ pub enum Meshes {
     /// The meshes are copied into the world, and kept.
     Kept,
 }
-
-/// Camera rays for each triangle of a mesh, from which on it saves time to find out whether it bounds a solid.
-const RAYS_PER_TRIANGLE: usize = 16;
 
 impl Renderer {
     /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
@@ -111,25 +108,11 @@ impl Renderer {
             Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays()),
             prepared => prepared,
         }?;
-        prepared.caster.solids = self.solids(request);
         if structure == Structure::Any && grid.is_none() {
             // Rasterization may find out that it leaves more rays to be cast.
             prepared.caster.allow_grid(request.camera_rays());
         }
         Ok(prepared)
-    }
-
-    /// What is known about the solids, with more of them found where this saves time. It is the same for all windows
-    /// of a picture, and in every mode, as the colours may depend on it at a solid's edges.
-    fn solids(&self, request: &Request) -> Arc<Solids> {
-        let known = &self.world.solids;
-        let triangles = known.undecided_triangles();
-        let is_worthwhile = triangles > 0
-            && request.effects.gain_from_solids()
-            && request.camera_rays() / RAYS_PER_TRIANGLE >= triangles;
-        // Nobody has asked for what does not fit into memory.
-        let found = if is_worthwhile { known.with_embedded(&self.world).ok() } else { None };
-        found.map_or_else(|| known.clone(), Arc::new)
     }
 
     /// The camera that a request's pictures are seen with.
@@ -271,57 +254,5 @@ impl<'r, M: RenderMode> Prepared<'r, M> {
 
     fn view(&self) -> View<'_> {
         self.occupancy.as_ref().map_or(View::Scene, View::Cells)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mode::Fast;
-    use crate::render::Window;
-    use crate::scene::parser::parse;
-    use crate::trace::{Effects, Shadows};
-
-    /// An L-shaped prism of glass, which has no point that all of its 20 faces are seen from.
-    fn hook() -> Renderer {
-        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 5 }
-             Group { numObjects 1 Material { transparentColor 1 1 1 } TriangleMesh { obj_file hook.obj } }";
-        let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.5, 0.5], [0.5, 4.0], [0.0, 4.0]];
-        let level = |z: f64| outline.map(|[x, y]| glam::DVec3::new(x, y, z));
-        let sides = (0..6).flat_map(|i| {
-            let j = (i + 1) % 6;
-            [[i, j, j + 6], [i, j + 6, i + 6]]
-        });
-        let ends = (1..5).flat_map(|i| [[6, 6 + i, 7 + i], [0, i + 1, i]]);
-        let mesh =
-            Mesh { vertices: [level(0.0), level(1.0)].concat(), triangles: sides.chain(ends).collect() };
-        let scene = parse(text).unwrap();
-        let source = Source { path: "hook.txt".into(), text: text.into() };
-        let world = World::new(&scene, &[mesh]).unwrap();
-        Renderer { scene, source, world, meshes: vec![], threads: None }
-    }
-
-    #[test]
-    fn embedded_meshes_are_found_where_many_rays_gain_from_them() {
-        let renderer = hook();
-        let knows = |request: &Request| {
-            let fast = renderer.prepare_for::<Fast>(Structure::Any, request).unwrap();
-            let course = renderer.prepare_for::<Course>(Structure::Any, request).unwrap();
-            let found = fast.caster.solids.are_dark_within(3);
-            assert_eq!(course.caster.in_mode::<Fast>().solids.are_dark_within(3), found);
-            found
-        };
-        let gaining = Effects { bounces: 1, shade_back: true, shadows: Shadows::Opaque, min_weight: 0.0 };
-        let request = |size, effects| Request { effects, ..Request::new(size) };
-        let window = Some(Window { x: 0, y: 0, width: 1, height: 1 });
-        assert!(knows(&request([20, 16], gaining)) && !knows(&request([29, 11], gaining)));
-        assert!(knows(&Request { window, ..request([20, 16], gaining) }));
-        for (effects, gain) in [
-            (Effects { bounces: 0, ..gaining }, false),
-            (Effects { shadows: Shadows::Transparent, ..gaining }, false),
-            (Effects { shadows: Shadows::None, shade_back: false, ..gaining }, true),
-        ] {
-            assert_eq!(knows(&request([99, 99], effects)), gain, "{effects:?}");
-        }
     }
 }

@@ -58,13 +58,6 @@ pub struct Effects {
     pub min_weight: f64,
 }
 
-impl Effects {
-    /// Whether fewer rays are cast where more solids are known.
-    pub(crate) fn gain_from_solids(&self) -> bool {
-        self.bounces > 0 && (!self.shade_back || self.shadows == Shadows::Opaque)
-    }
-}
-
 /// Traces rays through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, M = Fast> {
@@ -196,13 +189,7 @@ impl<M: Mode> Tracer<'_, M> {
     ) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
-        while let Some(SecondaryRay { ray, leaves, path, is_known, known }) = memory.pending[camera_ray].pop()
-        {
-            // Where rays are counted or observed, they are cast all the same.
-            if is_known && !M::AS_COURSE && !P::OBSERVES {
-                color += path.filter * known;
-                continue;
-            }
+        while let Some(SecondaryRay { ray, leaves, path }) = memory.pending[camera_ray].pop() {
             if P::OBSERVES {
                 probe.observe(Event::Popped);
             }
@@ -211,19 +198,13 @@ impl<M: Mode> Tracer<'_, M> {
             if P::OBSERVES {
                 probe.observe(Event::Met(visible));
             }
-            let mut seen = match visible {
+            let seen = match visible {
                 Some(visible) => {
                     let surface = self.world().visible_surface(&ray, visible);
                     self.follow(&ray, &path, &surface, camera_ray, memory, probe)
                 }
                 None => self.background(probe),
             };
-            if is_known {
-                seen = known;
-                if P::OBSERVES {
-                    probe.observe(Event::Shaded(seen));
-                }
-            }
             color += path.filter * seen;
         }
         color
@@ -289,11 +270,6 @@ impl<M: Mode> Tracer<'_, M> {
         if P::OBSERVES {
             probe.observe(Event::Ambient(color));
         }
-        // The inside of a solid is dark. Where rays are counted or observed, they are cast all the same.
-        let is_dark = is_inside && self.is_dark_within(surface);
-        if is_dark && !M::AS_COURSE && !P::OBSERVES {
-            return color;
-        }
         let is_black = material.is_black();
         for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
@@ -306,7 +282,6 @@ impl<M: Mode> Tracer<'_, M> {
             } else {
                 Color::ZERO
             };
-            let passed = if is_dark { Color::ZERO } else { passed };
             if has_effect && passed != Color::ZERO {
                 color += passed * material.reflect(&light, cosine, normal, to_viewer);
             }
@@ -316,14 +291,6 @@ impl<M: Mode> Tracer<'_, M> {
             }
         }
         color
-    }
-
-    /// Whether it is known that no light reaches the inner side of a surface.
-    #[inline(always)]
-    fn is_dark_within(&self, surface: &SurfacePoint) -> bool {
-        let solids = &self.caster.solids;
-        self.effects.shadows == Shadows::Opaque
-            && surface.primitive.is_some_and(|primitive| solids.are_dark_within(primitive))
     }
 }
 

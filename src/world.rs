@@ -9,7 +9,6 @@ mod crossing;
 mod placement;
 mod point_error;
 mod resting_lights;
-mod solids;
 mod surface;
 pub(crate) mod surfaces;
 
@@ -27,11 +26,9 @@ use builder::Builder;
 use glam::DVec3;
 use point_error::{BoundaryWidth, FlatteningErrors};
 use resting_lights::RestingLights;
-pub(crate) use solids::Solids;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::ops::Range;
-use std::sync::Arc;
 
 pub use placement::{Placement, course_sphere_box, placements};
 pub use surface::SurfacePoint;
@@ -73,8 +70,6 @@ pub struct World {
     pub max_abs_coord: f64,
     /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
-    /// What is known about the inside of transparent objects.
-    pub(crate) solids: Arc<Solids>,
     /// The point lights that lie on triangles.
     resting_lights: RestingLights,
 }
@@ -130,7 +125,6 @@ impl World {
             bounds: Aabb::EMPTY,
             max_abs_coord: 0.0,
             material_runs: vec![],
-            solids: Arc::default(),
             resting_lights: RestingLights::default(),
         })
     }
@@ -267,11 +261,6 @@ impl World {
         let (run, material) = self.material_run(primitives[0]);
         primitives
             .map(|primitive| if run.contains(&primitive) { material } else { self.material_of(primitive) })
-    }
-
-    /// The runs of primitives with the same material, and their materials.
-    fn material_runs(&self) -> impl Iterator<Item = (Range<u32>, MaterialId)> + '_ {
-        (1..=self.material_runs.len()).map(|next| self.run_before(next))
     }
 
     /// The run of primitives around this one that share its material, and the material.

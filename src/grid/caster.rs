@@ -16,7 +16,7 @@ use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::mode::{Fast, Mode};
 use crate::stats::Probe;
-use crate::world::{Solids, World};
+use crate::world::World;
 use glam::DVec2;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
@@ -58,8 +58,6 @@ pub struct Caster<'w, M = Fast> {
     /// A grid in place of the list, if it may be built where more rays are cast than were expected, and the camera rays it
     /// is built for.
     on_demand: Option<(usize, Arc<OnDemand>)>,
-    /// What is known about the inside of transparent objects: at least what the world knows.
-    pub(crate) solids: Arc<Solids>,
     mode: PhantomData<M>,
 }
 
@@ -79,21 +77,19 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
-        let (solids, on_demand) = (world.solids.clone(), None);
-        Ok(Self { world, instructions, structure, on_demand, solids, mode: PhantomData })
+        Ok(Self { world, instructions, structure, on_demand: None, mode: PhantomData })
     }
 }
 
 impl<'w, M: Mode> Caster<'w, M> {
     /// The same caster in another mode.
     pub fn in_mode<N: Mode>(&self) -> Caster<'w, N> {
-        let Self { world, instructions, ref structure, ref on_demand, ref solids, .. } = *self;
+        let Self { world, instructions, ref structure, ref on_demand, .. } = *self;
         Caster {
             world,
             instructions,
             structure: structure.clone(),
             on_demand: on_demand.clone(),
-            solids: solids.clone(),
             mode: PhantomData,
         }
     }
@@ -155,30 +151,7 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
     #[inline]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        if let Some(left) = leaves
-            && !M::AS_COURSE
-            && self.solids.stands_alone(left)
-        {
-            return self.nearest_from_alone(ray, left, probe);
-        }
         self.run::<P, false>(ray, Left::of(self, leaves), probe)
-    }
-
-    /// The same for a ray that leaves a sphere or an ellipsoid that stands alone.
-    #[inline]
-    fn nearest_from_alone<P: Probe>(&self, ray: &Ray, left: u32, probe: &mut P) -> Option<Visible> {
-        probe.intersections(1);
-        let Some(t_bound) = self.world.crossing(ray, left) else {
-            return self.run::<P, false>(ray, Left::for_good(left), probe);
-        };
-        // On its way through the inside the ray hits the far side or a plane.
-        let far_side = Visible { primitive: left, t_bound };
-        probe.intersections(self.world.planes.len());
-        let planes = (self.world.first_plane()..).zip(&self.world.planes);
-        Some(planes.fold(far_side, |nearest, (primitive, plane)| match plane.intersect(ray) {
-            Some(t_bound) if t_bound < nearest.t_bound => Visible { primitive, t_bound },
-            _ => nearest,
-        }))
     }
 
     /// Whether the ray hits anything.

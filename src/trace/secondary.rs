@@ -1,4 +1,4 @@
-//! Secondary rays: which ones leave a surface, and where the last of them end.
+//! Secondary rays: which ones leave a surface.
 
 use super::event::{Event, Observer, PathEnd, Secondary};
 use super::optics::{is_critical, reflected, refracted_between};
@@ -35,10 +35,6 @@ pub(super) struct SecondaryRay {
     /// The primitive that the ray leaves.
     pub leaves: Option<u32>,
     pub path: Path,
-    /// Whether the colour along the ray is known without casting it.
-    pub is_known: bool,
-    /// That colour; black if it is not known.
-    pub known: Color,
 }
 
 impl<M: Mode> Tracer<'_, M> {
@@ -71,7 +67,7 @@ impl<M: Mode> Tracer<'_, M> {
             let exclude = lit.surface.triangle;
             probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
         }
-        pending.push(self.branch(lit, ray, path));
+        pending.push(SecondaryRay { ray, leaves: lit.surface.primitive, path });
     }
 
     #[inline(always)]
@@ -110,30 +106,7 @@ impl<M: Mode> Tracer<'_, M> {
             let exclude = lit.surface.triangle;
             probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
         }
-        pending.push(self.branch(lit, ray, path));
-    }
-
-    /// The branch of a ray that leaves a hit.
-    #[inline(always)]
-    fn branch(&self, lit: &Lit, ray: Ray, path: Path) -> SecondaryRay {
-        let known = self.known_end(lit, ray.direction, path.bounces);
-        let (is_known, known) = (known.is_some(), known.unwrap_or(Color::ZERO));
-        SecondaryRay { ray, leaves: lit.surface.primitive, path, is_known, known }
-    }
-
-    /// The colour along a secondary ray, if it is known before the ray is cast. The last ray of a path that starts on
-    /// the inner side of a solid with nothing in it ends on the inner side of the same solid.
-    #[inline(always)]
-    fn known_end(&self, lit: &Lit, direction: DVec3, bounces: u32) -> Option<Color> {
-        let Lit { surface, material, .. } = lit;
-        let is_last_within = bounces == self.effects.bounces && direction.dot(surface.normal) < 0.0;
-        if !is_last_within || !self.caster.solids.are_empty_within(surface.primitive?) {
-            return None;
-        }
-        if !self.effects.shade_back {
-            return Some(Color::ZERO);
-        }
-        self.is_dark_within(surface).then(|| self.world().ambient * material.phong.diffuse)
+        pending.push(SecondaryRay { ray, leaves: lit.surface.primitive, path });
     }
 
     /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.

@@ -73,15 +73,10 @@ impl<M: Mode> Tracer<'_, M> {
             cast.clear();
             let mut next_active = 0;
             for camera_ray in lanes(active) {
-                let (color, pending) = (&mut colors[camera_ray], &mut memory.pending[camera_ray]);
-                while let Some(&SecondaryRay { ray, leaves, path, is_known, known }) = pending.last() {
-                    if !is_known {
-                        cast.push(Cast::new(Origin { camera_ray, leaves }, ray));
-                        next_active |= 1 << camera_ray;
-                        break;
-                    }
-                    *color += path.filter * known;
-                    pending.pop();
+                let pending = &memory.pending[camera_ray];
+                if let Some(&SecondaryRay { ray, leaves, .. }) = pending.last() {
+                    cast.push(Cast::new(Origin { camera_ray, leaves }, ray));
+                    next_active |= 1 << camera_ray;
                 }
             }
             active = next_active;

@@ -5,7 +5,6 @@ use super::World;
 use super::placement::{Placement, course_sphere_box};
 use super::point_error::{BoundaryWidth, Finite, PlacementError, PlaneError};
 use super::resting_lights::RestingLights;
-use super::solids::{self, Solids};
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
@@ -18,8 +17,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::mem;
-use std::ops::Range;
-use std::sync::Arc;
 
 /// A world under construction. Materials are kept per kind of primitive, because the ids of the primitives
 /// are known only when all objects have been placed.
@@ -32,9 +29,6 @@ pub struct Builder<'a> {
     /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, spheres,
     /// ellipsoids and planes.
     materials: [Vec<(u32, u32)>; 4],
-    /// Which materials are transparent, and the triangles of each mesh that is.
-    transparent: Vec<bool>,
-    transparent_meshes: Vec<Range<u32>>,
 }
 
 impl<'a> Builder<'a> {
@@ -46,9 +40,8 @@ impl<'a> Builder<'a> {
                 uses[*mesh] += 1;
             }
         }
-        let transparent = solids::transparent(&world.materials)?;
         let (files, materials) = (scene.meshes.as_slice(), Default::default());
-        Ok(Self { meshes, files, uses, world, materials, transparent, transparent_meshes: vec![] })
+        Ok(Self { meshes, files, uses, world, materials })
     }
 
     /// Places an object. An error tells the position of the object or of the transform around it.
@@ -146,10 +139,6 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[0], first, material)?;
         self.world.flattening_errors.push(Finite::Triangles, first, error)?;
-        // The materials of a scene may be left out where no colours are asked for.
-        if self.transparent.get(material) == Some(&true) {
-            memory::push(&mut self.transparent_meshes, first as u32..self.world.triangles.len() as u32)?;
-        }
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -248,7 +237,6 @@ impl<'a> Builder<'a> {
         world.unite_coincident_planes();
         world.boundary_width = BoundaryWidth::of(&world);
         world.resting_lights = RestingLights::of(&world)?;
-        world.solids = Arc::new(Solids::of(&world, &self.transparent, &self.transparent_meshes)?);
         Ok(world)
     }
 }

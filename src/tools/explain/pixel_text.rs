@@ -185,7 +185,7 @@ fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut L
             lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
         }
         None if light.passed == Color::ZERO && light.cosine > 0.0 && shadow.crossed.is_empty() => {
-            lines.line("shadow ray starts at an edge of a solid, whose inside is dark")?
+            lines.line("the light lies on a triangle, which keeps it from all surfaces")?
         }
         None if shadow.crossed.is_empty() => lines.line("shadow ray meets nothing")?,
         None => {}
@@ -240,7 +240,6 @@ mod tests {
     use super::*;
     use crate::math::ray::Ray;
     use crate::shading::light::Incident;
-    use crate::stats::Counts;
     use glam::DVec3;
 
     struct OneShadow(Lighting);
@@ -254,11 +253,11 @@ mod tests {
     }
 
     #[test]
-    fn a_shadow_ray_that_meets_nothing_is_told_from_one_that_slips_out_of_a_solid() {
+    fn a_light_on_a_triangle_is_told_from_one_in_sight() {
         for (passed, cosine, expected) in [
             (Color::ONE, 0.5, "shadow ray meets nothing"),
             (Color::ZERO, -0.5, "shadow ray meets nothing"),
-            (Color::ZERO, 0.5, "shadow ray starts at an edge of a solid, whose inside is dark"),
+            (Color::ZERO, 0.5, "the light lies on a triangle, which keeps it from all surfaces"),
         ] {
             let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
             let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };
