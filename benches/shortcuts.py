@@ -18,9 +18,9 @@ from commands import ROOT, commands, run
 
 # The files of each shortcut, whose lines without tests are counted.
 FILES = {
-    "first_hits": ["src/fast/mod.rs", "src/fast/bins.rs", "src/fast/tile.rs", "src/fast/triangle_bounds.rs",
-                   "src/fast/edge_functions.rs", "src/fast/flat_triangle.rs", "src/fast/parallel_view.rs"],
-    "shadow_maps": ["src/fast/shadow_map.rs", "src/fast/light_view.rs"],
+    "first_hits": ["src/fast/raster/mod.rs", "src/fast/raster/bins.rs", "src/fast/raster/tile.rs", "src/fast/raster/triangle_bounds.rs",
+                   "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/parallel_view.rs"],
+    "shadow_maps": ["src/fast/raster/shadow_map.rs", "src/fast/raster/light_view.rs"],
     "packets": ["src/grid/packet.rs", "src/grid/packet_setup.rs", "src/grid/dda4.rs"],
     "side_by_side": ["src/trace/side_by_side.rs"],
     "avx2": ["src/math/avx.rs"],

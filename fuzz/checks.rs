@@ -5,17 +5,15 @@ use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
-use raytracer::mode::{Course, Fast};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Layer, RenderMode, Request, View, render_in_memory};
+use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::{Scene, parser::parse};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::Path;
 
-/// Checks that reading, flattening and rendering end without a panic, that neither a grid nor the course's
-/// mode changes a byte of the pictures, and that no colour, depth or normal is NaN.
+/// Checks that reading, flattening and rendering end without a panic, that neither a grid nor counting changes a byte of the pictures, and that no colour, depth or normal is NaN.
 pub fn check_scene(text: &str) {
     let scene = match parse(text) {
         Ok(scene) => scene,
@@ -39,41 +37,44 @@ fn check_pictures(scene: &Scene, world: &World) {
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let some = GridOptions::uniform([3, 2, 4]);
     let rule = CellRule::Trees { max_per_cell: 2 };
-    let plain = tiny_picture::<Fast>(scene, world, GridOptions::NONE, fastest);
+    let plain = tiny_picture(scene, Tracing::Fast, world, GridOptions::NONE, fastest);
     for (options, instructions) in [
         (some, fastest),
         (some, portable),
         (GridOptions { rule, ..GridOptions::automatic(world, 1 << 20) }, fastest),
         (GridOptions::NONE, portable),
     ] {
-        let picture = tiny_picture::<Fast>(scene, world, options, instructions);
+        let picture = tiny_picture(scene, Tracing::Fast, world, options, instructions);
         assert!(plain == picture, "the picture differs with {options:?}, {instructions:?}");
     }
     let rule = CellRule::Course { is_bounded: false };
     for options in [GridOptions::NONE, some] {
-        let as_course = tiny_picture::<Course>(scene, world, GridOptions { rule, ..options }, fastest);
-        assert!(plain == as_course, "the course's mode changes the picture");
+        let as_course =
+            tiny_picture(scene, Tracing::Counted, world, GridOptions { rule, ..options }, fastest);
+        assert!(plain == as_course, "counting changes the picture");
     }
 }
 
 /// The bytes of a picture of sixteen pixels with every effect.
-fn tiny_picture<M: RenderMode>(
+fn tiny_picture(
     scene: &Scene,
+    tracing: Tracing,
     world: &World,
     options: GridOptions,
     instructions: Instructions,
 ) -> Vec<u8> {
-    let caster = Caster::with(world, options, instructions).expect("a small grid").in_mode::<M>();
-    let (bytes, nans) = bytes_and_nans(scene, &caster, [4, 4], [1.0, 10.0]);
+    let caster = Caster::with(world, options, instructions).expect("a small grid");
+    let (bytes, nans) = bytes_and_nans(scene, &caster, tracing, [4, 4], [1.0, 10.0]);
     assert_eq!(nans, 0, "colours that are not numbers");
     bytes
 }
 
 /// The bytes of colours with every effect, of depths in a range and of normals, and the number of colours
 /// with a NaN in these layers.
-pub fn bytes_and_nans<M: RenderMode>(
+pub fn bytes_and_nans(
     scene: &Scene,
-    caster: &Caster<M>,
+    caster: &Caster,
+    tracing: Tracing,
     size: [usize; 2],
     [near, far]: [f64; 2],
 ) -> (Vec<u8>, u64) {
@@ -81,7 +82,7 @@ pub fn bytes_and_nans<M: RenderMode>(
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
     let request = Request { effects, layers, ..Request::new(size) };
     let camera = Camera::new(&scene.camera, size);
-    let rendered = render_in_memory(&camera, caster, View::Scene, &request);
+    let rendered = render_in_memory((&camera, caster), View::Scene, &request, tracing);
     let (pictures, _) = rendered.expect("small pictures");
     pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.extend(bytes);

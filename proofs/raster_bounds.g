@@ -1,10 +1,10 @@
 # A triangle's bounds on the screen leave out no pixel whose ray hits it.
-#@ src/fast/triangle_bounds.rs MAX_STEEPNESS = 1024.0
-#@ src/fast/triangle_bounds.rs SCREEN_ROUNDINGS = 2.5
-#@ src/fast/triangle_bounds.rs EYE_ROUNDINGS = 31.0
-#@ src/fast/triangle_bounds.rs SCREEN_CLEARANCE = 0.9
-#@ src/fast/triangle_bounds.rs BEHIND_ROUNDINGS = 2.75
-#@ src/fast/triangle_bounds.rs SIDE_ROUNDINGS = 4.3
+#@ src/fast/raster/triangle_bounds.rs MAX_STEEPNESS = 1024.0
+#@ src/fast/raster/triangle_bounds.rs SCREEN_ROUNDINGS = 2.5
+#@ src/fast/raster/triangle_bounds.rs EYE_ROUNDINGS = 31.0
+#@ src/fast/raster/triangle_bounds.rs SCREEN_CLEARANCE = 0.9
+#@ src/fast/raster/triangle_bounds.rs BEHIND_ROUNDINGS = 2.75
+#@ src/fast/raster/triangle_bounds.rs SIDE_ROUNDINGS = 4.3
 # Let D, R and U be the eye's direction and steps, A = R / |R|^2 the computed axis, p a point relative to the eye, S
 # MAX_STEEPNESS and M the viewport's max_direction_length, which is at least |D| + |x R| + |y U| for every pixel, and at
 # least 1. Hence |x| <= (M - 1) |A|, and so is the picture's half width. What holds for x and R holds for y and U. The point's

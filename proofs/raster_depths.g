@@ -1,8 +1,8 @@
-# The errors of inverse depths in the rasterizer are below the bounds in src/fast/edge_functions.rs.
-#@ src/fast/edge_functions.rs INV_DEPTH_ROUNDINGS = 47.5
-#@ src/fast/edge_functions.rs VOLUME_ROUNDINGS = 8.5
-#@ src/fast/edge_functions.rs VOLUME_CLEARANCE = 1024.0
-#@ src/fast/edge_functions.rs PLANE_ROUNDINGS = 19.0
+# The errors of inverse depths in the rasterizer are below the bounds in src/fast/raster/edge_functions.rs.
+#@ src/fast/raster/edge_functions.rs INV_DEPTH_ROUNDINGS = 47.5
+#@ src/fast/raster/edge_functions.rs VOLUME_ROUNDINGS = 8.5
+#@ src/fast/raster/edge_functions.rs VOLUME_CLEARANCE = 1024.0
+#@ src/fast/raster/edge_functions.rs PLANE_ROUNDINGS = 19.0
 # The inverse depth is n = N.D / V with the sum N of the normals n_k of raster_edges.g. Let R = 1 be the length of the
 # longest of the corners a, b and c, u the unit roundoff, and let D be l + X + Y, the direction and the multiples of the
 # eye's steps to the right and up. They are at right angles, and their lengths add up to L = 1 at most. What is of second

@@ -1,6 +1,6 @@
-# The errors of the rasterizer's edge functions and of V are below the bounds in src/fast/edge_functions.rs.
-#@ src/fast/edge_functions.rs EDGE_ROUNDINGS = 16.5
-#@ src/fast/edge_functions.rs VOLUME_ROUNDINGS = 8.5
+# The errors of the rasterizer's edge functions and of V are below the bounds in src/fast/raster/edge_functions.rs.
+#@ src/fast/raster/edge_functions.rs EDGE_ROUNDINGS = 16.5
+#@ src/fast/raster/edge_functions.rs VOLUME_ROUNDINGS = 8.5
 # A computed sum of products is the sum of its terms, each multiplied by a factor 1 + e with |e| <= u for each
 # rounding on the term's way. So its error is at most k u times the sum of the terms' magnitudes, where k is the largest
 # number of roundings of a term; `exceed` leaves room for what is of second order.

@@ -1,5 +1,5 @@
 # The error of single precision in the rasterizer is below SINGLE_ROUNDINGS roundings of the largest value.
-#@ src/fast/tile.rs SINGLE_ROUNDINGS = 5.0
+#@ src/fast/raster/tile.rs SINGLE_ROUNDINGS = 5.0
 # A value is first + slope k. The first term has a rounding of its own and that of the sum, and the other term has those
 # of the slope, of the product and of the sum. `max_abs` in the source is at least |first| + |slope k|, so the value has
 # at most 3 roundings of it. The error bound e is added to the value or subtracted from it, with another rounding of at

@@ -1,7 +1,7 @@
 //! What a part of a picture says about the whole, so that parts of different pictures are told apart.
 
 use crate::image_io::Part;
-use crate::render::{Layer, RenderMode, Request, Window};
+use crate::render::{Layer, Request, Window};
 use crate::renderer::Prepared;
 use crate::world::World;
 use siphasher::sip128::{Hasher128, SipHasher13};
@@ -9,12 +9,7 @@ use std::hash::Hasher;
 
 /// The part in this window of a layer's picture; none if the layer has no parts, because it shows the filter or is
 /// scaled by the most expensive pixel.
-pub fn part<M: RenderMode>(
-    prepared: &Prepared<M>,
-    request: &Request,
-    window: Window,
-    layer: Layer,
-) -> Option<Part> {
+pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
     let (kind, zoom) = match layer {
         Layer::Color => ("color", 1),
         Layer::Depth { .. } => ("depth", 1),
@@ -39,7 +34,7 @@ pub fn part<M: RenderMode>(
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
 /// crate. It tells apart what was mixed up by mistake, not by malice.
-fn fingerprint<M: RenderMode>(prepared: &Prepared<M>, request: &Request, layer: Layer) -> u128 {
+fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
     let renderer = prepared.renderer();
     let mut hasher = SipHasher13::new();
     write_block(&mut hasher, env!("CARGO_PKG_VERSION").as_bytes());

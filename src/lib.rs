@@ -49,7 +49,6 @@ mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;
-pub mod mode;
 pub mod stats;
 #[doc(hidden)]
 pub mod primitive;
@@ -60,10 +59,11 @@ pub mod grid;
 pub mod shading;
 #[doc(hidden)]
 pub mod camera;
+pub mod sampling;
+pub mod trace;
+#[cfg(feature = "fast")]
 #[doc(hidden)]
 pub mod fast;
-pub mod trace;
-pub mod sampling;
 pub mod picture;
 pub mod render;
 pub mod image_io;

@@ -5,14 +5,14 @@ use crate::camera::Camera;
 use crate::grid::options::{GridOptions, Resolution, Structure};
 use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
-use crate::mode::{Course, Fast, Mode};
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
-use crate::render::{self, RenderMode, Request, Stopped, TakeRow, View, Watch};
+use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
+use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
 use rayon::ThreadPool;
@@ -93,19 +93,21 @@ impl Renderer {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
     }
 
-    /// Builds the structure that is asked for, for a request. Where any will do, it is the one with the least total
-    /// time in this mode: what the course's program counts is counted without a grid.
-    pub fn prepare_for<M: Mode>(
+    /// Builds the structure that is asked for, for a request that is traced in this way. Where any will do, it is the one
+    /// with the least total time: what the course's program counts is counted without a grid.
+    pub fn prepare_for(
         &self,
         structure: Structure,
         request: &Request,
-    ) -> Result<Prepared<'_, M>, GridTooLarge> {
-        let structure = if M::AS_COURSE && structure == Structure::Any { Structure::List } else { structure };
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        let is_counted = tracing == Tracing::Counted;
+        let structure = if is_counted && structure == Structure::Any { Structure::List } else { structure };
         let rays = request.cast_rays(&self.camera(request), &self.world);
         let grid = structure.resolution(&self.world, rays);
-        let mut prepared = match self.prepare(grid, request.camera_rays()) {
+        let mut prepared = match self.prepare(grid, request.camera_rays(), tracing) {
             // Nobody has asked for the grid that does not fit into memory.
-            Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays()),
+            Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays(), tracing),
             prepared => prepared,
         }?;
         if structure == Structure::Any && grid.is_none() {
@@ -122,33 +124,34 @@ impl Renderer {
 
     /// Builds the acceleration structure. `rays` is the approximate number of camera rays, by which an
     /// automatic grid is chosen.
-    pub fn prepare<M: Mode>(
+    pub fn prepare(
         &self,
         grid: Option<Resolution>,
         rays: usize,
-    ) -> Result<Prepared<'_, M>, GridTooLarge> {
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
         self.on_own_threads(|| {
-            let options = GridOptions::new(grid, &self.world, rays, M::AS_COURSE);
-            let caster = Caster::with(&self.world, options, Instructions::available()[0])?.in_mode();
+            let options = GridOptions::new(grid, &self.world, rays, tracing == Tracing::Counted);
+            let caster = Caster::with(&self.world, options, Instructions::available()[0])?;
             let cells = caster.cells().or(options.cells);
-            Ok(Prepared { renderer: self, caster, occupancy: None, cells })
+            Ok(Prepared { renderer: self, caster, occupancy: None, cells, tracing })
         })
     }
 
     /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The
     /// renderer must have kept the scene's meshes.
-    pub fn prepare_cells<M: Mode>(
+    pub fn prepare_cells(
         &self,
         grid: Resolution,
         rays: usize,
-    ) -> Result<Prepared<'_, M>, GridTooLarge> {
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
         self.on_own_threads(|| {
-            let cells = GridOptions::new(Some(grid), &self.world, rays, M::AS_COURSE).cells;
-            let caster =
-                Caster::with(&self.world, GridOptions::NONE, Instructions::available()[0])?.in_mode();
+            let cells = GridOptions::new(Some(grid), &self.world, rays, tracing == Tracing::Counted).cells;
+            let caster = Caster::with(&self.world, GridOptions::NONE, Instructions::available()[0])?;
             let occupancy =
                 cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
-            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells })
+            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })
         })
     }
 
@@ -163,20 +166,19 @@ impl Renderer {
 
 /// A scene that is ready to be rendered.
 #[derive(Debug)]
-pub struct Prepared<'r, M> {
+pub struct Prepared<'r> {
     renderer: &'r Renderer,
-    caster: Caster<'r, M>,
+    caster: Caster<'r>,
     /// The cells that are drawn in place of the scene, if any.
     occupancy: Option<Occupancy>,
     cells: Option<[usize; 3]>,
+    tracing: Tracing,
 }
 
-impl<'r, M: RenderMode> Prepared<'r, M> {
-    /// The same scene with the same grid in the course's mode; none if it was prepared for another mode, whose grid may
-    /// be another.
-    pub fn into_course(self) -> Option<Prepared<'r, Course>> {
-        let Self { renderer, caster, occupancy, cells } = self;
-        M::AS_COURSE.then(|| Prepared { renderer, caster: caster.in_mode(), occupancy, cells })
+impl Prepared<'_> {
+    /// How it is traced.
+    pub fn tracing(&self) -> Tracing {
+        self.tracing
     }
 
     /// The cells of the grid along each axis.
@@ -192,21 +194,16 @@ impl<'r, M: RenderMode> Prepared<'r, M> {
     /// Renders the layers of a request into memory, in the order of the request. A picture without pixels, or
     /// with more than there is memory for, is an error.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        let caster = self.caster.in_mode::<Fast>();
-        let render = || render::render_in_memory(&self.camera(request), &caster, self.view(), request);
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        let render = || render::render_in_memory(scene, self.view(), request, Tracing::Fast);
         self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
     }
 
     /// Renders a request row by row, and returns what was counted. Rows are handed out from the top as soon as they
     /// are finished.
-    pub fn render_rows(
-        &self,
-        request: &Request,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<M::Counter, Stopped> {
-        let (camera, view) = (self.camera(request), self.view());
-        self.renderer.on_own_threads(|| M::render(&camera, &self.caster, view, request, watch, take_row))
+    pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
+        self.render_traced(request, self.tracing, watch, take_row)
     }
 
     /// The same without counting, which may be faster.
@@ -216,9 +213,19 @@ impl<'r, M: RenderMode> Prepared<'r, M> {
         watch: Watch,
         take_row: TakeRow,
     ) -> Result<(), Stopped> {
-        let (camera, caster, view) = (self.camera(request), self.caster.in_mode::<Fast>(), self.view());
-        let render = || Fast::render(&camera, &caster, view, request, watch, take_row);
-        self.renderer.on_own_threads(render).map(drop)
+        self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
+    }
+
+    fn render_traced(
+        &self,
+        request: &Request,
+        tracing: Tracing,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<Counts, Stopped> {
+        let (camera, view) = (self.camera(request), self.view());
+        let scene = (&camera, &self.caster);
+        self.renderer.on_own_threads(|| render::render(scene, view, request, tracing, watch, take_row))
     }
 
     /// The cells of the grid along each axis, if they are drawn in place of the scene.
@@ -231,7 +238,7 @@ impl<'r, M: RenderMode> Prepared<'r, M> {
     }
 
     /// Finds what rays hit.
-    pub(crate) fn caster(&self) -> &Caster<'_, M> {
+    pub(crate) fn caster(&self) -> &Caster<'_> {
         &self.caster
     }
 
@@ -248,7 +255,7 @@ impl<'r, M: RenderMode> Prepared<'r, M> {
             return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
         };
         let camera = self.camera(request);
-        let strata = render::strata(&camera, &self.caster, self.view(), request, settings, [column, row]);
+        let strata = render::strata((&camera, &self.caster), self.view(), request, settings, [column, row]);
         strata.iter().map(|stratum| (stratum.offset, stratum.area())).collect()
     }
 

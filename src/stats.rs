@@ -1,74 +1,30 @@
 //! Counters, and the statistics that `-stats` prints.
-//!
-//! Whether events are counted is a type parameter, so that the code for [`Quiet`] contains no counters at
-//! all.
 
 use crate::math::aabb::Aabb;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::time::Duration;
 
-/// Receives the events that the course's program counts.
-pub trait Probe: Default + Send {
-    /// Whether the counts are reported. If so, the tracer does the same work as the course's program, so that
-    /// the counts are comparable: it casts a shadow ray for every light, and finds the nearest hit even where
-    /// any hit would be enough.
-    const COUNTS: bool;
-    /// A camera ray, or a reflected or refracted one.
-    fn non_shadow_ray(&mut self);
-    /// A ray towards a light.
-    fn shadow_ray(&mut self);
+/// Counts the steps of the search for what a ray hits. By default it does not, which costs nothing.
+pub trait Probe {
+    /// Whether it counts. If so, the search takes all steps that the course's program takes: cell by cell, and every
+    /// primitive there exactly.
+    const COUNTS: bool = false;
+
     /// Tests of a ray against `count` primitives, whether they hit or not.
-    fn intersections(&mut self, count: usize);
+    #[inline(always)]
+    fn intersections(&mut self, _count: usize) {}
+
     /// A step from one grid cell to the next, or out of the grid.
-    fn cell(&mut self);
-    /// The sum with the counts of another thread.
-    fn merge(self, other: Self) -> Self;
-    /// The counts, which are zero for a probe that does not count.
-    fn counts(&self) -> Counts;
+    #[inline(always)]
+    fn cell(&mut self) {}
 }
 
 /// Counts nothing and costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quiet;
 
-impl Probe for Quiet {
-    const COUNTS: bool = false;
-    fn non_shadow_ray(&mut self) {}
-    fn shadow_ray(&mut self) {}
-    fn intersections(&mut self, _: usize) {}
-    fn cell(&mut self) {}
-    fn merge(self, _: Self) -> Self {
-        self
-    }
-    fn counts(&self) -> Counts {
-        Counts::default()
-    }
-}
-
-/// Counts rays alone, to tell how many are cast in a second. Whatever casts rays without a count of its own passes this
-/// too, so that the loops are compiled for it once.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RayCount(u64);
-
-impl Probe for RayCount {
-    const COUNTS: bool = false;
-    fn non_shadow_ray(&mut self) {
-        self.0 += 1;
-    }
-    fn shadow_ray(&mut self) {
-        self.0 += 1;
-    }
-    fn intersections(&mut self, _: usize) {}
-    fn cell(&mut self) {}
-    fn merge(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-    /// The rays are not told apart.
-    fn counts(&self) -> Counts {
-        Counts { non_shadow_rays: self.0, ..Counts::default() }
-    }
-}
+impl Probe for Quiet {}
 
 /// The events that the course's program counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -89,6 +45,16 @@ impl Counts {
         self.non_shadow_rays + self.shadow_rays
     }
 
+    /// The sum with the counts of another thread.
+    pub fn merge(self, other: Self) -> Self {
+        Self {
+            non_shadow_rays: self.non_shadow_rays + other.non_shadow_rays,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            intersections: self.intersections + other.intersections,
+            cells_traversed: self.cells_traversed + other.cells_traversed,
+        }
+    }
+
     /// What has been counted since.
     pub fn since(self, before: Self) -> Self {
         Self {
@@ -102,28 +68,15 @@ impl Counts {
 
 impl Probe for Counts {
     const COUNTS: bool = true;
-    fn non_shadow_ray(&mut self) {
-        self.non_shadow_rays += 1;
-    }
-    fn shadow_ray(&mut self) {
-        self.shadow_rays += 1;
-    }
+
+    #[inline(always)]
     fn intersections(&mut self, count: usize) {
         self.intersections += count as u64;
     }
+
+    #[inline(always)]
     fn cell(&mut self) {
         self.cells_traversed += 1;
-    }
-    fn merge(self, other: Self) -> Self {
-        Self {
-            non_shadow_rays: self.non_shadow_rays + other.non_shadow_rays,
-            shadow_rays: self.shadow_rays + other.shadow_rays,
-            intersections: self.intersections + other.intersections,
-            cells_traversed: self.cells_traversed + other.cells_traversed,
-        }
-    }
-    fn counts(&self) -> Counts {
-        *self
     }
 }
 
@@ -284,17 +237,14 @@ RAY TRACING STATISTICS
     #[test]
     fn counters_count_and_add_up() {
         let counted = |rays, shadows, tests, cells| {
-            let mut counts = Counts::default();
-            (0..rays).for_each(|_| counts.non_shadow_ray());
-            (0..shadows).for_each(|_| counts.shadow_ray());
+            let mut counts = Counts { non_shadow_rays: rays, shadow_rays: shadows, ..Counts::default() };
             counts.intersections(tests);
             counts.intersections(1);
             (0..cells).for_each(|_| counts.cell());
             counts
         };
         let expected = Counts { non_shadow_rays: 3, shadow_rays: 4, intersections: 18, cells_traversed: 6 };
-        assert_eq!(counted(3, 4, 17, 6).counts(), expected);
+        assert_eq!(counted(3, 4, 17, 6), expected);
         assert_eq!(counted(1, 3, 6, 2).merge(counted(2, 1, 10, 4)), expected);
-        assert_eq!(Quiet.merge(Quiet).counts(), Counts::default());
     }
 }

@@ -28,7 +28,7 @@ fn count_hits(caster: &Caster, rays: &[FlatRay]) -> usize {
     let ray = |i: usize| rays[i.min(rays.len() - 1)].exact();
     let mut asked: [Asked; PACKET_SIZE] = std::array::from_fn(|i| Asked { ray: ray(i), hits: false });
     let asked = &mut asked[..rays.len()];
-    caster.nearest_of_packet(asked, &mut Quiet);
+    caster.nearest_of_packet(asked);
     asked.iter().filter(|asked| asked.hits).count()
 }
 

@@ -3,7 +3,7 @@
 use crate::app::pictures::Rendered;
 use raytracer::cli::Options;
 use raytracer::memory::Text;
-use raytracer::render::Cost;
+use raytracer::render::{Cost, Tracing};
 use raytracer::stats::{Counts, Timings};
 use raytracer::tools::causes::Finding;
 use raytracer::tools::compare::{Comparison, LargestDifference, Tolerance};
@@ -151,7 +151,9 @@ impl<'a> Document<'a> {
             scene: rendered.map(|rendered| SceneSummary::of(&rendered.renderer)),
             grid: rendered.and_then(|rendered| rendered.report.grid).map(|cells| Grid { cells }),
             timings: rendered.map(|rendered| rendered.report.timings),
-            statistics: rendered.filter(|_| options.counts()).map(|rendered| rendered.report.counts),
+            statistics: rendered
+                .filter(|_| options.tracing() == Tracing::Counted)
+                .map(|rendered| rendered.report.counts),
             cost_map: rendered.and_then(|rendered| rendered.costs.as_ref()).map(CostSummary::of),
             pixel: rendered.and_then(|rendered| rendered.pixel.as_ref()).map(Pixel::of),
             comparison: verdict.map(|verdict| Compared::of(verdict, tolerance)),

@@ -14,13 +14,12 @@ use raytracer::fingerprint;
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
 use raytracer::memory::{Bytes, Text};
-use raytracer::mode::Course;
 use raytracer::picture::Picture;
-use raytracer::render::{Layer, RenderMode, Request, Stopped};
+use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Probe, Report, Timings};
+use raytracer::stats::{Report, Timings};
 use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
@@ -57,7 +56,7 @@ pub struct Rendered {
 }
 
 /// Reads, prepares, renders and writes.
-pub fn render<M: RenderMode>(
+pub fn render(
     options: &Options,
     argv: &[OsString],
     input: &Path,
@@ -97,7 +96,7 @@ pub fn render<M: RenderMode>(
     if request.camera_rays() >= MANY_RAYS || renderer.world().finite_count() >= MANY_PRIMITIVES {
         crew.start_all();
     }
-    let prepared = prepare::<M>(options, &renderer, &request)?;
+    let prepared = prepare(options, &renderer, &request, options.tracing())?;
     let building = clock.lap();
 
     let part_in = |window, layer| fingerprint::part(&prepared, &request, window, layer);
@@ -131,7 +130,7 @@ pub fn render<M: RenderMode>(
     if let Some(error) = failure {
         return Err(failed(error).into());
     }
-    let counter = match rendered {
+    let counts = match rendered {
         Err(Stopped::Cancelled { rows }) => {
             let kept = products.keep_parts(&request, &|layer| part_in(upper(&request, rows), layer))?;
             stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
@@ -139,7 +138,7 @@ pub fn render<M: RenderMode>(
                 .received()
                 .map_or(Err(failed("the rendering was stopped").into()), |end| Err(end.into()));
         }
-        counter => counter.map_err(failed)?,
+        counts => counts.map_err(failed)?,
     };
     let encoding = products.encoding;
     let rendering = clock.lap() - encoding;
@@ -164,7 +163,7 @@ pub fn render<M: RenderMode>(
         size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
-        counts: counter.counts(),
+        counts,
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
     };
@@ -219,15 +218,17 @@ fn meshes(options: &Options) -> Meshes {
 }
 
 /// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
-fn explanation<M: RenderMode>(
+fn explanation(
     options: &Options,
     renderer: &Renderer,
-    prepared: Prepared<M>,
+    prepared: Prepared,
     pixel: [usize; 2],
 ) -> Result<Option<PixelTree>, String> {
     let request = options.request();
-    let anew = || prepare::<Course>(options, renderer, &request);
-    let prepared = prepared.into_course().map_or_else(anew, Ok)?;
+    let prepared = match prepared.tracing() {
+        Tracing::Counted => prepared,
+        Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
+    };
     let explainer = Explainer::new(&prepared).map_err(failed)?;
     Ok(explainer.pixel(&request, pixel))
 }
@@ -235,16 +236,17 @@ fn explanation<M: RenderMode>(
 /// How many of the fullest cells are named.
 const FULLEST: usize = 5;
 
-fn prepare<'r, M: RenderMode>(
+fn prepare<'r>(
     options: &Options,
     renderer: &'r Renderer,
     request: &Request,
-) -> Result<Prepared<'r, M>, String> {
+    tracing: Tracing,
+) -> Result<Prepared<'r>, String> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
-            renderer.prepare_cells(grid, request.camera_rays())
+            renderer.prepare_cells(grid, request.camera_rays(), tracing)
         }
-        structure => renderer.prepare_for(structure, request),
+        structure => renderer.prepare_for(structure, request, tracing),
     };
     prepared.map_err(|error| match options.structure {
         Structure::Grid(Resolution::Cells(cells)) => {

@@ -9,7 +9,7 @@ use super::outputs::{Output, distinct, outputs};
 use super::raw::Raw;
 use super::values::{lossy, lossy_or_null};
 use crate::grid::options::Structure;
-use crate::render::{Layer, Request, Window};
+use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -182,13 +182,15 @@ impl Options {
 
     /// Whether anything is written to standard output.
     pub fn needs_standard_output(&self) -> bool {
-        let prints = self.counts() || self.pixel.is_some() || self.comparison.is_some();
+        let counts = self.tracing() == Tracing::Counted;
+        let prints = counts || self.pixel.is_some() || self.comparison.is_some();
         prints || self.json == Some(JsonTarget::StandardOutput) || self.has_standard_output()
     }
 
-    /// Whether counters are needed.
-    pub fn counts(&self) -> bool {
-        self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)))
+    /// How the picture is traced: counted where counts are shown.
+    pub fn tracing(&self) -> Tracing {
+        let counts = self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)));
+        if counts { Tracing::Counted } else { Tracing::Fast }
     }
 
     /// What the renderer is asked for.

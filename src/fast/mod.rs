@@ -1,343 +1,169 @@
-//! Primary visibility by rasterization: the triangles and planes are projected onto the pixels. Spheres and ellipsoids
-//! are not drawn: the rays through the pixels of their boxes are cast, unless something is certainly nearer.
+//! The fast twin of the tracer: it finds sooner what [`trace`](crate::trace) finds, and never anything else. A build
+//! without it, by `--no-default-features`, makes the same bytes.
 //!
-//! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much
-//! cheaper to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
-//! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error bounds of
-//! an eye's rays are proved in `proofs/raster_*.g`; those of parallel rays are said in `parallel_view` and
-//! `flat_triangle`.
+//! The first hits of camera rays are found by rasterization where that is certain; so is what stands between a surface
+//! and a light. Other rays are prepared for the grid several at a time, and surfaces and secondary rays are computed
+//! four at a time. It serves one tracer only, and counts nothing but rays.
 //!
-//! If rays go through other points of the pixels, the functions of a pixel's centre get the amount by which they
-//! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,
-//! as most do that are away from edges.
+//! Its one door is [`FastTracer`].
 
-mod bins;
-mod edge_functions;
-mod flat_triangle;
-mod light_view;
-mod parallel_view;
-mod shadow_map;
-mod tile;
-mod triangle_bounds;
-#[cfg(test)]
-mod tests;
-#[cfg(test)]
-mod worst_cases;
+mod raster;
+mod row;
+mod shading;
+mod side_by_side;
 
-use crate::camera::{Camera, Eye, Projection};
+use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::grid::cell_lists::widened;
-use crate::math::aabb::Aabb;
-use crate::math::ray::{Ray, Visible};
-use crate::memory;
-use crate::mode::Mode;
-use crate::shortcut::Shortcut;
-use crate::world::{Primitive, World};
-use bins::Bins;
-use edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
-use flat_triangle::Projected;
-use glam::{DVec2, DVec3};
-use parallel_view::ParallelView;
-use rayon::prelude::*;
+use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
+use crate::trace::{Effects, Shadows, Tracer};
+use crate::world::World;
+use glam::DVec2;
+use raster::ShadowMaps;
+use shading::{Memory, Shading};
 use std::ops::Range;
-use triangle_bounds::{ScreenVertex, TriangleBounds};
 
-pub use shadow_map::{Blocker, ShadowMaps};
+pub use raster::Footprint;
+#[doc(hidden)]
+pub use raster::{Seen, VisibilityBuffer};
 
-/// What rasterization knows of the first hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// The ray hits nothing.
-    Nothing,
-    /// The ray hits this primitive first.
-    Primitive(Visible),
-    /// Rounding errors make the result uncertain, so that the ray has to be cast.
-    Unsure,
+/// The rays that are wanted for a picture.
+#[derive(Clone, Debug)]
+pub struct Demand {
+    /// Width and height of the whole picture in pixels.
+    pub size: [usize; 2],
+    /// The columns that are rendered.
+    pub columns: Range<usize>,
+    /// Which rays are cast from the camera into the scene, if any are.
+    pub footprint: Option<Footprint>,
+    /// The number of camera rays whose colours are wanted.
+    pub colors: usize,
+    /// The effects that are modelled.
+    pub effects: Effects,
 }
 
-/// Which rays through a pixel a buffer stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Footprint {
-    /// The one through its centre.
-    Center,
-    /// Those through any of its points.
-    Pixel,
-}
-
-impl Footprint {
-    /// How far its rays are from the pixel's centre along an axis, in pixels. Half a pixel has something to spare for
-    /// the rounding of a sample's position.
-    fn reach(self) -> f64 {
-        match self {
-            Self::Center => 0.0,
-            Self::Pixel => 0.5 + 1.0 / 1024.0,
-        }
-    }
-}
-
-/// The first hits of the rays through some rows of pixels.
+/// Traces the rays of a picture.
 #[derive(Debug)]
-pub struct VisibilityBuffer {
-    /// The number of elements from one row to the next.
-    stride: usize,
-    first_row: usize,
-    /// For each pixel the id of the visible primitive, or [`NOTHING`] or [`UNSURE`].
-    visible_ids: Vec<u32>,
+pub struct FastTracer<'a> {
+    camera: &'a Camera,
+    caster: &'a Caster<'a>,
+    demand: Demand,
+    shadow_maps: Option<ShadowMaps>,
 }
 
-/// The id of a pixel in which nothing is visible.
-const NOTHING: u32 = u32::MAX;
-/// The id of a pixel whose ray has to be cast.
-const UNSURE: u32 = u32::MAX - 1;
+/// Traces some rows of pixels.
+#[derive(Debug)]
+pub struct FastRows<'a> {
+    picture: &'a FastTracer<'a>,
+    /// It may have a grid that the picture's has not.
+    caster: Caster<'a>,
+    /// The first hits of the rays through these rows, as far as they are known.
+    visibility: Option<VisibilityBuffer>,
+}
 
-/// The number of rows of pixels in a tile, which one thread draws. They are so few that they fit into its
-/// cache.
-const TILE_ROWS: usize = 32;
+/// Traces one row of pixels.
+#[derive(Debug)]
+pub struct FastRow<'a> {
+    rows: &'a FastRows<'a>,
+    shading: Shading<'a>,
+    memory: Memory,
+}
 
-/// Upper bound on the average number of pixel tests for each ray that need not be cast.
-const PIXELS_PER_RAY: usize = 16;
+/// Whether the first hits of camera rays are found without casting most of them.
+pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> bool {
+    VisibilityBuffer::suits(camera, world, size)
+}
 
-impl VisibilityBuffer {
-    /// The first hits of the rays of this footprint in these rows, as far as triangles and planes determine them. None if
-    /// casting the rays is cheaper, or where there is no memory for them.
-    pub fn new<M: Mode>(
-        camera: &Camera,
-        caster: &Caster<M>,
-        size: [usize; 2],
-        rows: Range<usize>,
-        footprint: Footprint,
-    ) -> Option<Self> {
-        let (world, width) = (caster.world, size[0]);
-        let pixels = width * rows.len();
-        // According to measurements casting a ray costs as much as rasterizing 3/4 of a triangle if there is
-        // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
-        let count = world.triangles.len();
-        let max_triangles =
-            if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
-        if !Self::suits(camera, world, size) || count > max_triangles {
-            return None;
+impl<'a> FastTracer<'a> {
+    /// A tracer for a picture.
+    pub fn new(camera: &'a Camera, caster: &'a Caster<'a>, demand: Demand) -> Self {
+        let is_needed = demand.colors > 0 && demand.effects.shadows == Shadows::Opaque;
+        let shadow_maps = is_needed.then(|| ShadowMaps::new(caster.world, demand.colors));
+        Self { camera, caster, demand, shadow_maps }
+    }
+
+    /// A tracer for these rows of the picture, counted from the bottom.
+    pub fn rows(&self, rows: Range<usize>) -> FastRows<'_> {
+        let Self { camera, caster, demand, .. } = self;
+        let buffer = |footprint| VisibilityBuffer::new(camera, caster, demand.size, rows.clone(), footprint);
+        let visibility = demand.footprint.and_then(buffer);
+        let caster = caster.for_rays(|| self.rays_to_cast(visibility.as_ref(), rows.clone()));
+        FastRows { picture: self, caster, visibility }
+    }
+
+    /// About the number of rays through pixels' centres that have to be cast into the bounds of the finite primitives.
+    fn rays_to_cast(&self, visibility: Option<&VisibilityBuffer>, rows: Range<usize>) -> usize {
+        /// The number of pixels along an axis at which rays are tried.
+        const TRIED: usize = 64;
+        let Self { camera, caster, demand: Demand { columns, footprint, .. }, .. } = self;
+        if let Some(visibility) = visibility {
+            return visibility.unsure(columns.clone());
         }
-        let same_place = world.coincidence_reach_by_t();
-        let visible_ids = match camera.projection() {
-            Projection::Perspective(eye) => {
-                let viewport = Viewport::new(eye, world.bounds, width, rows.clone(), footprint, same_place)?;
-                drawn_from_eye(&viewport, world)?
-            }
-            Projection::Orthographic(eye) => {
-                let view = ParallelView::new(eye, &world.bounds, width, footprint, same_place)?;
-                drawn_in_parallel(&view, world, &rows)?
-            }
+        if footprint.is_none() {
+            return 0;
+        }
+        let [across, along] = [columns.len(), rows.len()].map(|pixels| pixels.div_ceil(TRIED).max(1));
+        let pixels = rows.step_by(along).flat_map(|j| columns.clone().step_by(across).map(move |i| [i, j]));
+        let enter = pixels.filter(|pixel| {
+            caster.enters(&camera.ray(DVec2::from_array(pixel.map(|k| k as f64)), DVec2::ZERO))
+        });
+        enter.count() * across * along
+    }
+}
+
+impl FastRows<'_> {
+    /// A tracer for one of the rows.
+    pub fn row(&self) -> FastRow<'_> {
+        let FastTracer { demand, shadow_maps, .. } = self.picture;
+        let tracer = Tracer { rules: &self.caster, effects: demand.effects };
+        let shading = Shading { tracer, shadow_maps: shadow_maps.as_ref() };
+        FastRow { rows: self, shading, memory: Memory::default() }
+    }
+}
+
+impl FastRow<'_> {
+    /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. Returns how
+    /// many secondary and shadow rays were cast for them.
+    pub fn trace(
+        &mut self,
+        j: usize,
+        wanted: Wanted,
+        packet: &mut SamplePacket,
+        colors: &mut PacketColors,
+    ) -> u64 {
+        row::trace(self, j, wanted, packet, colors);
+        std::mem::take(&mut self.memory.rays)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    /// One vertex far away makes every pixel that its triangle may cover unsure.
+    #[test]
+    fn rays_that_rasterization_leaves_are_counted() {
+        let size = [100, 80];
+        let to_cast = |far: &str, footprint| {
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
+                 Group {{ numObjects 1 Material {{ }}
+                 Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
+            );
+            let scene = parse(&text).unwrap();
+            let world = World::new(&scene, &[]).unwrap();
+            let caster = Caster::new(&world, None).unwrap();
+            let camera = Camera::new(&scene.camera, size);
+            let effects = Effects::default();
+            let demand = Demand { size, columns: 0..size[0], footprint, colors: 0, effects };
+            let tracer = FastTracer::new(&camera, &caster, demand);
+            let rows = tracer.rows(0..size[1]);
+            [rows.visibility.as_ref(), None].map(|visibility| tracer.rays_to_cast(visibility, 0..size[1]))
         };
-        Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
-    }
-
-    /// Whether the camera's rays are such as can be found by rasterization, and the world is not one of spheres and
-    /// ellipsoids alone.
-    pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
-        let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
-        let is_accurate = match camera.projection() {
-            Projection::Perspective(_) => true,
-            Projection::Orthographic(eye) => {
-                let same_place = world.coincidence_reach_by_t();
-                ParallelView::new(eye, &world.bounds, width, Footprint::Pixel, same_place).is_some()
-            }
-        };
-        let is_drawn = !world.triangles.is_empty() || world.finite_count() == 0;
-        Shortcut::FirstHits.is_taken() && is_drawn && !is_large && is_accurate
-    }
-
-    /// The number of rays to be cast for these columns of all rows, one for each pixel.
-    pub fn unsure(&self, columns: Range<usize>) -> usize {
-        let rows = self.visible_ids.chunks_exact(self.stride);
-        rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()
-    }
-
-    /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
-    #[inline(always)]
-    pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
-        let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
-        match primitive {
-            NOTHING => Seen::Nothing,
-            UNSURE => Seen::Unsure,
-            _ => match world.primitive(primitive) {
-                Primitive::Plane(k) => match world.planes[k].intersect(ray) {
-                    Some(t) => Seen::Primitive(Visible { primitive, t_bound: t }),
-                    None => Seen::Unsure,
-                },
-                _ => Seen::Primitive(Visible { primitive, t_bound: f64::INFINITY }),
-            },
-        }
-    }
-}
-
-/// What the pixels show to rays from an eye, or none as in [`VisibilityBuffer::new`].
-fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
-    let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
-    world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
-    let bounds_of =
-        |id: u32| world.may_be_hit(id).then(|| TriangleBounds::new(viewport, world, &vertices, id)).flatten();
-    let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of).ok()?;
-    let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
-    let of_box = |bounds: &Aabb| TriangleBounds::of_box(viewport, bounds);
-    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
-    let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
-    drawn(&bins, viewport.screen, &others, world, edge_functions)
-}
-
-/// The same for parallel rays.
-fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
-    let mut vertices: Vec<Projected> = memory::with_room(world.vertices.len()).ok()?;
-    world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
-    let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
-    let bounds_of = |id: u32| {
-        let on_screen = || corners(id).map(|corner| corner.on(&view.screen));
-        world.may_be_hit(id).then(|| TriangleBounds::ahead(&view.screen, rows, on_screen(), id)).flatten()
-    };
-    let bins = Bins::new(rows, world.triangles.len(), bounds_of).ok()?;
-    let planes = world.planes.iter().map(|plane| view.plane(plane));
-    let of_box = |bounds: &Aabb| {
-        let corners = bounds.corners().map(|corner| view.project(corner).on(&view.screen));
-        TriangleBounds::of_box_ahead(&view.screen, rows, corners)
-    };
-    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
-    let edge_functions = |id: u32| flat_triangle::edge_functions(corners(id), view.screen_error);
-    drawn(&bins, view.screen, &others, world, edge_functions)
-}
-
-/// What there is beside triangles.
-struct Others {
-    planes: Vec<InvDepthPlane>,
-    /// The boxes of spheres and ellipsoids that are seen.
-    boxes: Vec<TriangleBounds>,
-}
-
-/// The bounds of spheres and ellipsoids on the screen.
-fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Option<Vec<TriangleBounds>> {
-    let mut boxes = memory::with_room(world.finite_count() - world.triangles.len()).ok()?;
-    boxes.extend(world.boxes().filter_map(|bounds| of_box(&widened(bounds))));
-    Some(boxes)
-}
-
-/// What the pixels show of these triangles and of the others.
-fn drawn(
-    bins: &Bins,
-    screen: Screen,
-    Others { planes, boxes }: &Others,
-    world: &World,
-    edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
-) -> Option<Vec<u32>> {
-    let marked = boxes.iter().map(TriangleBounds::pixels).sum::<usize>();
-    if bins.pixels().saturating_add(marked) > PIXELS_PER_RAY * screen.width * bins.rows().len() {
-        return None;
-    }
-    let drawn = bins.draw(screen, edge_functions, |tile| {
-        planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
-        for TriangleBounds { columns, rows, max_inv_depth, .. } in boxes {
-            tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
-        }
-    });
-    drawn.ok()
-}
-
-/// The projection onto the rows that are drawn.
-///
-/// The direction of a pixel's ray is d + x h + y v, where x and y are in pixels from the centre of the
-/// picture.
-struct Viewport {
-    eye: Eye,
-    /// A power of two that scales all finite primitives to within a distance of 1 from the eye.
-    scale: f64,
-    /// The vectors whose dot products with a point at depth 1 are its x and y.
-    axes: [DVec3; 2],
-    /// Upper bound on |d| + |x h| + |y v|.
-    max_direction_length: f64,
-    screen: Screen,
-    rows: Range<usize>,
-}
-
-/// The pixels on which primitives are drawn.
-#[derive(Clone, Copy)]
-struct Screen {
-    /// The middle in pixels, relative to the centre of the lower left pixel.
-    middle: DVec2,
-    width: usize,
-    /// How far rays are from the centres of their pixels along an axis, in pixels.
-    reach: f64,
-    /// The inverse depth at which nothing is seen: not more than that of anything that is.
-    nothing: f32,
-    /// How far the inverse depths of two hits may be apart that lie in one place, so that it is decided by the primitives
-    /// which of them is seen, and not by the depths.
-    same_place: ErrorBound,
-}
-
-impl Viewport {
-    /// None if numbers are too large or too small for the error bounds, or if the view is so narrow or so
-    /// skewed that the error of a projected vertex may exceed a small fraction of a pixel. The last parameter is
-    /// [`World::coincidence_reach_by_t`].
-    fn new(
-        eye: Eye,
-        bounds: Aabb,
-        width: usize,
-        rows: Range<usize>,
-        footprint: Footprint,
-        [margin, per_t]: [f64; 2],
-    ) -> Option<Self> {
-        let distance = |corner: DVec3| (corner - eye.center).length();
-        let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
-        let scale = libm::ldexp(1.0, -libm::frexp(farthest).1);
-        let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
-        let [across, along] = [(eye.middle.x, eye.right), (eye.middle.y, eye.up)]
-            .map(|(middle, axis)| (middle + 0.5) * axis.length());
-        let max_direction_length = eye.direction.length() + across + along;
-        let screen_error = triangle_bounds::screen_error_bound(&eye, axes, max_direction_length);
-        let is_usual = (1e-60..1e60).contains(&scale)
-            && max_direction_length < 1e12
-            && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        // With n = 1 / t, a distance of e in t is one of less than e n^2 in n. The directions of rays are no shorter than 1.
-        let same_place = ErrorBound([0.0, per_t, margin * scale]);
-        let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0, same_place };
-        is_usual.then_some(Self { eye, scale, axes, max_direction_length, screen, rows })
-    }
-
-    /// A point relative to the eye, scaled.
-    fn eye_space(&self, point: DVec3) -> DVec3 {
-        (point - self.eye.center) * self.scale
-    }
-
-    /// The dot product of `normal` and a pixel's ray direction, as a function of the pixel.
-    fn affine(&self, normal: DVec3) -> Affine {
-        let Eye { direction, right, up, .. } = self.eye;
-        Affine { constant: normal.dot(direction), per_x: normal.dot(right), per_y: normal.dot(up) }
-    }
-}
-
-/// An affine function of a pixel's x and y.
-#[derive(Clone, Copy)]
-struct Affine {
-    constant: f64,
-    per_x: f64,
-    per_y: f64,
-}
-
-impl Affine {
-    fn at(self, x: f64, y: f64) -> f64 {
-        self.constant + self.per_x * x + self.per_y * y
-    }
-
-    /// How much it differs at most from its value at a point where both coordinates are within `reach`.
-    fn variation(self, reach: f64) -> f64 {
-        reach * (self.per_x.abs() + self.per_y.abs())
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            constant: self.constant + other.constant,
-            per_x: self.per_x + other.per_x,
-            per_y: self.per_y + other.per_y,
-        }
-    }
-
-    fn scaled(self, factor: f64) -> Self {
-        Self { constant: factor * self.constant, per_x: factor * self.per_x, per_y: factor * self.per_y }
+        let [near, all] = to_cast("1", Some(Footprint::Center));
+        assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
+        let [far, _] = to_cast("1e12", Some(Footprint::Center));
+        assert!(far > 1000, "{far}");
+        assert_eq!(to_cast("1", None), [0, 0]);
     }
 }

@@ -14,11 +14,9 @@ use crate::math::f64x4::Scalar;
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::mode::{Fast, Mode};
-use crate::stats::Probe;
+use crate::stats::{Probe, Quiet};
 use crate::world::World;
 use glam::DVec2;
-use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
 /// The primitive that a ray leaves.
@@ -37,7 +35,7 @@ impl Left {
     }
 
     #[inline(always)]
-    fn of<M: Mode>(caster: &Caster<M>, primitive: Option<u32>) -> Self {
+    fn of(caster: &Caster, primitive: Option<u32>) -> Self {
         let primitive = primitive.unwrap_or(triangle8::NONE);
         Self { primitive, may_return: caster.is_round(primitive) }
     }
@@ -48,7 +46,7 @@ type OnDemand = OnceLock<Option<Arc<AccelerationStructure>>>;
 
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
-pub struct Caster<'w, M = Fast> {
+pub struct Caster<'w> {
     /// The world into which rays are cast.
     pub world: &'w World,
     /// The instructions that the inner loops use.
@@ -58,7 +56,6 @@ pub struct Caster<'w, M = Fast> {
     /// A grid in place of the list, if it may be built where more rays are cast than were expected, and the camera rays it
     /// is built for.
     on_demand: Option<(usize, Arc<OnDemand>)>,
-    mode: PhantomData<M>,
 }
 
 impl<'w> Caster<'w> {
@@ -77,21 +74,7 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
-        Ok(Self { world, instructions, structure, on_demand: None, mode: PhantomData })
-    }
-}
-
-impl<'w, M: Mode> Caster<'w, M> {
-    /// The same caster in another mode.
-    pub fn in_mode<N: Mode>(&self) -> Caster<'w, N> {
-        let Self { world, instructions, ref structure, ref on_demand, .. } = *self;
-        Caster {
-            world,
-            instructions,
-            structure: structure.clone(),
-            on_demand: on_demand.clone(),
-            mode: PhantomData,
-        }
+        Ok(Self { world, instructions, structure, on_demand: None })
     }
 
     /// Lets [`for_rays`](Self::for_rays) build the grid for so many camera rays.
@@ -108,8 +91,7 @@ impl<'w, M: Mode> Caster<'w, M> {
             // Nobody has asked for the grid that does not fit into memory.
             grid.get_or_init(|| build().ok().map(Arc::new)).clone()
         });
-        let caster = self.in_mode();
-        if grid.is_some() { Self { structure: grid, on_demand: None, ..caster } } else { caster }
+        if grid.is_some() { Self { structure: grid, on_demand: None, ..self.clone() } } else { self.clone() }
     }
 
     /// Whether a ray enters the bounds of the finite primitives, or may do so.
@@ -163,20 +145,15 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// The same for a ray that leaves the primitive `leaves`, as in [`nearest`](Self::nearest).
     #[inline(always)]
     pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        if M::AS_COURSE {
-            // The course's program looks for the nearest hit even where any hit would do.
-            return self.nearest(ray, leaves, probe).is_some();
-        }
         self.run::<P, true>(ray, Left::of(self, leaves), probe).is_some()
     }
 
     /// Whether the ray hits a primitive, which is not the triangle that it leaves.
     #[inline(never)]
-    pub fn is_hit<P: Probe>(&self, ray: &Ray, primitive: u32, leaves: Option<u32>, probe: &mut P) -> bool {
+    pub fn is_hit(&self, ray: &Ray, primitive: u32, leaves: Option<u32>) -> bool {
         if leaves == Some(primitive) && self.world.is_triangle(primitive) {
             return false;
         }
-        probe.intersections(1);
         self.world.crossing(ray, primitive).is_some()
     }
 
@@ -192,8 +169,7 @@ impl<'w, M: Mode> Caster<'w, M> {
 
     /// Whether the ray hits a plane, which is not the one that it leaves.
     #[inline(always)]
-    pub fn meets_plane<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        probe.intersections(self.world.planes.len());
+    pub fn meets_plane(&self, ray: &Ray, leaves: Option<u32>) -> bool {
         let mut planes = (self.world.first_plane()..).zip(&self.world.planes);
         planes.any(|(id, plane)| leaves != Some(id) && plane.intersect(ray).is_some())
     }
@@ -211,7 +187,7 @@ impl<'w, M: Mode> Caster<'w, M> {
             Instructions::Avx2(avx2) => {
                 let [a, b, c, d] = ray.pairs();
                 // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                unsafe { run_avx2::<M, P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
+                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
             }
             Instructions::Portable => self.run_portable::<P, ANY>(ray, leaves, triangle8::NONE, probe),
         };
@@ -248,7 +224,7 @@ impl<'w, M: Mode> Caster<'w, M> {
         let ray_entry = structure
             .map_or(Entry::Misses, |structure| structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max));
         // Most rays that hit nothing end here.
-        if !M::AS_COURSE && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
+        if !P::COUNTS && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
             return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
@@ -257,25 +233,25 @@ impl<'w, M: Mode> Caster<'w, M> {
         query.look_for_coincident(coincides_with);
         query.test_planes(&ray, probe);
         if leaves.may_return {
-            query.leave_round::<M, P>(probe);
+            query.leave_round::<P>(probe);
         }
         if ANY && query.visible().is_some() {
             return query.best;
         }
         if let Some(structure) = structure {
-            structure.run::<K, M, P, ANY>(kernel, &ray_entry, &mut query, probe);
+            structure.run::<K, P, ANY>(kernel, &ray_entry, &mut query, probe);
         }
         if !ANY && query.is_undecided() {
-            return self.foremost::<P>(&stored, leaves, query.best);
+            return self.foremost(&stored, leaves, query.best);
         }
         query.best
     }
 
     /// What a ray sees after its query.
     #[inline(always)]
-    pub(super) fn seen<P: Probe>(&self, query: &RayQuery, leaves: Left) -> Option<Visible> {
+    pub(super) fn seen(&self, query: &RayQuery, leaves: Left) -> Option<Visible> {
         if query.is_undecided() {
-            return Some(self.foremost::<P>(query.ray, leaves, query.best));
+            return Some(self.foremost(query.ray, leaves, query.best));
         }
         query.visible()
     }
@@ -284,13 +260,13 @@ impl<'w, M: Mode> Caster<'w, M> {
     /// those that the ray hits before it finds the nearest one may coincide with it, too.
     #[cold]
     #[inline(never)]
-    fn foremost<P: Probe>(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
+    fn foremost(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         // These rays are so few that the portable instructions will do.
-        let probe = &mut P::default();
-        let first = self.run_portable::<P, false>(&ray_to_there, leaves, nearest.primitive, probe).primitive;
+        let found = self.run_portable::<_, false>(&ray_to_there, leaves, nearest.primitive, &mut Quiet);
+        let first = found.primitive;
         if first == triangle8::NONE || first == nearest.primitive {
             return nearest;
         }
@@ -304,9 +280,9 @@ impl<'w, M: Mode> Caster<'w, M> {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 #[allow(clippy::too_many_arguments)]
-fn run_avx2<M: Mode, P: Probe, const ANY: bool>(
+fn run_avx2<P: Probe, const ANY: bool>(
     avx2: Avx2,
-    caster: &Caster<M>,
+    caster: &Caster,
     a: DVec2,
     b: DVec2,
     c: DVec2,

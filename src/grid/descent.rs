@@ -12,7 +12,6 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Portable;
 use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
-use crate::mode::Mode;
 use crate::stats::Probe;
 use arrayvec::ArrayVec;
 
@@ -22,7 +21,7 @@ const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 /// A kernel that descends trees by calling a function that is not inlined, so that the loop over the cells stays small.
 pub(crate) trait DescentKernel: Kernel + BoxKernel {
     /// Looks for a nearer hit in a branch of a tree in the frame of the filter's ray, and returns whether there is one.
-    fn descend<M: Mode, P: Probe, const ANY: bool>(
+    fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         branch: Branch,
@@ -34,7 +33,7 @@ pub(crate) trait DescentKernel: Kernel + BoxKernel {
 
 impl DescentKernel for Portable {
     #[inline(never)]
-    fn descend<M: Mode, P: Probe, const ANY: bool>(
+    fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         branch: Branch,
@@ -42,14 +41,14 @@ impl DescentKernel for Portable {
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
-        structure.descend::<_, M, P, ANY>(self, branch, filter_state, query, probe)
+        structure.descend::<_, P, ANY>(self, branch, filter_state, query, probe)
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl DescentKernel for Avx2 {
     #[inline(always)]
-    fn descend<M: Mode, P: Probe, const ANY: bool>(
+    fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
         branch: Branch,
@@ -58,14 +57,14 @@ impl DescentKernel for Avx2 {
         probe: &mut P,
     ) -> bool {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { descend_avx2::<M, P, ANY>(self, structure, branch, filter_state, query, probe) }
+        unsafe { descend_avx2::<P, ANY>(self, structure, branch, filter_state, query, probe) }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn descend_avx2<M: Mode, P: Probe, const ANY: bool>(
+fn descend_avx2<P: Probe, const ANY: bool>(
     avx2: Avx2,
     structure: &AccelerationStructure,
     branch: Branch,
@@ -73,7 +72,7 @@ fn descend_avx2<M: Mode, P: Probe, const ANY: bool>(
     query: &mut RayQuery,
     probe: &mut P,
 ) -> bool {
-    structure.descend::<_, M, P, ANY>(avx2, branch, filter_state, query, probe)
+    structure.descend::<_, P, ANY>(avx2, branch, filter_state, query, probe)
 }
 
 /// A child of a node that the ray meets, with the depth at which it enters its box.
@@ -88,7 +87,7 @@ type Stack = ArrayVec<Waiting, MAX_WAITING>;
 
 impl AccelerationStructure {
     #[inline(always)]
-    fn descend<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+    fn descend<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         branch: Branch,
@@ -97,7 +96,7 @@ impl AccelerationStructure {
         probe: &mut P,
     ) -> bool {
         if (SMALL..LEAF).contains(&branch) {
-            return self.test_small::<K, M, P, ANY>(kernel, branch - SMALL, filter_state, query, probe);
+            return self.test_small::<K, P, ANY>(kernel, branch - SMALL, filter_state, query, probe);
         }
         let mut has_changed = false;
         let box_ray = BoxRay::new(&filter_state.ray);
@@ -107,9 +106,9 @@ impl AccelerationStructure {
             let next = if child >= SMALL {
                 let changed = if child >= LEAF {
                     let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
-                    query.test_cell::<K, M, P, ANY>(kernel, &self.cells, block, filter_state, probe)
+                    query.test_cell::<K, P, ANY>(kernel, &self.cells, block, filter_state, probe)
                 } else {
-                    kernel.descend::<M, P, ANY>(self, child, filter_state, query, probe)
+                    kernel.descend::<P, ANY>(self, child, filter_state, query, probe)
                 };
                 if ANY && changed {
                     return true;
@@ -136,7 +135,7 @@ impl AccelerationStructure {
 
     /// Looks for a nearer hit in a branch with a frame of its own. The ray in the frame around it ends there.
     #[inline(always)]
-    fn test_small<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+    fn test_small<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         index: u32,
@@ -152,7 +151,7 @@ impl AccelerationStructure {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::on_interval(&interval, frame, last);
-                kernel.descend::<M, P, ANY>(self, *branch, &mut filter_state, query, probe);
+                kernel.descend::<P, ANY>(self, *branch, &mut filter_state, query, probe);
             }
             Entry::TooFar => self.test_leaves::<P, ANY>(small, query, probe),
         }

@@ -18,9 +18,8 @@ use crate::math::instructions::{Instructions, Portable};
 use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
-use crate::mode::Mode;
 use crate::shortcut::Shortcut;
-use crate::stats::Probe;
+use crate::stats::Quiet;
 use arrayvec::ArrayVec;
 
 /// The number of rays in a packet: so many that the triangles of the first ray have been loaded when it is
@@ -63,44 +62,43 @@ impl<R: PacketRay> PacketRay for &mut R {
     }
 }
 
-impl<M: Mode> Caster<'_, M> {
+impl Caster<'_> {
     /// Finds the same primitive as [`nearest`](Self::nearest) for each of any number of rays.
-    pub fn nearest_of_packet<P: Probe>(&self, rays: &mut [impl PacketRay], probe: &mut P) {
+    pub fn nearest_of_packet(&self, rays: &mut [impl PacketRay]) {
         let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
-        let Some((grid, table)) = grid.filter(|_| Shortcut::Packets.is_taken() && !M::AS_COURSE) else {
-            return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
+        let Some((grid, table)) = grid.filter(|_| Shortcut::Packets.is_taken()) else {
+            return rays.iter_mut().for_each(|ray| self.cast_alone(ray));
         };
         for rays in rays.chunks_mut(PACKET_SIZE) {
             match self.instructions {
                 #[cfg(target_arch = "x86_64")]
                 Instructions::Avx2(avx2) => {
                     // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                    unsafe { trace_packet_avx2(avx2, self, grid, table, rays, probe) }
+                    unsafe { trace_packet_avx2(avx2, self, grid, table, rays) }
                 }
-                Instructions::Portable => self.trace_packet(Portable, grid, table, rays, probe),
+                Instructions::Portable => self.trace_packet(Portable, grid, table, rays),
             }
         }
     }
 
     /// Casts one of the rays by itself.
-    fn cast_alone<P: Probe>(&self, ray: &mut impl PacketRay, probe: &mut P) {
-        let visible = self.nearest(ray.ray(), ray.leaves(), probe);
+    fn cast_alone(&self, ray: &mut impl PacketRay) {
+        let visible = self.nearest(ray.ray(), ray.leaves(), &mut Quiet);
         ray.set_visible(visible);
     }
 
     /// Casts up to [`PACKET_SIZE`] rays.
     #[inline(always)]
-    fn trace_packet<K: DescentKernel, Q: PacketRay, P: Probe>(
+    fn trace_packet<K: DescentKernel, Q: PacketRay>(
         &self,
         kernel: K,
         grid: &AccelerationStructure,
         table: &CellTable,
         rays: &mut [Q],
-        probe: &mut P,
     ) {
         if Q::LEAVES_A_SURFACE {
             for four in rays.chunks_mut(LANES) {
-                self.trace_four(kernel, grid, table, four, probe);
+                self.trace_four(kernel, grid, table, four);
             }
             return;
         }
@@ -122,7 +120,7 @@ impl<M: Mode> Caster<'_, M> {
             pending |= u32::from(cursors[i].is_some()) << i;
         }
         for i in lanes(too_far) {
-            self.cast_alone(&mut rays[i], probe);
+            self.cast_alone(&mut rays[i]);
         }
         if !self.world.planes.is_empty() {
             // Every ray may hit a plane.
@@ -131,51 +129,50 @@ impl<M: Mode> Caster<'_, M> {
         for i in lanes(pending) {
             let ray = rays[i].ray();
             let mut query = RayQuery::new(self.world, ray, NONE);
-            query.test_planes(ray, probe);
+            query.test_planes(ray, &mut Quiet);
             if let Some(cursor) = cursors[i] {
                 let filter_state = setups[i / LANES].filter_state(i % LANES, query.end::<false>());
-                grid.traverse_cells::<K, M, P, false>(kernel, cursor, filter_state, &mut query, probe);
+                grid.traverse_cells::<K, _, false>(kernel, cursor, filter_state, &mut query, &mut Quiet);
             }
-            let visible = self.seen::<P>(&query, Left::for_good(NONE));
+            let visible = self.seen(&query, Left::for_good(NONE));
             rays[i].set_visible(visible);
         }
     }
 
     /// Casts up to four rays that leave surfaces.
     #[inline(always)]
-    fn trace_four<K: DescentKernel, Q: PacketRay, P: Probe>(
+    fn trace_four<K: DescentKernel, Q: PacketRay>(
         &self,
         kernel: K,
         grid: &AccelerationStructure,
         table: &CellTable,
         rays: &mut [Q],
-        probe: &mut P,
     ) {
         let is_round = |ray: &Q| self.is_round(ray.leaves().unwrap_or(NONE));
         if rays.iter().all(is_round) {
-            return rays.iter_mut().for_each(|ray| self.cast_alone(ray, probe));
+            return rays.iter_mut().for_each(|ray| self.cast_alone(ray));
         }
         let setup = set_up::<K::F64x4>(kernel, grid, table, rays);
         for (i, ray) in rays.iter_mut().enumerate() {
             if setup.too_far >> i & 1 != 0 || is_round(ray) {
-                self.cast_alone(ray, probe);
+                self.cast_alone(ray);
                 continue;
             }
             let mut query = RayQuery::new(self.world, ray.ray(), ray.leaves().unwrap_or(NONE));
-            query.test_planes(ray.ray(), probe);
+            query.test_planes(ray.ray(), &mut Quiet);
             if setup.passing >> i & 1 != 0 {
                 let filter_state = setup.filter_state(i, query.end::<false>());
                 // A cursor that is passed on would be written to memory and read again in other parts.
-                grid.traverse_cells::<K, M, P, false>(
+                grid.traverse_cells::<K, _, false>(
                     kernel,
                     table.cursor_of(&setup.dda4, i),
                     filter_state,
                     &mut query,
-                    probe,
+                    &mut Quiet,
                 );
             }
             let left = Left::for_good(ray.leaves().unwrap_or(NONE));
-            let visible = self.seen::<P>(&query, left);
+            let visible = self.seen(&query, left);
             ray.set_visible(visible);
         }
     }
@@ -223,15 +220,14 @@ fn first_occupied_cell<'t>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn trace_packet_avx2<M: Mode, Q: PacketRay, P: Probe>(
+fn trace_packet_avx2<Q: PacketRay>(
     avx2: Avx2,
-    caster: &Caster<M>,
+    caster: &Caster,
     grid: &AccelerationStructure,
     table: &CellTable,
     rays: &mut [Q],
-    probe: &mut P,
 ) {
-    caster.trace_packet(avx2, grid, table, rays, probe);
+    caster.trace_packet(avx2, grid, table, rays);
 }
 
 #[cfg(test)]
@@ -281,7 +277,7 @@ mod tests {
                     TestRay { ray: Ray::new(origin, DVec3::NEG_Z), visible: None }
                 };
                 let mut rays: Vec<TestRay<LEAVES>> = (0..count).map(asked).collect();
-                caster.nearest_of_packet(&mut rays, &mut Quiet);
+                caster.nearest_of_packet(&mut rays);
                 for TestRay { ray, visible } in &rays {
                     let expected = caster.nearest(ray, None, &mut Quiet);
                     assert_eq!(visible.map(|v| v.primitive), expected.map(|v| v.primitive), "{ray:?}");

@@ -9,7 +9,6 @@ use crate::math::f64x4::F64x4;
 use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;
-use crate::mode::Mode;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
@@ -146,8 +145,8 @@ impl<'a> RayQuery<'a> {
 
     /// Tests the sphere or ellipsoid that the ray leaves. The course's program does so where it comes to it.
     #[inline(never)]
-    pub fn leave_round<M: Mode, P: Probe>(&mut self, probe: &mut P) {
-        if M::AS_COURSE {
+    pub fn leave_round<P: Probe>(&mut self, probe: &mut P) {
+        if P::COUNTS {
             self.leaves = NONE;
         } else {
             probe.intersections(1);
@@ -169,7 +168,7 @@ impl<'a> RayQuery<'a> {
     /// Tests a cell's blocks of triangles and its other primitives, and returns whether the best primitive
     /// changed. An any-hit query ends with the first primitive that it finds.
     #[inline(always)]
-    pub fn test_cell<K: Kernel, M: Mode, P: Probe, const ANY: bool>(
+    pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
         &mut self,
         kernel: K,
         cells: &CellContents,
@@ -194,7 +193,7 @@ impl<'a> RayQuery<'a> {
                     if self.decide_any(block, verdict.possible) {
                         return true;
                     }
-                } else if self.decide_nearest::<M>(block, &verdict, filter_state) {
+                } else if self.decide_nearest::<P>(block, &verdict, filter_state) {
                     changed = true;
                     filter_state.shorten(self.end::<ANY>());
                 }
@@ -265,16 +264,16 @@ impl<'a> RayQuery<'a> {
 
     /// Looks for a nearer hit among the lanes of a block that the filter did not reject, and returns whether
     /// there is one. A triangle is tested in double precision, for which its vertices have to be loaded, only
-    /// if the filter's bounds on t do not decide. In the course's mode all are, because the steps that it
-    /// counts depend on t.
+    /// if the filter's bounds on t do not decide. Where steps are counted all are, because the
+    /// steps depend on t.
     #[inline(always)]
-    fn decide_nearest<M: Mode>(
+    fn decide_nearest<P: Probe>(
         &mut self,
         block: &Block,
         verdict: &Verdict,
         filter_state: &FilterState,
     ) -> bool {
-        let certain = if M::AS_COURSE { 0 } else { verdict.certain };
+        let certain = if P::COUNTS { 0 } else { verdict.certain };
         let mut changed = false;
         for lane in lanes(verdict.possible) {
             let id = block.index.ids[lane];

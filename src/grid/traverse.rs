@@ -8,7 +8,6 @@ use super::query::{FilterState, RayQuery};
 use super::ray_entry::{Entry, ray_entry};
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
-use crate::mode::Mode;
 use crate::stats::Probe;
 
 impl AccelerationStructure {
@@ -20,7 +19,7 @@ impl AccelerationStructure {
 
     /// Looks for a nearer hit in the structure, which the ray enters in this way.
     #[inline(always)]
-    pub fn run<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+    pub fn run<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         ray_entry: &Entry<K::F64x4>,
@@ -32,31 +31,24 @@ impl AccelerationStructure {
             Entry::Passes(interval) if interval.entry <= query.end::<ANY>() => *interval,
             _ => {
                 // The course's program tests every primitive. A ray that misses their bounds misses them all.
-                let untested =
-                    if M::AS_COURSE && self.table.is_none() { query.world.finite_count() } else { 0 };
+                let untested = if P::COUNTS && self.table.is_none() { query.world.finite_count() } else { 0 };
                 return probe.intersections(untested);
             }
         };
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.end::<ANY>());
         match &self.table {
             Some(table) => {
-                self.traverse_cells::<K, M, P, ANY>(
-                    kernel,
-                    table.cursor(&interval),
-                    filter_state,
-                    query,
-                    probe,
-                );
+                self.traverse_cells::<K, P, ANY>(kernel, table.cursor(&interval), filter_state, query, probe);
             }
             None => {
-                query.test_cell::<K, M, P, ANY>(kernel, &self.cells, &self.blocks, &mut filter_state, probe);
+                query.test_cell::<K, P, ANY>(kernel, &self.cells, &self.blocks, &mut filter_state, probe);
             }
         }
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    pub fn traverse_cells<K: DescentKernel, M: Mode, P: Probe, const ANY: bool>(
+    pub fn traverse_cells<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
         cursor: CellCursor,
@@ -65,15 +57,15 @@ impl AccelerationStructure {
         probe: &mut P,
     ) {
         match self.trees.is_empty() {
-            true => self.test_cells::<K, M, P, ANY, false>(kernel, cursor, filter_state, query, probe),
-            false => self.test_cells::<K, M, P, ANY, true>(kernel, cursor, filter_state, query, probe),
+            true => self.test_cells::<K, P, ANY, false>(kernel, cursor, filter_state, query, probe),
+            false => self.test_cells::<K, P, ANY, true>(kernel, cursor, filter_state, query, probe),
         }
     }
 
     /// The same with or without trees. Without them nothing but this loop reads the filter's ray, which then stays in
     /// registers: a tenth faster in a small mesh.
     #[inline(always)]
-    fn test_cells<K: DescentKernel, M: Mode, P: Probe, const ANY: bool, const TREES: bool>(
+    fn test_cells<K: DescentKernel, P: Probe, const ANY: bool, const TREES: bool>(
         &self,
         kernel: K,
         mut cursor: CellCursor,
@@ -85,7 +77,7 @@ impl AccelerationStructure {
         let blocks = self.blocks.as_slice();
         let mut last_t = cursor.fixed_t(query.best.t_bound);
         loop {
-            if !M::AS_COURSE {
+            if !P::COUNTS {
                 cursor.skip();
             }
             let entry = cursor.entry();
@@ -94,9 +86,9 @@ impl AccelerationStructure {
                 // Comparing every entry with the border first takes a tenth longer in a grid of small cells.
                 let changed = if entry < TREE {
                     let own = CellContents::blocks_of(blocks, entry);
-                    query.test_cell::<K, M, P, ANY>(kernel, &self.cells, own, filter_state, probe)
+                    query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe)
                 } else if TREES && entry != BORDER {
-                    kernel.descend::<M, P, ANY>(self, entry - TREE, filter_state, query, probe)
+                    kernel.descend::<P, ANY>(self, entry - TREE, filter_state, query, probe)
                 } else {
                     return;
                 };

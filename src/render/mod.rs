@@ -6,78 +6,29 @@ pub mod grid_view;
 pub mod layer;
 mod request;
 mod row;
-mod sample_packet;
 mod strip;
 mod tally;
+mod tracing;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
+pub use tracing::Tracing;
 
 use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::memory::{self, NoMemory};
-use crate::mode::{Course, Fast, Mode};
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::adaptive::{Adaptive, Stratum};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
-use crate::stats::{Counts, Probe, RayCount};
-use crate::trace::Observer;
+use crate::stats::Counts;
 use glam::DVec2;
 use row::RenderSetting;
 use std::fmt;
 use std::ops::ControlFlow;
 use strip::Strip;
 use tally::Tally;
-
-/// A mode in which pictures are rendered, with what is counted in it.
-///
-/// Each mode has functions of its own, so that the loops over pixels are compiled once for each, and only in this
-/// library.
-pub trait RenderMode: Mode {
-    /// Counts the rays of a picture, and in the course's mode whatever else the course's program counts.
-    type Counter: Observer;
-
-    /// Renders the layers of a request row by row, and returns what was counted.
-    fn render(
-        camera: &Camera,
-        caster: &Caster<Self>,
-        view: View,
-        request: &Request,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<Self::Counter, Stopped>;
-}
-
-impl RenderMode for Fast {
-    type Counter = RayCount;
-
-    fn render(
-        camera: &Camera,
-        caster: &Caster<Self>,
-        view: View,
-        request: &Request,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<RayCount, Stopped> {
-        render(camera, caster, view, request, watch, take_row)
-    }
-}
-
-impl RenderMode for Course {
-    type Counter = Counts;
-
-    fn render(
-        camera: &Camera,
-        caster: &Caster<Self>,
-        view: View,
-        request: &Request,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<Counts, Stopped> {
-        render(camera, caster, view, request, watch, take_row)
-    }
-}
+use tracing::PictureTracer;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,56 +86,55 @@ impl From<NoMemory> for Stopped {
 /// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither
 /// the colours nor the counts depend on the number of threads. Only some rows are in memory at a time, never
 /// the whole picture.
-fn render<M: RenderMode>(
-    camera: &Camera,
-    caster: &Caster<M>,
+pub fn render(
+    (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
+    tracing: Tracing,
     watch: Watch,
     take_row: TakeRow,
-) -> Result<M::Counter, Stopped> {
+) -> Result<Counts, Stopped> {
     for (k, layer) in request.layers.iter().enumerate() {
         if let Layer::Filter { zoom } = *layer {
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
-    let shadow_maps = request.shadow_maps(caster, view);
-    let shadow_maps = shadow_maps.as_ref();
-    let setting = RenderSetting { camera, caster, view, request, shadow_maps };
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
+    let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
-    let mut counter = M::Counter::default();
+    let mut counts = Counts::default();
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(&setting, end, rows.start);
-        counter = counter.merge(strip.render(&tally, take_row)?);
+        counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
         end = strip.rows.start;
     }
-    Ok(counter)
+    Ok(counts)
 }
 
 /// The adaptive samples of the pixel in this column and row from the bottom left.
-pub fn strata<M: RenderMode>(
-    camera: &Camera,
-    caster: &Caster<M>,
+pub fn strata(
+    (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
     settings: Adaptive,
     pixel: [usize; 2],
 ) -> Vec<Stratum> {
-    RenderSetting { camera, caster, view, request, shadow_maps: None }
-        .strata(settings, pixel)
-        .unwrap_or_default()
+    let tracing = Tracing::Counted;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
+    let setting = RenderSetting { caster, view, request, tracing };
+    setting.strata(settings, &tracer.rows(0..0), pixel).unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
 /// pixels, or with more than there is memory for, is an error.
-pub fn render_in_memory<M: RenderMode>(
-    camera: &Camera,
-    caster: &Caster<M>,
+pub fn render_in_memory(
+    scene: (&Camera, &Caster),
     view: View,
     request: &Request,
-) -> Result<(Vec<FloatPicture>, M::Counter), BadSize> {
+    tracing: Tracing,
+) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
     let empty = |layer: &Layer| FloatPicture::with_room(layer.size(request.window_size()));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
@@ -192,16 +142,16 @@ pub fn render_in_memory<M: RenderMode>(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let counter = match M::render(camera, caster, view, request, &never_cancels, &mut take_row) {
-        Ok(counter) => counter,
+    let counts = match render(scene, view, request, tracing, &never_cancels, &mut take_row) {
+        Ok(counts) => counts,
         // Neither callback ends it.
-        Err(Stopped::Cancelled { .. } | Stopped::Output) => M::Counter::default(),
+        Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
         Err(Stopped::Memory(_)) => {
             let [width, height] = request.window_size();
             return Err(BadSize { width, height });
         }
     };
-    Ok((pictures, counter))
+    Ok((pictures, counts))
 }
 
 /// Draws the weights of a filter around the middle pixel. Each pixel is enlarged `zoom` times.

@@ -1,10 +1,8 @@
 //! The request: what is to be rendered.
 
 use super::layer::Layer;
+use super::tracing::Tracing;
 use crate::camera::Camera;
-use crate::fast::{Footprint, ShadowMaps, VisibilityBuffer};
-use crate::grid::Caster;
-use crate::mode::{Fast, Mode};
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
@@ -15,6 +13,15 @@ use crate::trace::{Effects, Shadows};
 use crate::world::World;
 use serde::Serialize;
 use std::ops::Range;
+
+#[cfg(feature = "fast")]
+use crate::fast::finds_first_hits;
+
+/// Without the fast twin all rays are cast.
+#[cfg(not(feature = "fast"))]
+fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
+    false
+}
 
 /// What is drawn in the layers of colours.
 #[derive(Clone, Copy, Debug)]
@@ -96,8 +103,9 @@ impl Request {
     }
 
     /// Whether any layer needs colours, or the rays that make them are counted.
-    pub(super) fn traces_colors<M: Mode>(&self) -> bool {
-        M::AS_COURSE || self.layers.iter().any(|layer| matches!(layer, Layer::Color | Layer::Samples { .. }))
+    pub(super) fn traces_colors(&self, tracing: Tracing) -> bool {
+        tracing == Tracing::Counted
+            || self.layers.iter().any(|layer| matches!(layer, Layer::Color | Layer::Samples { .. }))
     }
 
     /// Whether the colours of pixels are wanted.
@@ -126,8 +134,8 @@ impl Request {
     }
 
     /// Whether colours are traced along the rays through the pixels' centres.
-    pub(super) fn casts_centers<M: Mode>(&self, view: View) -> bool {
-        self.traces_colors::<M>() && self.sampler.is_center() && matches!(view, View::Scene)
+    pub(super) fn casts_centers(&self, view: View, tracing: Tracing) -> bool {
+        self.traces_colors(tracing) && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
     /// The number of camera rays of the whole picture.
@@ -140,45 +148,17 @@ impl Request {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let casts_centers = !VisibilityBuffer::suits(camera, world, self.size);
+        let casts_centers = !finds_first_hits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
-        let casts = self.measures() && casts_centers || self.traces_colors::<Fast>() && casts_for_colors;
+        let casts = self.measures() && casts_centers || self.traces_colors(Tracing::Fast) && casts_for_colors;
         let pixels: usize = self.window_size().iter().product();
         if casts { pixels * self.sampler.count() as usize } else { 0 }
-    }
-
-    /// The first hits of camera rays in these rows, if such rays are needed and rasterizing the triangles is cheaper
-    /// than casting them. The course's program casts them all.
-    pub(super) fn visibility<M: Mode>(
-        &self,
-        camera: &Camera,
-        caster: &Caster<M>,
-        view: View,
-        rows: Range<usize>,
-    ) -> Option<VisibilityBuffer> {
-        let samples = self.traces_colors::<M>() && matches!(view, View::Scene);
-        let footprint =
-            if samples && !self.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
-        let is_needed = self.measures() || samples;
-        (is_needed && !M::AS_COURSE)
-            .then(|| VisibilityBuffer::new(camera, caster, self.size, rows, footprint))?
-    }
-
-    /// What is known of shadows before any ray is cast, if it pays to find that out.
-    pub(super) fn shadow_maps<M: Mode>(&self, caster: &Caster<M>, view: View) -> Option<ShadowMaps> {
-        let is_needed = self.traces_colors::<M>()
-            && matches!(view, View::Scene)
-            && self.effects.shadows == Shadows::Opaque
-            && !M::AS_COURSE;
-        let pixels: usize = self.window_size().iter().product();
-        is_needed.then(|| ShadowMaps::new(caster.world, pixels * self.sampler.count() as usize))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mode::Course;
     use crate::sampling::drand48::Drand48;
     use crate::sampling::sampler::Pattern;
 
@@ -213,8 +193,8 @@ mod tests {
             (&[filter, DEPTH, Layer::Color], true, true, true, false),
         ] {
             let request = request_of(layers);
-            assert_eq!(request.traces_colors::<Fast>(), traces, "{layers:?}");
-            assert!(request.traces_colors::<Course>());
+            assert_eq!(request.traces_colors(Tracing::Fast), traces, "{layers:?}");
+            assert!(request.traces_colors(Tracing::Counted));
             assert_eq!(request.has_colors(), has_colors, "{layers:?}");
             assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
             assert_eq!((request.measures(), request.has_normals()), (measures, has_normals), "{layers:?}");
@@ -266,32 +246,5 @@ mod tests {
         let window = Some(Window { x: 1, y: 1, width: 2, height: 3 });
         assert_eq!(rays_of(sphere, &Request { window, ..colors.clone() }), 6);
         assert_eq!(sampled(DEPTH).camera_rays(), 144);
-    }
-
-    #[test]
-    fn camera_rays_are_asked_for_where_a_layer_needs_them() {
-        let text = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
-             Group { numObjects 1 Material { } Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } }";
-        let scene = crate::scene::parser::parse(text).unwrap();
-        let world = World::new(&scene, &[]).unwrap();
-        let occupancy = Occupancy::new(&scene, &[], world.bounds, [1; 3]).unwrap();
-        let fast = Caster::new(&world, None).unwrap();
-        let course = fast.in_mode::<Course>();
-        let aside = Sampler::new(Pattern::Uniform, 4, Drand48::UNSEEDED);
-        for (layers, sampler, view, casts, asks) in [
-            (&[Layer::Color][..], Sampler::CENTER, View::Scene, true, true),
-            (&[Layer::Color], aside, View::Scene, false, true),
-            (&[Layer::Color], Sampler::CENTER, View::Cells(&occupancy), false, false),
-            (&[Layer::Color, DEPTH], aside, View::Scene, false, true),
-            (&[Layer::Color, DEPTH], Sampler::CENTER, View::Cells(&occupancy), false, true),
-            (&[DEPTH], Sampler::CENTER, View::Scene, false, true),
-        ] {
-            let request = Request { sampler, ..request_of(layers) };
-            let camera = Camera::new(&scene.camera, request.size);
-            assert_eq!(request.casts_centers::<Fast>(view), casts, "{layers:?} {sampler:?}");
-            let visibility = request.visibility(&camera, &fast, view, 0..6);
-            assert_eq!(visibility.is_some(), asks, "{layers:?} {sampler:?}");
-            assert!(request.visibility(&camera, &course, view, 0..6).is_none());
-        }
     }
 }

@@ -1,22 +1,19 @@
 //! A row of pixels: its samples are traced, and their colours are added to the layers.
 
-use super::RenderMode;
 use super::layer::Layer;
 use super::request::{Request, View};
-use super::sample_packet::{Sample, SamplePacket, SamplePlace};
-use crate::camera::Camera;
-use crate::fast::{ShadowMaps, VisibilityBuffer};
+use super::tracing::{RowTracer, Tracing};
 use crate::grid::Caster;
-use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::memory::{self, NoMemory};
 use crate::render::grid_view::Face;
+use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, SamplePlace, Wanted};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::scene::Color;
 use crate::shading::light::incident;
-use crate::stats::Probe;
-use crate::trace::{Memory, Tracer};
+use crate::stats::Counts;
+use crate::trace::Observer;
 use crate::world::World;
 use adaptive::Refinement;
 use glam::DVec2;
@@ -24,7 +21,6 @@ use plot::plots;
 use std::ops::Range;
 
 pub mod adaptive;
-mod dispatch;
 mod measure;
 mod plot;
 mod traced;
@@ -32,35 +28,19 @@ mod traced;
 pub use traced::{Colors, Row};
 
 /// Everything that is needed to trace any row of a picture.
-pub struct RenderSetting<'a, M> {
-    pub camera: &'a Camera,
-    pub caster: &'a Caster<'a, M>,
+#[derive(Clone, Copy)]
+pub struct RenderSetting<'a> {
+    pub caster: &'a Caster<'a>,
     pub view: View<'a>,
     pub request: &'a Request,
-    /// What is known of shadows before any ray is cast, if anything is.
-    pub shadow_maps: Option<&'a ShadowMaps>,
+    pub tracing: Tracing,
 }
 
-// Implemented by hand, because a derived `Clone` would require that `M` is `Clone`.
-impl<M> Clone for RenderSetting<'_, M> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<M> Copy for RenderSetting<'_, M> {}
-
-impl<M: RenderMode> RenderSetting<'_, M> {
-    /// Traces an empty row. `visibility` has the first hits of the rays through its centres, as far as they are
-    /// known. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row(
-        &self,
-        empty: Row<M::Counter>,
-        visibility: Option<&VisibilityBuffer>,
-        is_shown: bool,
-        refinement: Option<Refinement>,
-    ) -> Row<M::Counter> {
-        let mut painter = Painter { refinement, ..self.painter(empty, visibility, is_shown) };
+impl RenderSetting<'_> {
+    /// Traces an empty row. If `is_shown` is false, only the samples are traced, because they contribute to the rows
+    /// around it.
+    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, refinement: Option<Refinement>) -> Row {
+        let mut painter = Painter { refinement, ..self.painter(empty, tracer, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
             columns.for_each(|column| painter.paint_and_count(column, &mut packet));
@@ -80,20 +60,13 @@ impl<M: RenderMode> RenderSetting<'_, M> {
     }
 
     /// A painter of an empty row.
-    fn painter<'a>(
-        &'a self,
-        row: Row<M::Counter>,
-        visibility: Option<&'a VisibilityBuffer>,
-        is_shown: bool,
-    ) -> Painter<'a, M> {
-        let RenderSetting { caster, request, shadow_maps, .. } = *self;
+    fn painter<'a>(&'a self, row: Row, tracer: RowTracer<'a>, is_shown: bool) -> Painter<'a> {
+        let RenderSetting { request, .. } = *self;
         Painter {
             setting: *self,
-            tracer: Tracer { caster, effects: request.effects, shadow_maps },
-            visibility,
+            tracer,
             is_shown,
             shown: request.columns(),
-            memory: Memory::default(),
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             plots: plots(request, is_shown),
@@ -103,7 +76,7 @@ impl<M: RenderMode> RenderSetting<'_, M> {
     }
 
     /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
-    pub fn empty_row(&self, j: usize, used: Option<Row<M::Counter>>) -> Result<Row<M::Counter>, NoMemory> {
+    pub fn empty_row(&self, j: usize, used: Option<Row>) -> Result<Row, NoMemory> {
         let RenderSetting { request, .. } = *self;
         if let Some(row) = used.and_then(|used| used.emptied(j)) {
             return Ok(row);
@@ -119,19 +92,17 @@ impl<M: RenderMode> RenderSetting<'_, M> {
             Layer::Color | Layer::Filter { .. } => Ok(vec![]),
             _ => memory::with_room(layer.colors_per_row(request.columns().len())),
         });
-        Ok(Row { j, probe: M::Counter::default(), colors, layers: layers.collect::<Result<_, _>>()? })
+        Ok(Row { j, counts: Counts::default(), colors, layers: layers.collect::<Result<_, _>>()? })
     }
 }
 
 /// Traces the pixels of one row.
-struct Painter<'a, M: RenderMode> {
-    setting: RenderSetting<'a, M>,
-    tracer: Tracer<'a, M>,
-    visibility: Option<&'a VisibilityBuffer>,
+struct Painter<'a> {
+    setting: RenderSetting<'a>,
+    tracer: RowTracer<'a>,
     is_shown: bool,
     /// The columns of the window.
     shown: Range<usize>,
-    memory: Memory,
     /// The filter's weight of a sample at the pixel's centre.
     center_weight: f64,
     /// The sum over the current pixel's samples so far.
@@ -140,28 +111,17 @@ struct Painter<'a, M: RenderMode> {
     plots: Vec<(usize, usize)>,
     /// What further samples start from, if there are any.
     refinement: Option<Refinement<'a>>,
-    row: Row<M::Counter>,
+    row: Row,
 }
 
-/// What is wanted of the rays of a packet.
-#[derive(Clone, Copy)]
-struct Wanted {
-    /// The first hits.
-    hits: bool,
-    /// The surfaces there.
-    surfaces: bool,
-    /// The colours.
-    colors: bool,
-}
-
-impl<M: RenderMode> Painter<'_, M> {
+impl Painter<'_> {
     /// Traces the pixels in these columns, of which there are no more than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, .. } = *self.setting.request;
         for (k, zoom) in self.plots.clone() {
             self.plot_background(k, zoom, columns.clone());
         }
-        let colors = self.setting.request.traces_colors::<M>();
+        let colors = self.setting.request.traces_colors(self.setting.tracing);
         if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
             self.paint_centers(columns.clone(), packet);
         }
@@ -175,12 +135,12 @@ impl<M: RenderMode> Painter<'_, M> {
     /// Paints one pixel by itself, and enters what it costs.
     #[cold]
     fn paint_and_count(&mut self, column: usize, packet: &mut SamplePacket) {
-        let before = self.row.probe.counts();
+        let before = self.row.counts;
         self.paint(column..column + 1, packet);
         if !self.is_shown || !self.shown.contains(&column) {
             return;
         }
-        let mut cost = self.row.probe.counts().since(before);
+        let mut cost = self.row.counts.since(before);
         if let Some(refinement) = &self.refinement {
             cost = cost.merge(refinement.first_counts(column));
         }
@@ -194,14 +154,16 @@ impl<M: RenderMode> Painter<'_, M> {
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
     fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let RenderSetting { view, request, .. } = self.setting;
-        let (measures, casts) = (self.is_shown && request.measures(), request.casts_centers::<M>(view));
+        let (measures, casts) =
+            (self.is_shown && request.measures(), request.casts_centers(view, self.setting.tracing));
         let wanted = Wanted {
             hits: measures || casts,
             surfaces: request.has_normals() || casts,
-            colors: request.traces_colors::<M>() && request.sampler.is_center(),
+            colors: request.traces_colors(self.setting.tracing) && request.sampler.is_center(),
         };
         packet.push_centers(columns);
-        let colors = self.trace(wanted, packet);
+        let mut colors = [Color::ZERO; SamplePacket::SIZE];
+        self.trace(wanted, packet, &mut colors);
         if measures {
             self.measure(packet.samples());
         }
@@ -235,15 +197,18 @@ impl<M: RenderMode> Painter<'_, M> {
 
     /// Casts and colours the samples of a packet, and empties it.
     fn color_samples(&mut self, packet: &mut SamplePacket) {
-        let colors = self.trace(self.wanted_of_samples(), packet);
+        let mut colors = [Color::ZERO; SamplePacket::SIZE];
+        self.trace(self.wanted_of_samples(), packet, &mut colors);
         self.add_samples::<false>(packet, &colors);
         packet.clear();
     }
 
     /// The colours of a packet's samples.
-    fn colors_of(&mut self, packet: &mut SamplePacket) -> [Color; SamplePacket::SIZE] {
-        packet.samples().iter().for_each(|_| self.row.probe.non_shadow_ray());
-        self.trace(self.wanted_of_samples(), packet)
+    fn colors_of(&mut self, packet: &mut SamplePacket) -> PacketColors {
+        packet.samples().iter().for_each(|_| self.row.counts.non_shadow_ray());
+        let mut colors = [Color::ZERO; SamplePacket::SIZE];
+        self.trace(self.wanted_of_samples(), packet, &mut colors);
+        colors
     }
 
     /// What is wanted of samples that are coloured. A view of cells casts no ray into the scene for them.
@@ -252,23 +217,17 @@ impl<M: RenderMode> Painter<'_, M> {
         Wanted { hits: is_scene, surfaces: is_scene, colors: true }
     }
 
-    /// Traces the samples of a packet, compiled for the instructions of the caller.
-    #[inline(always)]
-    fn trace_with<F: F64x4>(
-        &mut self,
-        proof: F::Proof,
-        wanted: Wanted,
-        packet: &mut SamplePacket,
-    ) -> [Color; SamplePacket::SIZE] {
-        let RenderSetting { camera, caster, .. } = self.setting;
-        packet.aim::<F>(proof, camera, self.row.j);
-        if wanted.hits {
-            packet.cast(caster, self.visibility, self.row.j, &mut self.row.probe);
+    /// Traces the samples of a packet, and enters their colours, if they are wanted.
+    fn trace(&mut self, wanted: Wanted, packet: &mut SamplePacket, colors: &mut PacketColors) {
+        let of_tracer =
+            Wanted { colors: wanted.colors && matches!(self.setting.view, View::Scene), ..wanted };
+        self.tracer.trace(self.row.j, of_tracer, packet, colors, &mut self.row.counts);
+        if let View::Cells(occupancy) = self.setting.view {
+            for (color, Sample { ray, .. }) in colors.iter_mut().zip(packet.samples()) {
+                let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
+                *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
+            }
         }
-        if wanted.surfaces {
-            packet.find_surfaces::<F>(proof, caster.world);
-        }
-        if wanted.colors { self.colors_along(packet) } else { [Color::ZERO; SamplePacket::SIZE] }
     }
 
     /// Adds the samples of a packet, which have these colours, to the row.
@@ -290,7 +249,7 @@ impl<M: RenderMode> Painter<'_, M> {
     /// Adds a sample to the row. `sum` is that of its pixel.
     #[inline(always)]
     fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
-        self.row.probe.non_shadow_ray();
+        self.row.counts.non_shadow_ray();
         match &mut self.row.colors {
             Colors::Unwanted => {}
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
@@ -308,29 +267,6 @@ impl<M: RenderMode> Painter<'_, M> {
         if let Colors::Finished(colors) = &mut self.row.colors {
             colors.push(sum.color());
         }
-    }
-
-    /// The colours along the rays of a packet's samples.
-    #[inline(always)]
-    fn colors_along(&mut self, packet: &SamplePacket) -> [Color; SamplePacket::SIZE] {
-        let mut colors = [Color::ZERO; SamplePacket::SIZE];
-        let samples = packet.samples();
-        match self.setting.view {
-            View::Scene => {
-                let (tracer, memory, probe) = (&self.tracer, &mut self.memory, &mut self.row.probe);
-                for (i, (color, Sample { ray, surface, .. })) in colors.iter_mut().zip(samples).enumerate() {
-                    *color = tracer.local_color(ray, surface.as_ref(), i, memory, probe);
-                }
-                tracer.add_secondary(&mut colors[..samples.len()], memory, probe);
-            }
-            View::Cells(occupancy) => {
-                for (color, Sample { ray, .. }) in colors.iter_mut().zip(samples) {
-                    let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
-                    *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
-                }
-            }
-        }
-        colors
     }
 }
 

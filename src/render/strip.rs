@@ -9,14 +9,13 @@ use super::request::Request;
 use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
-use super::{RenderMode, Stopped, TakeRow, delivery};
-use crate::fast::VisibilityBuffer;
+use super::tracing::{PictureTracer, RowsTracer};
+use super::{Stopped, TakeRow, delivery};
 use crate::memory::{self, NoMemory};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
-use crate::stats::Probe;
-use glam::DVec2;
+use crate::stats::Counts;
 use std::ops::Range;
 
 /// Upper bound on the memory of a strip's finished rows, in bytes.
@@ -38,24 +37,24 @@ const SAMPLES: usize = 1 << 24;
 const ROWS_PER_SUPPORT: usize = 64;
 
 /// Some rows of the window, counted from the bottom.
-pub struct Strip<'a, M> {
-    setting: &'a RenderSetting<'a, M>,
+pub struct Strip<'a> {
+    setting: &'a RenderSetting<'a>,
     pub rows: Range<usize>,
 }
 
-/// The first samples of some rows, and their probes.
-type FirstOfRows<P> = (Vec<FirstSamples>, Vec<P>);
+/// The first samples of some rows, and what was counted for each.
+type FirstOfRows = (Vec<FirstSamples>, Vec<Counts>);
 
 /// Rows that are ready to be handed out.
-struct Finished<P> {
-    probe: P,
+struct Finished {
+    counts: Counts,
     /// The colours of each row of pixels, from the bottom, and its other layers.
     rows: Vec<(Vec<Color>, Vec<Vec<Color>>)>,
 }
 
-impl<'a, M: RenderMode> Strip<'a, M> {
+impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(setting: &'a RenderSetting<'a, M>, end: usize, first: usize) -> Self {
+    pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
         let Request { layers, sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
@@ -76,39 +75,45 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         request.support() > 0 || request.adaptive.is_some()
     }
 
-    /// Traces the strip and hands it out, and returns the probe.
-    pub fn render(&self, tally: &Tally, take_row: TakeRow) -> Result<M::Counter, Stopped> {
-        let visibility = self.visibility();
-        let caster = self.setting.caster.for_rays(|| self.unknown_rays(visibility.as_ref()));
-        let setting = RenderSetting { caster: &caster, ..*self.setting };
-        let strip = Strip { setting: &setting, rows: self.rows.clone() };
-        if Self::hands_out_at_once(setting.request) {
-            let finished = strip.finish(visibility.as_ref(), tally)?;
-            return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(setting.request, take_row);
+    /// Traces the strip and hands it out, and returns what was counted.
+    pub fn render(
+        &self,
+        picture: &PictureTracer,
+        tally: &Tally,
+        take_row: TakeRow,
+    ) -> Result<Counts, Stopped> {
+        let RenderSetting { request, .. } = *self.setting;
+        // The first of adaptive samples are traced in the rows beside, too.
+        let beside = usize::from(request.adaptive.is_some());
+        let Range { start, end } = self.traced();
+        let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
+        if Self::hands_out_at_once(request) {
+            let finished = self.finish(&tracer, tally)?;
+            return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
         }
-        strip.hand_out_one_by_one(visibility.as_ref(), tally, take_row)
+        self.hand_out_one_by_one(&tracer, tally, take_row)
     }
 
     /// Traces the rows and hands them out as soon as they are finished.
     fn hand_out_one_by_one(
         &self,
-        visibility: Option<&VisibilityBuffer>,
+        tracer: &RowsTracer,
         tally: &Tally,
         take_row: TakeRow,
-    ) -> Result<M::Counter, Stopped> {
+    ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
-            self.row(self.setting.empty_row(j, used)?, visibility, None, tally)
+            self.row(self.setting.empty_row(j, used)?, tracer, None, tally)
         };
-        let mut probe = M::Counter::default();
-        let hand_out_row = |row: &mut Row<M::Counter>| {
-            probe = std::mem::take(&mut probe).merge(std::mem::take(&mut row.probe));
+        let mut counts = Counts::default();
+        let hand_out_row = |row: &mut Row| {
+            counts = counts.merge(std::mem::take(&mut row.counts));
             hand_out(row.colors.finished(), &row.layers, request, take_row)
         };
         match delivery::in_order(self.rows.len(), tally, trace, hand_out_row)? {
             rows if rows < self.rows.len() => Err(self.cancelled_above(self.rows.end - rows)),
-            _ => Ok(probe),
+            _ => Ok(counts),
         }
     }
 
@@ -124,52 +129,18 @@ impl<'a, M: RenderMode> Strip<'a, M> {
         self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height)
     }
 
-    /// The first hits of the rays through these rows, as far as they are known.
-    fn visibility(&self) -> Option<VisibilityBuffer> {
-        let RenderSetting { camera, caster, view, request, .. } = *self.setting;
-        let Range { start, end } = self.traced();
-        // The first of adaptive samples are traced in the rows beside, too.
-        let beside = usize::from(request.adaptive.is_some());
-        let rows = start.saturating_sub(beside)..(end + beside).min(request.size[1]);
-        request.visibility::<M>(camera, caster, view, rows)
-    }
-
-    /// About the number of rays through pixels' centres that have to be cast into the bounds of the finite primitives.
-    fn unknown_rays(&self, visibility: Option<&VisibilityBuffer>) -> usize {
-        /// The number of pixels along an axis at which rays are tried.
-        const TRIED: usize = 64;
-        let RenderSetting { camera, caster, request, .. } = *self.setting;
-        let (columns, rows) = (request.columns(), self.traced());
-        if let Some(visibility) = visibility {
-            return visibility.unsure(columns);
-        }
-        if !request.measures() && !request.traces_colors::<M>() {
-            return 0;
-        }
-        let [across, along] = [columns.len(), rows.len()].map(|pixels| pixels.div_ceil(TRIED).max(1));
-        let pixels = rows.step_by(along).flat_map(|j| columns.clone().step_by(across).map(move |i| [i, j]));
-        let enter = pixels.filter(|pixel| {
-            caster.enters(&camera.ray(DVec2::from_array(pixel.map(|k| k as f64)), DVec2::ZERO))
-        });
-        enter.count() * across * along
-    }
-
     /// Traces the strip; none if the watch cancels the render.
-    fn finish(
-        &self,
-        visibility: Option<&VisibilityBuffer>,
-        tally: &Tally,
-    ) -> Result<Option<Finished<M::Counter>>, NoMemory> {
+    fn finish(&self, tracer: &RowsTracer, tally: &Tally) -> Result<Option<Finished>, NoMemory> {
         let Request { filter, size, .. } = *self.setting.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
         let mut finished = Finished {
-            probe: M::Counter::default(),
+            counts: Counts::default(),
             rows: memory::filled(Default::default(), self.rows.len())?,
         };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in self.trace(rows, visibility, tally)? {
+            for row in self.trace(rows, tracer, tally)? {
                 let Some(row) = row else { return Ok(None) };
                 finished.take(row, self, &mut film)?;
             }
@@ -194,26 +165,28 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     fn trace(
         &self,
         rows: Range<usize>,
-        visibility: Option<&VisibilityBuffer>,
+        tracer: &RowsTracer,
         tally: &Tally,
-    ) -> Result<Vec<Option<Row<M::Counter>>>, NoMemory> {
+    ) -> Result<Vec<Option<Row>>, NoMemory> {
         let RenderSetting { request, .. } = *self.setting;
-        let (first, probes) = match request.adaptive {
-            Some(_) if request.traces_colors::<M>() => match self.trace_first(&rows, visibility, tally)? {
-                Some(first) => first,
-                None => return memory::collected(rows.map(|_| None)),
-            },
+        let (first, counted) = match request.adaptive {
+            Some(_) if request.traces_colors(self.setting.tracing) => {
+                match self.trace_first(&rows, tracer, tally)? {
+                    Some(first) => first,
+                    None => return memory::collected(rows.map(|_| None)),
+                }
+            }
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
         let trace = |j| {
             let row = self.setting.empty_row(j, None)?;
-            self.row(row, visibility, self.refinement(&first, first_row, j), tally)
+            self.row(row, tracer, self.refinement(&first, first_row, j), tally)
         };
         let mut traced = in_parallel(rows.clone(), tally, trace)?;
-        for (row, probe) in traced.iter_mut().zip(probes.into_iter().skip(rows.start - first_row)) {
+        for (row, counts) in traced.iter_mut().zip(counted.into_iter().skip(rows.start - first_row)) {
             if let Some(row) = row {
-                row.probe = std::mem::take(&mut row.probe).merge(probe);
+                row.counts = row.counts.merge(counts);
             }
         }
         Ok(traced)
@@ -222,15 +195,15 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     /// Traces a row.
     fn row(
         &self,
-        empty: Row<M::Counter>,
-        visibility: Option<&VisibilityBuffer>,
+        empty: Row,
+        tracer: &RowsTracer,
         refinement: Option<Refinement>,
         tally: &Tally,
-    ) -> Result<Row<M::Counter>, NoMemory> {
+    ) -> Result<Row, NoMemory> {
         let is_shown = self.rows.contains(&empty.j);
-        let row = self.setting.row(empty, visibility, is_shown, refinement);
+        let row = self.setting.row(empty, tracer.row(), is_shown, refinement);
         if is_shown {
-            tally.row_is_done(row.probe.counts().rays());
+            tally.row_is_done(row.counts.rays());
         }
         Ok(row)
     }
@@ -239,18 +212,18 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     fn trace_first(
         &self,
         rows: &Range<usize>,
-        visibility: Option<&VisibilityBuffer>,
+        tracer: &RowsTracer,
         tally: &Tally,
-    ) -> Result<Option<FirstOfRows<M::Counter>>, NoMemory> {
+    ) -> Result<Option<FirstOfRows>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(visibility, j))?;
-        let (mut first, mut probes) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(tracer.row(), j))?;
+        let (mut first, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
         for row in traced {
-            let Some((samples, probe)) = row else { return Ok(None) };
+            let Some((samples, counts)) = row else { return Ok(None) };
             first.push(samples);
-            probes.push(probe);
+            counted.push(counts);
         }
-        Ok(Some((first, probes)))
+        Ok(Some((first, counted)))
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
@@ -268,17 +241,12 @@ impl<'a, M: RenderMode> Strip<'a, M> {
     }
 }
 
-impl<P: Probe> Finished<P> {
-    fn take<M: RenderMode>(
-        &mut self,
-        row: Row<P>,
-        strip: &Strip<M>,
-        film: &mut Film,
-    ) -> Result<(), NoMemory> {
+impl Finished {
+    fn take(&mut self, row: Row, strip: &Strip, film: &mut Film) -> Result<(), NoMemory> {
         let RenderSetting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
-            self.probe = std::mem::take(&mut self.probe).merge(row.probe);
+            self.counts = self.counts.merge(row.counts);
             self.rows[i].1 = row.layers;
         }
         match row.colors {
@@ -299,11 +267,11 @@ impl<P: Probe> Finished<P> {
         }
     }
 
-    /// Hands out the rows from the top, and returns the probe.
-    fn hand_out(self, request: &Request, take_row: TakeRow) -> Result<P, Stopped> {
+    /// Hands out the rows from the top, and returns what was counted.
+    fn hand_out(self, request: &Request, take_row: TakeRow) -> Result<Counts, Stopped> {
         let mut rows = self.rows.iter().rev();
         rows.try_for_each(|(colors, layers)| hand_out(colors, layers, request, take_row))?;
-        Ok(self.probe)
+        Ok(self.counts)
     }
 }
 

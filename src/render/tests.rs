@@ -36,21 +36,22 @@ fn jittered(count: u32) -> Sampler {
 }
 
 /// What a render hands out: its result, and the layer and the colours of each row.
-type HandedOut<M> = (Result<<M as RenderMode>::Counter, Stopped>, Vec<(usize, Vec<Color>)>);
+type HandedOut = (Result<Counts, Stopped>, Vec<(usize, Vec<Color>)>);
 
 /// Renders a scene on one thread, so that the heights of strips are the same on every machine.
-fn render_scene<M: RenderMode>(
+fn render_scene(
     text: &str,
     request: &Request,
+    tracing: Tracing,
     watch: Watch,
     take_row: TakeRow,
-) -> Result<M::Counter, Stopped> {
+) -> Result<Counts, Stopped> {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap().in_mode::<M>();
+    let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    pool.install(|| render(&camera, &caster, View::Scene, request, watch, take_row))
+    pool.install(|| render((&camera, &caster), View::Scene, request, tracing, watch, take_row))
 }
 
 fn goes_on(_: Progress) -> ControlFlow<()> {
@@ -58,13 +59,13 @@ fn goes_on(_: Progress) -> ControlFlow<()> {
 }
 
 /// All rows of a render, until `fails_at` rows have been taken.
-fn rows<M: RenderMode>(text: &str, request: &Request, fails_at: usize) -> HandedOut<M> {
+fn rows(text: &str, request: &Request, tracing: Tracing, fails_at: usize) -> HandedOut {
     let mut rows = vec![];
     let mut take_row = |layer: usize, colors: &[Color]| {
         rows.push((layer, colors.to_vec()));
         if rows.len() == fails_at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let result = render_scene::<M>(text, request, &goes_on, &mut take_row);
+    let result = render_scene(text, request, tracing, &goes_on, &mut take_row);
     (result, rows)
 }
 
@@ -73,7 +74,7 @@ fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    render_in_memory(&camera, &caster, View::Scene, request).unwrap().0
+    render_in_memory((&camera, &caster), View::Scene, request, Tracing::Fast).unwrap().0
 }
 
 /// The part of a picture that a window shows, where each pixel is a square of `zoom` by `zoom`.
@@ -147,7 +148,7 @@ fn a_window_without_pixels_is_refused() {
     for (layer, size) in [(Layer::Color, [0, 2]), (Layer::Samples { zoom: 7 }, [0, 14])] {
         let request = request(layer, Some(Window { x: 5, y: 1, width: 3, height: 2 }));
         let camera = Camera::new(&text.camera, request.size);
-        let result = render_in_memory(&camera, &caster, View::Scene, &request);
+        let result = render_in_memory((&camera, &caster), View::Scene, &request, Tracing::Fast);
         assert_eq!(result.err(), Some(BadSize { width: size[0], height: size[1] }));
     }
 }
@@ -170,7 +171,7 @@ fn hashes(request: &Request) -> [Vec<u64>; 2] {
         hashes[layer].push(hash(row));
         ControlFlow::Continue(())
     };
-    render_scene::<Fast>(&scene(SPHERE), request, &goes_on, &mut take_row).unwrap();
+    render_scene(&scene(SPHERE), request, Tracing::Fast, &goes_on, &mut take_row).unwrap();
     hashes
 }
 
@@ -214,7 +215,7 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
             taken += layer;
             ControlFlow::Continue(())
         };
-        let result = render_scene::<Fast>(&scene(""), &request, &watch, &mut take_row);
+        let result = render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row);
         let expected = (handed_out < LARGE_SIZE[1]).then_some(Stopped::Cancelled { rows: handed_out });
         assert_eq!((result.err(), taken), (expected, handed_out), "{last}");
         let expected: Vec<_> = (1..=last.min(LARGE_SIZE[1]))
@@ -228,11 +229,12 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
 #[test]
 fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
     let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
-    let (result, whole) = rows::<Course>(&scene(SPHERE), &request, usize::MAX);
+    let (result, whole) = rows(&scene(SPHERE), &request, Tracing::Counted, usize::MAX);
     assert_eq!(result.map(|counts| counts.non_shadow_rays), Ok(450));
     for (y, row) in whole.iter().enumerate() {
         let window = Some(Window { x: 0, y, width: 3, height: 1 });
-        let alone = rows::<Course>(&scene(SPHERE), &Request { window, ..request.clone() }, usize::MAX);
+        let alone =
+            rows(&scene(SPHERE), &Request { window, ..request.clone() }, Tracing::Counted, usize::MAX);
         assert_eq!(alone.1, std::slice::from_ref(row), "{y}");
     }
     for last in [1, 63, 64, 65, 129] {
@@ -244,7 +246,7 @@ fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
             taken += 1;
             ControlFlow::Continue(())
         };
-        let result = render_scene::<Fast>(&scene(""), &request, &watch, &mut take_row);
+        let result = render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row);
         // Rows in flight are finished.
         assert!((last..last + rayon::current_num_threads()).contains(&taken), "{last} {taken}");
         assert_eq!(result.err(), Some(Stopped::Cancelled { rows: taken }), "{last}");
@@ -260,7 +262,7 @@ fn the_progress_tells_the_rays_that_are_counted() {
         ControlFlow::Continue(())
     };
     let mut take_row = |_: usize, _: &[Color]| ControlFlow::Continue(());
-    render_scene::<Fast>(&scene(""), &request, &watch, &mut take_row).unwrap();
+    render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row).unwrap();
     let last = told.into_inner().unwrap().into_iter().max();
     assert_eq!(last, Some((40, 5 * 40 * 3)));
 }
@@ -272,7 +274,7 @@ fn a_row_that_is_not_taken_ends_the_render() {
     // The seven columns and nine rows of the filter come first, then the layers of each row of pixels.
     let order: Vec<usize> = [vec![1; 9], [0, 0, 2].repeat(4)].concat();
     let order_of = |rows: &[(usize, Vec<Color>)]| rows.iter().map(|(layer, _)| *layer).collect::<Vec<_>>();
-    let (result, all) = rows::<Fast>(&scene(""), &request, usize::MAX);
+    let (result, all) = rows(&scene(""), &request, Tracing::Fast, usize::MAX);
     assert!(result.is_ok());
     assert_eq!(order_of(&all), order);
     assert_eq!(
@@ -280,7 +282,7 @@ fn a_row_that_is_not_taken_ends_the_render() {
         [vec![7; 9], [6, 6, 3].repeat(4)].concat()
     );
     for count in 1..=order.len() {
-        let (result, taken) = rows::<Fast>(&scene(""), &request, count);
+        let (result, taken) = rows(&scene(""), &request, Tracing::Fast, count);
         assert_eq!(result.err(), Some(Stopped::Output));
         assert_eq!(taken, all[..count]);
     }
@@ -298,13 +300,13 @@ fn the_counts_of_every_strip_are_added_up_once() {
         [(Sampler::CENTER, Filter::PIXEL, 1), (jittered(3), Filter::Tent { radius: 1.4 }, 3)]
     {
         let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
-        let (result, _) = rows::<Course>(&scene(""), &request, usize::MAX);
-        assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 30 * samples);
-        let (rays, _) = rows::<Fast>(&scene(""), &request, usize::MAX);
-        assert_eq!(rays.unwrap().counts().rays(), 40 * 30 * samples);
+        let (result, _) = rows(&scene(""), &request, Tracing::Counted, usize::MAX);
+        assert_eq!(result.unwrap().non_shadow_rays, 40 * 30 * samples);
+        let (rays, _) = rows(&scene(""), &request, Tracing::Fast, usize::MAX);
+        assert_eq!(rays.unwrap().rays(), 40 * 30 * samples);
         // Where the filter reaches beyond a window, samples around it are traced but only its rows count.
         let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
-        let (result, _) = rows::<Course>(&scene(""), &Request { window, ..request }, usize::MAX);
-        assert_eq!(result.unwrap().counts().non_shadow_rays, 40 * 2 * samples);
+        let (result, _) = rows(&scene(""), &Request { window, ..request }, Tracing::Counted, usize::MAX);
+        assert_eq!(result.unwrap().non_shadow_rays, 40 * 2 * samples);
     }
 }

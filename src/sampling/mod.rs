@@ -2,6 +2,7 @@
 //! up.
 
 pub mod adaptive;
+pub mod sample_packet;
 pub mod drand48;
 pub mod filter;
 pub mod sum;

@@ -83,6 +83,12 @@ impl PointMaterial<'_> {
         light.color * reflected
     }
 
+    /// Whether [`reflect`](Self::reflect) returns anything but black.
+    #[inline(always)]
+    pub fn shows(&self, light: &Incident, cosine: f64) -> bool {
+        cosine > 0.0 && !self.is_black() && light.color != Color::ZERO
+    }
+
     /// The diffuse and the specular part of what [`reflect`](Self::reflect) returns, for whoever wants to know.
     pub fn parts(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> [Color; 2] {
         [self.phong.diffuse * cosine, self.specular(light.direction, normal, to_viewer)]

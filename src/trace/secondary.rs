@@ -1,19 +1,17 @@
 //! Secondary rays: which ones leave a surface.
 
-use super::event::{Event, Observer, PathEnd, Secondary};
-use super::optics::{is_critical, reflected, refracted_between};
-use super::{Lit, Tracer};
+use super::observer::{Event, Observer, PathEnd, Secondary};
+use super::optics::refracted_between;
+use super::rules::{Departure, Rules};
+use super::{Arrival, Tracer};
 use crate::math::ray::Ray;
-use crate::math::robust::offset_origin;
-use crate::mode::Mode;
 use crate::scene::Color;
 use crate::scene::limits::BRIGHTEST;
-use crate::world::SurfacePoint;
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
+pub(crate) struct Path {
     /// The factor by which its colour contributes to the picture.
     pub filter: Color,
     /// The product of the lengths of the colours along the path, which is the weight in the course's program.
@@ -30,95 +28,108 @@ impl Path {
 
 /// A secondary ray that has not been traced yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SecondaryRay {
+pub(crate) struct SecondaryRay {
     pub ray: Ray,
     /// The primitive that the ray leaves.
     pub leaves: Option<u32>,
     pub path: Path,
 }
 
-impl<M: Mode> Tracer<'_, M> {
+impl<R: Rules> Tracer<'_, R> {
+    /// Pushes the reflected ray, if one is followed.
     #[inline(always)]
-    pub(super) fn secondary(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
-        Ray::new(
-            offset_origin(surface.position, surface.normal, direction, self.world().max_abs_coord),
-            direction,
-        )
-    }
-
-    #[inline(always)]
-    pub(super) fn reflect<P: Observer>(
+    pub(crate) fn reflect<O: Observer>(
         &self,
         path: &Path,
-        lit: &Lit,
+        arrival: &Arrival,
         pending: &mut Vec<SecondaryRay>,
-        probe: &mut P,
+        observer: &mut O,
     ) {
-        let color = lit.material.phong.reflective;
-        let Some((filter, weight)) = self.filter_and_weight(path, color) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Reflected.ends(too_light(path, color)));
-            }
-            return;
-        };
-        let ray = self.secondary(&lit.surface, reflected(lit.direction, lit.surface.normal));
+        let kind = Secondary::Reflected;
+        let color = arrival.material.phong.reflective;
+        let branch = self.filter_and_weight(path, color);
+        let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
+        let direction = self.rules.reflected(arrival.direction, arrival.surface.normal);
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        if P::OBSERVES {
-            let exclude = lit.surface.triangle;
-            probe.observe(Event::Pushed { kind: Secondary::Reflected, ray, exclude, filter, weight });
-        }
-        pending.push(SecondaryRay { ray, leaves: lit.surface.primitive, path });
+        pending.push(self.branch(kind, arrival, direction, path, observer));
     }
 
+    /// Pushes the refracted ray, if one is followed.
     #[inline(always)]
-    pub(super) fn refract<P: Observer>(
+    pub(crate) fn refract<O: Observer>(
         &self,
         path: &Path,
-        lit: &Lit,
+        arrival: &Arrival,
         pending: &mut Vec<SecondaryRay>,
-        probe: &mut P,
+        observer: &mut O,
     ) {
-        let material = lit.material.phong;
-        let Some((filter, weight)) = self.filter_and_weight(path, material.transparent) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Refracted.ends(too_light(path, material.transparent)));
-            }
-            return;
-        };
-        let (d, n) = (lit.direction, lit.surface.normal);
-        let entering = d.dot(n) < 0.0;
-        let (normal, index) = if entering { (n, material.index_of_refraction) } else { (-n, 1.0) };
+        let kind = Secondary::Refracted;
+        let material = arrival.material.phong;
+        let branch = self.filter_and_weight(path, material.transparent);
+        let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
+        let (direction, normal) = (arrival.direction, arrival.surface.normal);
+        let is_entering = direction.dot(normal) < 0.0;
+        let (against, index) =
+            if is_entering { (normal, material.index_of_refraction) } else { (-normal, 1.0) };
         let indices = [path.index, index];
-        if P::OBSERVES && is_critical(d, normal, indices) {
-            probe.observe(Event::Critical);
-        }
-        let primitive = lit.surface.primitive;
-        let precise_normal = || self.world().precise_normal(primitive, n);
-        let Some(direction) = refracted_between(d, normal, indices, precise_normal) else {
-            if P::OBSERVES {
-                probe.observe(Secondary::Refracted.ends(PathEnd::TotalReflection));
-            }
+        observer.observe(|| Event::Refracting { direction, normal: against, indices });
+        let primitive = arrival.surface.primitive;
+        let precise_normal = || self.world().precise_normal(primitive, normal);
+        let refracted = refracted_between(direction, against, indices, precise_normal);
+        let Some(direction) = refracted.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
             return;
         };
-        let ray = self.secondary(&lit.surface, direction);
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        if P::OBSERVES {
-            let exclude = lit.surface.triangle;
-            probe.observe(Event::Pushed { kind: Secondary::Refracted, ray, exclude, filter, weight });
-        }
-        pending.push(SecondaryRay { ray, leaves: lit.surface.primitive, path });
+        pending.push(self.branch(kind, arrival, direction, path, observer));
     }
 
-    /// The filter and the weight of a secondary ray, if its weight is large enough for it to be traced.
     #[inline(always)]
-    fn filter_and_weight(&self, path: &Path, color: Color) -> Option<(Color, f64)> {
+    fn branch<O: Observer>(
+        &self,
+        kind: Secondary,
+        arrival: &Arrival,
+        direction: DVec3,
+        path: Path,
+        observer: &mut O,
+    ) -> SecondaryRay {
+        let (ray, leaves) = self.rules.departing(Departure::Secondary(kind), &arrival.surface, direction);
+        let Path { filter, weight, .. } = path;
+        let exclude = arrival.surface.triangle;
+        observer.observe(|| Event::Pushed { kind, ray, exclude, filter, weight });
+        SecondaryRay { ray, leaves, path }
+    }
+
+    /// The filter and the weight of a secondary ray, if it is traced.
+    #[inline(always)]
+    fn filter_and_weight(&self, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
+        if path.bounces >= self.effects.bounces {
+            return Err(PathEnd::of(color, PathEnd::Bounces));
+        }
         let weight = path.weight * color.length();
-        let bound = Color::splat(BRIGHTEST);
-        (weight > self.effects.min_weight).then(|| ((path.filter * color).clamp(-bound, bound), weight))
+        if weight > self.effects.min_weight {
+            let bound = Color::splat(BRIGHTEST);
+            Ok(((path.filter * color).clamp(-bound, bound), weight))
+        } else {
+            Err(PathEnd::of(color, PathEnd::Weight { weight }))
+        }
     }
 }
 
-/// Why a secondary ray ends that weighs too little, or nothing at all.
-fn too_light(path: &Path, color: Color) -> PathEnd {
-    PathEnd::of(color, PathEnd::Weight { weight: path.weight * color.length() })
+/// A step on the way of a secondary ray, or its end.
+trait OrEnd<T> {
+    /// The step, if there is one. Otherwise the observer is told why no ray of this kind is followed.
+    fn or_end<O: Observer>(self, kind: Secondary, observer: &mut O) -> Option<T>;
+}
+
+impl<T> OrEnd<T> for Result<T, PathEnd> {
+    #[inline(always)]
+    fn or_end<O: Observer>(self, kind: Secondary, observer: &mut O) -> Option<T> {
+        match self {
+            Ok(step) => Some(step),
+            Err(end) => {
+                observer.observe(|| Event::NotFollowed { kind, end });
+                None
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Scenes whose colours can be computed by hand from the laws of optics.
 
 use super::*;
-use crate::mode::Course;
+use crate::grid::Caster;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 use glam::DVec3;
@@ -29,18 +29,16 @@ impl Setting {
         Self { world, effects }
     }
 
-    fn seen_by<M: Mode>(&self, ray: &Ray, probe: &mut impl Observer) -> Color {
-        let caster = Caster::new(&self.world, None).unwrap().in_mode::<M>();
-        let surface = caster.closest(ray, probe).map(|hit| self.world.surface(ray, &hit));
-        let tracer = Tracer { caster: &caster, effects: self.effects, shadow_maps: None };
-        tracer.color(ray, surface.as_ref(), &mut Memory::default(), probe)
+    fn seen_by(&self, ray: &Ray, observer: &mut impl Observer) -> Color {
+        let caster = Caster::new(&self.world, None).unwrap();
+        Tracer { rules: &caster, effects: self.effects }.color(ray, observer)
     }
 
-    /// The colour seen from a point in a direction, which is the same in every mode.
+    /// The colour seen from a point in a direction, which is the same whether it is counted or not.
     fn seen(&self, origin: [f64; 3], direction: [f64; 3]) -> Color {
         let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
-        let color = self.seen_by::<Fast>(&ray, &mut Quiet);
-        assert_eq!(self.seen_by::<Course>(&ray, &mut Counts::default()), color);
+        let color = self.seen_by(&ray, &mut Quiet);
+        assert_eq!(self.seen_by(&ray, &mut Counts::default()), color);
         color
     }
 
@@ -49,9 +47,8 @@ impl Setting {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface =
             SurfacePoint { position: DVec3::ZERO, normal, material: 0, primitive: None, triangle: None };
-        let tracer = Tracer { caster: &caster, effects: self.effects, shadow_maps: None };
-        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        tracer.color(&ray, Some(&surface), &mut Memory::default(), &mut Quiet)
+        let tracer = Tracer { rules: &caster, effects: self.effects };
+        tracer.color_of(&Ray::new(DVec3::Z, DVec3::NEG_Z), Some(surface), &mut Quiet)
     }
 }
 
@@ -129,15 +126,12 @@ fn a_transparent_object_tints_light_by_the_length_of_its_path_inside() {
 }
 
 #[test]
-fn only_the_course_casts_a_shadow_ray_to_a_light_behind_the_surface() {
+fn as_in_the_course_a_shadow_ray_is_cast_to_a_light_behind_the_surface() {
     let below = "DirectionalLight { direction 0 1 0 color 1 1 1 }";
-    let (mut as_course, mut fast) = (Counts::default(), Counts::default());
-    let ray = Ray::new(DVec3::Y, DVec3::NEG_Y);
+    let mut counts = Counts::default();
     let setting = Setting::new(&[SUN, below].concat(), FLOOR, with(Shadows::Opaque));
-    setting.seen_by::<Course>(&ray, &mut as_course);
-    setting.seen_by::<Fast>(&ray, &mut fast);
-    assert_eq!((as_course.shadow_rays, as_course.non_shadow_rays), (2, 0));
-    assert_eq!((fast.shadow_rays, fast.non_shadow_rays), (1, 0));
+    setting.seen_by(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
+    assert_eq!((counts.shadow_rays, counts.non_shadow_rays), (2, 0));
 }
 
 #[test]
@@ -158,7 +152,7 @@ fn mirrors_reflect_as_often_as_there_are_bounces_and_the_weight_allows() {
         assert_eq!(red(Effects { min_weight, ..bounces(3) }), sum, "{min_weight}");
     }
     let mut counts = Counts::default();
-    Setting::new("", hall, bounces(3)).seen_by::<Course>(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
+    Setting::new("", hall, bounces(3)).seen_by(&Ray::new(DVec3::Y, DVec3::NEG_Y), &mut counts);
     assert_eq!(counts.non_shadow_rays, 3);
 }
 
@@ -246,15 +240,13 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let caster = Caster::new(&world, None).unwrap();
         let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
-        let tracer = Tracer { caster: &caster, effects, shadow_maps: None };
+        let tracer = Tracer { rules: &caster, effects };
         let (light, mut within) = (DVec3::from_array(light), 0);
         for i in 0..400 {
             let turn = f64::from(i);
             let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
             let ray = Ray::new(target + 0.5 * DVec3::Z, -DVec3::Z);
-            let hit = caster.closest(&ray, &mut Quiet).unwrap();
-            let surface = world.surface(&ray, &hit);
-            let color = tracer.color(&ray, Some(&surface), &mut Memory::default(), &mut Quiet);
+            let color = tracer.color(&ray, &mut Quiet);
             // The part of the way from 0 at the floor to 1 at the light that lies between the box's sides.
             let way = light - target;
             let [a, b] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - target) / way);

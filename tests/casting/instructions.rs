@@ -7,7 +7,6 @@ use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::packet::PacketRay;
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray, Visible};
-use raytracer::mode::Course;
 use raytracer::stats::{Counts, Quiet};
 
 const OBJECTS: [&str; 4] = [
@@ -59,11 +58,7 @@ fn hits_depend_neither_on_instructions_nor_on_rule() {
                 for (ray, hit) in &expected[..single] {
                     let context = (instructions, rule, cells, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
-                    assert_eq!(
-                        caster.in_mode::<Course>().closest(ray, &mut Counts::default()),
-                        *hit,
-                        "{context:?}"
-                    );
+                    assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
                 // Without a grid packets are traced as single rays, and in a single cell they are slow.
@@ -101,12 +96,11 @@ fn what_is_tested_first_changes_no_answer() {
 fn the_course_tests_a_sphere_where_it_comes_to_it() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
     let caster = Caster::with(&world, GridOptions::uniform(FINE), Instructions::available()[0]).unwrap();
-    let as_course = caster.in_mode::<Course>();
     let sphere = world.triangles.len() as u32;
     for ray in rays().take(3000) {
         let [plain, leaving] = [None, Some(sphere)].map(|leaves| {
             let mut counts = Counts::default();
-            (as_course.nearest(&ray, leaves, &mut counts), counts)
+            (caster.nearest(&ray, leaves, &mut counts), counts)
         });
         assert_eq!(plain, leaving, "{ray:?}");
     }
@@ -153,7 +147,7 @@ fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hi
         // A value that every packet must overwrite.
         let wrong = Some(Visible { primitive: u32::MAX, t_bound: 0.0 });
         let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
-        caster.nearest_of_packet(&mut asked, &mut Quiet);
+        caster.nearest_of_packet(&mut asked);
         for Asked(ray, visible) in asked {
             assert_eq!(visible, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
         }
@@ -168,7 +162,7 @@ fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hi
         let leaving = now.iter().enumerate();
         let leaving = leaving.map(|(k, (ray, hit))| Leaving(Asked(*ray, wrong), left(k + rest.len(), hit)));
         let mut leaving: Vec<Leaving> = leaving.collect();
-        caster.nearest_of_packet(&mut leaving, &mut Quiet);
+        caster.nearest_of_packet(&mut leaving);
         for Leaving(Asked(ray, visible), left) in leaving {
             assert_eq!(visible, caster.nearest(&ray, left, &mut Quiet), "{left:?} {ray:?}");
         }

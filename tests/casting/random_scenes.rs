@@ -12,10 +12,9 @@ use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
-use raytracer::mode::{Course, Mode};
-use raytracer::render::RenderMode;
+use raytracer::render::Tracing;
 use raytracer::scene::Scene;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::{Counts, Probe, Quiet};
 use raytracer::world::World;
 
 /// The same rays, with their directions scaled by a power of two to a length of about one, like those of the
@@ -36,13 +35,13 @@ fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
 }
 
 /// The bytes of every layer with every effect, and how many of their colours are not numbers.
-fn pictures<M: RenderMode>(scene: &Scene, caster: &Caster<M>) -> (Vec<u8>, u64) {
-    bytes_and_nans(scene, caster, [12, 9], [0.5, 6.0])
+fn pictures(scene: &Scene, caster: &Caster, tracing: Tracing) -> (Vec<u8>, u64) {
+    bytes_and_nans(scene, caster, tracing, [12, 9], [0.5, 6.0])
 }
 
 /// A ray's nearest hit. An error if the query for any hit disagrees.
-fn hit<M: Mode>(caster: &Caster<M>, ray: &Ray) -> Result<Option<Hit>, TestCaseError> {
-    let hit = caster.closest(ray, &mut Counts::default());
+fn hit(caster: &Caster, ray: &Ray, probe: &mut impl Probe) -> Result<Option<Hit>, TestCaseError> {
+    let hit = caster.closest(ray, probe);
     prop_assert_eq!(hit.is_some(), caster.any(ray, &mut Quiet), "{:?}: any", ray);
     Ok(hit)
 }
@@ -65,28 +64,27 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
         ways.map(|(options, instructions)| Caster::with(&world, options, instructions).expect("small grids"));
     let rule = CellRule::Course { is_bounded: false };
     let as_course = [None, Some(cells)]
-        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"))
-        .map(|caster| caster.in_mode::<Course>());
+        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"));
     let aimed = aimed(rays, &world);
     for ray in rays.iter().chain(&of_unit_length(aimed)) {
-        let expected = hit(&plain, ray)?;
+        let expected = hit(&plain, ray, &mut Quiet)?;
         prop_assert!(expected.is_none_or(|hit| hit.t.is_finite()), "{ray:?}: {expected:?}");
         for (caster, way) in casters.iter().zip(&ways) {
-            let found = hit(caster, ray)?;
+            let found = hit(caster, ray, &mut Quiet)?;
             prop_assert!(found == expected, "{ray:?}: {way:?} {found:?}, without a grid {expected:?}");
         }
         for caster in &as_course {
-            let found = hit(caster, ray)?;
-            prop_assert!(found == expected, "{ray:?}: in the course's mode {found:?}, else {expected:?}");
+            let found = hit(caster, ray, &mut Counts::default())?;
+            prop_assert!(found == expected, "{ray:?}: counted {found:?}, else {expected:?}");
         }
     }
-    let expected = pictures(scene, &plain);
+    let expected = pictures(scene, &plain, Tracing::Fast);
     prop_assert_eq!(expected.1, 0, "colours that are not numbers");
     for (caster, way) in casters.iter().zip(&ways) {
-        prop_assert!(pictures(scene, caster) == expected, "the pictures differ: {way:?}");
+        prop_assert!(pictures(scene, caster, Tracing::Fast) == expected, "the pictures differ: {way:?}");
     }
     for caster in &as_course {
-        prop_assert!(pictures(scene, caster) == expected, "the course's mode changes the pictures");
+        prop_assert!(pictures(scene, caster, Tracing::Counted) == expected, "counting changes the pictures");
     }
     Ok(())
 }

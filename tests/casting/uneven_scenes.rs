@@ -7,7 +7,6 @@ use raytracer::camera::Camera;
 use raytracer::grid::options::{CellRule, GridOptions, cubic};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
-use raytracer::mode::Course;
 use raytracer::scene_io::load;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
@@ -72,11 +71,7 @@ fn grids_within_cells_give_the_hits_that_testing_everything_gives() {
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
                     assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{size} {ray:?}");
-                    assert_eq!(
-                        caster.in_mode::<Course>().closest(&ray, &mut Counts::default()),
-                        expected,
-                        "{size} {ray:?}"
-                    );
+                    assert_eq!(caster.closest(&ray, &mut Counts::default()), expected, "{size} {ray:?}");
                     assert_eq!(caster.any(&ray, &mut Quiet), expected.is_some(), "{size} {ray:?}");
                 }
             }
@@ -112,7 +107,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
 
 /// The cost of the rays: the cells visited, and the blocks of eight tested, which take five times as long.
 fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
-    let (caster, mut probe) = (caster.in_mode::<Course>(), Counts::default());
+    let mut probe = Counts::default();
     rays.for_each(|ray| {
         caster.closest(&ray, &mut probe);
     });

@@ -8,7 +8,6 @@ use crate::support::rng::Rng;
 use glam::DVec3;
 use raytracer::grid::Caster;
 use raytracer::math::ray::{Ray, Visible};
-use raytracer::mode::Course;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::{Primitive, World};
 
@@ -146,7 +145,7 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
         let found = [
             casters[0].closest(&ray, &mut Quiet),
             casters[1].closest(&ray, &mut Quiet),
-            casters[1].in_mode::<Course>().closest(&ray, &mut Counts::default()),
+            casters[1].closest(&ray, &mut Counts::default()),
         ];
         let wrong = found.iter().any(|hit| hit.map(|hit| hit.primitive) != first);
         failures.note(wrong, || {

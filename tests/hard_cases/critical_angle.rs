@@ -14,7 +14,7 @@ use raytracer::math::ray::Ray;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{Color, Object};
 use raytracer::stats::{Counts, Quiet};
-use raytracer::trace::{Effects, Memory, Tracer};
+use raytracer::trace::{Effects, Tracer};
 use raytracer::world::World;
 
 type Exact3 = [BigRational; 3];
@@ -62,9 +62,8 @@ fn is_transmitted(object: &Object, index: f64, ray: &Ray) -> Option<bool> {
     let hit = caster.closest(ray, &mut Quiet)?;
     let surface = world.surface(ray, &hit);
     let effects = Effects { bounces: 1, shade_back: true, ..Effects::default() };
-    let tracer = Tracer { caster: &caster, effects, shadow_maps: None };
     let mut counts = Counts::default();
-    tracer.color(ray, Some(&surface), &mut Memory::default(), &mut counts);
+    Tracer { rules: &caster, effects }.color_of(ray, Some(surface), &mut counts);
     Some(counts.non_shadow_rays > 0)
 }
 

@@ -69,7 +69,7 @@ fn in_packet(caster: &Caster, ray: &Ray) -> Option<Hit> {
         }
     }
     let mut asked = [Asked(ray, None)];
-    caster.nearest_of_packet(&mut asked, &mut Quiet);
+    caster.nearest_of_packet(&mut asked);
     asked[0].1.map(|visible| caster.world.hit(ray, visible))
 }
 

@@ -10,8 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::mode::Course;
-use raytracer::render::{Layer, Request, View, render_in_memory};
+use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{self, Light, Object, Position, Scene};
 use raytracer::stats::{Counts, Quiet};
@@ -99,7 +98,7 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
 /// The number of tests and cells for hostile rays over that for ordinary ones, with a grid.
 fn extra_work() -> f64 {
     let world = World::new(&ordinary_scene(), &[mesh("bunny_5k.obj")]).expect("a sound scene");
-    let caster = Caster::new(&world, Some([20; 3])).expect("a grid").in_mode::<Course>();
+    let caster = Caster::new(&world, Some([20; 3])).expect("a grid");
     let work = |is_hostile: bool| {
         let mut counts = Counts::default();
         for index in 0..1500 {
@@ -191,7 +190,7 @@ fn nans_of_hostile_scene(index: u64) -> Option<u64> {
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let layers = vec![Layer::Color, Layer::Depth { near: 1.0, far: 5.0 }, Layer::Normals];
     let request = Request { effects, layers, ..Request::new([3, 3]) };
-    Some(layers_and_nans(&Camera::new(&scene.camera, [3, 3]), &caster, &request).1)
+    Some(layers_and_nans(&Camera::new(&scene.camera, [3, 3]), &caster, &request, Tracing::Fast).1)
 }
 
 /// The number of pictures that change when every vector of which only the direction matters is scaled to an
@@ -262,7 +261,7 @@ fn a_picture_without_size_is_an_error() {
     let caster = Caster::new(&world, None).expect("no grid");
     for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
         let camera = Camera::new(&ordinary_scene().camera, size);
-        let rendered = render_in_memory(&camera, &caster, View::Scene, &Request::new(size));
+        let rendered = render_in_memory((&camera, &caster), View::Scene, &Request::new(size), Tracing::Fast);
         assert!(rendered.is_err(), "{size:?}");
     }
 }
@@ -276,7 +275,7 @@ fn a_background_that_is_nan_is_refused_and_counted() {
     world.background = scene.background.color;
     let caster = Caster::new(&world, Some([2; 3])).expect("no grid is built");
     let camera = Camera::new(&scene.camera, [7, 5]);
-    assert_eq!(layers_and_nans(&camera, &caster, &Request::new([7, 5])).1, 35);
+    assert_eq!(layers_and_nans(&camera, &caster, &Request::new([7, 5]), Tracing::Fast).1, 35);
 }
 
 fn without_lights_the_ambient_light_is_white() {

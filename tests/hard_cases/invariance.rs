@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::mode::Course;
+use raytracer::render::Tracing;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -231,7 +231,7 @@ fn rays_that_are_counted_make_the_same_picture() {
     same_pictures(&[None, Some([9, 8, 7])], |scene, &cells| {
         let world = scene.world();
         let caster = Caster::new(&world, cells).expect("a small grid");
-        render_with(scene, &caster.in_mode::<Course>(), 0)
+        render_with(scene, &caster, Tracing::Counted, 0)
     });
 }
 

@@ -13,11 +13,10 @@ use raytracer::grid::Caster;
 use raytracer::grid::options::GridOptions;
 use raytracer::math::instructions::Instructions;
 use raytracer::math::ray::Ray;
-use raytracer::mode::{Course, Mode};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Position};
-use raytracer::stats::Quiet;
-use raytracer::trace::{Effects, Memory, Shadows, Tracer};
+use raytracer::stats::{Counts, Quiet};
+use raytracer::trace::{Effects, Observer, Shadows, Tracer};
 use raytracer::world::World;
 
 /// A fan of four triangles around a corner, which is shared by all of them, and open at its rim.
@@ -128,7 +127,7 @@ impl Lit {
         Self { world, plane: normal.normalize() }
     }
 
-    /// Whether each of these points of the plane is lit, in both modes and with all instructions; none where something
+    /// Whether each of these points of the plane is lit, counted and not, and with all instructions; none where something
     /// else is in front of the plane.
     fn are_lit(&self, targets: &[DVec3], size: f64) -> Vec<Option<bool>> {
         let ray = |target: &DVec3| Ray::new(*target + 1e-3 * size * self.plane, -self.plane);
@@ -136,9 +135,11 @@ impl Lit {
         for instructions in Instructions::available() {
             for cells in [GridOptions::NONE, GridOptions::uniform([4, 5, 6])] {
                 let caster = Caster::with(&self.world, cells, instructions).expect("a grid");
-                let course = caster.in_mode::<Course>();
-                found.push(targets.iter().map(|target| self.color(&caster, &ray(target))).collect());
-                found.push(targets.iter().map(|target| self.color(&course, &ray(target))).collect());
+                found.push(
+                    targets.iter().map(|target| self.color(&caster, &ray(target), &mut Quiet)).collect(),
+                );
+                let counts = &mut Counts::default();
+                found.push(targets.iter().map(|target| self.color(&caster, &ray(target), counts)).collect());
             }
         }
         let [first, others @ ..] = found.as_slice() else { unreachable!("some instructions") };
@@ -146,13 +147,11 @@ impl Lit {
         first.iter().map(|color| color.map(|color| color != DVec3::ZERO)).collect()
     }
 
-    fn color<M: Mode>(&self, caster: &Caster<M>, ray: &Ray) -> Option<DVec3> {
+    fn color(&self, caster: &Caster, ray: &Ray, observer: &mut impl Observer) -> Option<DVec3> {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
         let hit = caster.closest(ray, &mut Quiet)?;
         let is_plane = hit.primitive as usize == self.world.finite_count();
-        let surface = self.world.surface(ray, &hit);
-        let tracer = Tracer { caster, effects, shadow_maps: None };
-        is_plane.then(|| tracer.color(ray, Some(&surface), &mut Memory::default(), &mut Quiet))
+        is_plane.then(|| Tracer { rules: caster, effects }.color(ray, observer))
     }
 }
 

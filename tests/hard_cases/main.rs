@@ -18,7 +18,9 @@ mod lights_on_triangles;
 mod near_lights;
 mod offsets;
 mod planes;
+#[cfg(feature = "fast")]
 mod raster;
+#[cfg(feature = "fast")]
 mod raster_parallel;
 mod secondary_rays;
 mod shading;

@@ -12,7 +12,7 @@ use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::stats::Quiet;
-use raytracer::trace::{Effects, Memory, Shadows, Tracer};
+use raytracer::trace::{Effects, Shadows, Tracer};
 
 fn point_light(position: DVec3) -> Light {
     Light::Point { position, color: DVec3::ONE, attenuation: [1.0, 0.0, 0.0] }
@@ -24,14 +24,8 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let world = world_with(vec![object.clone()], vec![light], &[]);
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
-    let hit = caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
-    let surface = world.surface(ray, &hit);
-    Tracer { caster: &caster, effects, shadow_maps: None }.color(
-        ray,
-        Some(&surface),
-        &mut Memory::default(),
-        &mut Quiet,
-    )
+    caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
+    Tracer { rules: &caster, effects }.color(ray, &mut Quiet)
 }
 
 /// A plane of any orientation, two unit vectors along it, and one of its points.
@@ -159,12 +153,7 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
     let blocked = |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), &mut Quiet);
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
-    let color = Tracer { caster, effects, shadow_maps: None }.color(
-        ray,
-        Some(&surface),
-        &mut Memory::default(),
-        &mut Quiet,
-    );
+    let color = Tracer { rules: caster, effects }.color(ray, &mut Quiet);
     Some(Terminator {
         flat_dark: flat_lit && color == DVec3::ZERO,
         smooth_lit: lit(mixed(normals)),

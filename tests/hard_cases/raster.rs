@@ -10,9 +10,8 @@ use glam::DVec2;
 use raytracer::fast::{Footprint, Seen, VisibilityBuffer};
 use raytracer::grid::Caster;
 use raytracer::math::ray::{Hit, Ray};
-use raytracer::mode::Course;
 use raytracer::primitive::plane::Plane;
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -269,9 +268,9 @@ pub fn demand_layers(seed: u64, view: impl Fn(&mut Rng) -> View + Sync, depths: 
         let [near, far] = depths.map(|t| t * view.scale);
         let layers = vec![Layer::Depth { near, far }, Layer::Normals];
         let request = Request { layers, ..Request::new(view.size) };
-        let (rasterized, nans) = layers_and_nans(&view.camera, &caster, &request);
-        // The course's mode casts every ray.
-        let (cast, _) = layers_and_nans(&view.camera, &caster.in_mode::<Course>(), &request);
+        let (rasterized, nans) = layers_and_nans(&view.camera, &caster, &request, Tracing::Fast);
+        // The tracer casts every ray.
+        let (cast, _) = layers_and_nans(&view.camera, &caster, &request, Tracing::Counted);
         let wrong = nans > 0 || rasterized != cast;
         let wrong = failures.note(wrong, || format!("picture {index}: {nans} not numbers"));
         let shown = cast[0].iter().any(|&byte| byte > 0);

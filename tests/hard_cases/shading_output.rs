@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use raytracer::grid::Caster;
 use raytracer::math::instructions::Instructions;
 use raytracer::picture::FloatPicture;
-use raytracer::render::Request;
+use raytracer::render::{Request, Tracing};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::film::Film;
 use raytracer::sampling::filter::Filter;
@@ -111,7 +111,7 @@ fn picture_by(threads: usize, size: [usize; 2], samples: u32, filter: Filter) ->
     let sampler = Sampler::new(Pattern::Jittered, samples, Drand48::UNSEEDED);
     let request = Request { effects, sampler, filter, ..Request::new(size) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| layers(&scene, &caster, &request)).concat()
+    pool.install(|| layers(&scene, &caster, &request, Tracing::Fast)).concat()
 }
 
 /// The number of sums that change when the same samples are added in another order by a textbook's f32

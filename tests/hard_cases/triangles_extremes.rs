@@ -16,7 +16,7 @@ use raytracer::grid::options::{CellRule, GridOptions};
 use raytracer::grid::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::{Shear, normal, point};
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::Scene;
 use raytracer::scene::parser::parse;
 use raytracer::stats::Quiet;
@@ -249,7 +249,7 @@ fn case_20_triangles_that_are_not_finite_are_missed() {
 fn pictures(scene: &Scene, caster: &Caster) -> [Vec<u8>; 3] {
     let wanted = vec![Layer::Color, Layer::Depth { near: -1.0, far: 1.0 }, Layer::Normals];
     let request = Request { layers: wanted, ..Request::new([12, 12]) };
-    layers(scene, caster, &request).try_into().expect("three layers")
+    layers(scene, caster, &request, Tracing::Fast).try_into().expect("three layers")
 }
 
 /// A mesh shrunk to a point, or almost, seen along directions whose coordinates have very different sizes.

@@ -3,7 +3,7 @@
 use crate::support::scenes::layers_and_nans;
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
@@ -97,7 +97,8 @@ fn nans_at_the_bounds(camera: &str, light: &str, materials: &str, objects: &str)
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 15, min_weight: 0.0 };
     let layers = vec![Layer::Normals, Layer::Color];
     let request = Request { effects, layers, ..Request::new([9, 9]) };
-    let (pictures, nans) = layers_and_nans(&Camera::new(&scene.camera, [9, 9]), &caster, &request);
+    let (pictures, nans) =
+        layers_and_nans(&Camera::new(&scene.camera, [9, 9]), &caster, &request, Tracing::Fast);
     (nans, pictures[0].iter().any(|&byte| byte != 0))
 }
 

@@ -7,8 +7,7 @@ use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::{OutputFile, read_picture};
-use raytracer::mode::Fast;
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
@@ -155,7 +154,8 @@ fn render(
 ) -> Result<(), String> {
     let loaded = scene_io::load(&folder.join("s.txt")).map_err(|error| error.to_string())?;
     let renderer = Renderer::new(loaded, Meshes::Kept).map_err(|error| error.to_string())?;
-    let prepared = renderer.prepare_for::<Fast>(structure, request).map_err(|error| error.to_string())?;
+    let prepared =
+        renderer.prepare_for(structure, request, Tracing::Fast).map_err(|error| error.to_string())?;
     let begin = |(file, layer): (&std::path::PathBuf, &Layer)| {
         let file = OutputFile::prepare(file)?;
         file.begin(layer.size(request.window_size()), None)

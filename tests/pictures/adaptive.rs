@@ -1,7 +1,6 @@
 //! Adaptive samples where they are hardest: small things, which four samples of a pixel may miss.
 
-use raytracer::mode::Course;
-use raytracer::render::Request;
+use raytracer::render::{Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
@@ -56,7 +55,7 @@ fn needles_and_highlights() -> Renderer {
 
 /// The colours of a request, and the camera rays of a pixel on average.
 fn rendered(renderer: &Renderer, request: &Request) -> (Vec<Color>, f64) {
-    let prepared = renderer.prepare::<Course>(None, 1).expect("no grid");
+    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
     let mut colors = vec![];
     let mut take_row = |_: usize, row: &[Color]| {
         colors.extend_from_slice(row);

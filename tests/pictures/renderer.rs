@@ -1,9 +1,8 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
 use raytracer::grid::options::{Resolution, Structure};
-use raytracer::mode::{Course, Fast};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Layer, Progress, RenderMode, Request, Stopped, Window};
+use raytracer::render::{Layer, Progress, Request, Stopped, Tracing, Window};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -45,7 +44,7 @@ fn crop(picture: &FloatPicture, window: Window, zoom: usize) -> Vec<Color> {
     rows.flat_map(|row| row[window.x * zoom..][..window.width * zoom].to_vec()).collect()
 }
 
-fn same_in_all_windows<M: RenderMode>(prepared: &Prepared<M>, request: &Request) {
+fn same_in_all_windows(prepared: &Prepared, request: &Request) {
     let whole = prepared.render(request).expect("small pictures");
     for [x, y, width, height] in
         [[0, 0, 46, 34], [0, 0, 1, 1], [45, 33, 1, 1], [7, 3, 20, 9], [20, 30, 26, 4]]
@@ -64,7 +63,8 @@ fn same_in_all_windows<M: RenderMode>(prepared: &Prepared<M>, request: &Request)
 #[test]
 fn a_window_shows_the_pixels_of_the_whole_picture() {
     let renderer = glass();
-    let prepared = renderer.prepare::<Fast>(Some(Resolution::Cells([5, 4, 3])), 1).expect("a small grid");
+    let prepared =
+        renderer.prepare(Some(Resolution::Cells([5, 4, 3])), 1, Tracing::Fast).expect("a small grid");
     same_in_all_windows(&prepared, &request());
     let centers = Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request() };
     same_in_all_windows(&prepared, &centers);
@@ -72,15 +72,15 @@ fn a_window_shows_the_pixels_of_the_whole_picture() {
 }
 
 #[test]
-fn neither_grid_nor_mode_nor_threads_change_a_number() {
+fn neither_grid_nor_counting_nor_threads_change_a_number() {
     let expected =
-        glass().prepare::<Fast>(None, 1).expect("no grid").render(&request()).expect("small pictures");
+        glass().prepare(None, 1, Tracing::Fast).expect("no grid").render(&request()).expect("small pictures");
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let renderer = glass().on_threads(Arc::new(pool));
         for grid in [None, Some(Resolution::Auto), Some(Resolution::Cells([6, 6, 6]))] {
-            let fast = renderer.prepare::<Fast>(grid, 1000).expect("a small grid");
-            let course = renderer.prepare::<Course>(grid, 1000).expect("a small grid");
+            let fast = renderer.prepare(grid, 1000, Tracing::Fast).expect("a small grid");
+            let course = renderer.prepare(grid, 1000, Tracing::Counted).expect("a small grid");
             assert!(fast.render(&request()).expect("small pictures") == expected);
             assert!(course.render(&request()).expect("small pictures") == expected);
         }
@@ -94,7 +94,7 @@ fn a_structure_is_chosen_where_none_is_asked_for() {
     let shadows =
         Request { effects: Effects { shadows: Shadows::Opaque, ..Effects::default() }, ..plain.clone() };
     let fast = |structure, request: &Request| {
-        renderer.prepare_for::<Fast>(structure, request).expect("a small grid")
+        renderer.prepare_for(structure, request, Tracing::Fast).expect("a small grid")
     };
     // The rasterizer finds what the camera sees.
     assert_eq!(fast(Structure::Any, &plain).cells().is_none(), cfg!(feature = "fast"));
@@ -105,7 +105,7 @@ fn a_structure_is_chosen_where_none_is_asked_for() {
     assert!(
         any.render(&shadows).expect("a small picture") == list.render(&shadows).expect("a small picture")
     );
-    let course = renderer.prepare_for::<Course>(Structure::Any, &shadows).expect("no grid");
+    let course = renderer.prepare_for(Structure::Any, &shadows, Tracing::Counted).expect("no grid");
     assert_eq!(course.cells(), None);
 }
 
@@ -121,18 +121,19 @@ fn a_moved_camera_shows_what_a_scene_with_that_camera_shows() {
     loaded.scene.camera = camera;
     let other = Renderer::new(loaded, Meshes::Moved).expect("a scene");
     let [shown, expected] = [(&renderer, &moved), (&other, &request())].map(|(renderer, request)| {
-        renderer.prepare::<Fast>(None, 1).expect("no grid").render(request).expect("small pictures")
+        renderer.prepare(None, 1, Tracing::Fast).expect("no grid").render(request).expect("small pictures")
     });
     assert!(shown == expected);
     assert!(
-        renderer.prepare::<Fast>(None, 1).expect("no grid").render(&request()).expect("small") != expected
+        renderer.prepare(None, 1, Tracing::Fast).expect("no grid").render(&request()).expect("small")
+            != expected
     );
 }
 
 #[test]
 fn progress_counts_every_row_once() {
     let renderer = glass();
-    let prepared = renderer.prepare::<Course>(None, 1).expect("no grid");
+    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
     let window = Some(Window { x: 3, y: 5, width: 7, height: 20 });
     let told = Mutex::new(Vec::new());
     let watch = |progress: Progress| {
@@ -157,7 +158,7 @@ fn progress_counts_every_row_once() {
 #[test]
 fn the_watch_and_the_output_end_a_render() {
     let renderer = glass();
-    let prepared = renderer.prepare::<Fast>(None, 1).expect("no grid");
+    let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
     let ends = |progress: Progress| {
         if progress.done >= 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -179,29 +180,15 @@ fn the_watch_and_the_output_end_a_render() {
 fn the_cells_need_the_meshes_and_show_what_the_flag_shows() {
     let loaded = scene_io::load(&scene("scene6_04_bunny_mesh_200.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
-    let cells = renderer.prepare_cells::<Fast>(Resolution::Cells([4, 5, 6]), 1).expect("few cells");
+    let cells = renderer.prepare_cells(Resolution::Cells([4, 5, 6]), 1, Tracing::Fast).expect("few cells");
     assert_eq!(cells.cells(), Some([4, 5, 6]));
     let shown = cells.render(&Request::new(SIZE)).expect("a small picture");
-    let scene =
-        renderer.prepare::<Fast>(None, 1).expect("no grid").render(&Request::new(SIZE)).expect("small");
+    let scene = renderer
+        .prepare(None, 1, Tracing::Fast)
+        .expect("no grid")
+        .render(&Request::new(SIZE))
+        .expect("small");
     assert!(shown != scene);
     let background = renderer.scene.background.color;
     assert!(shown[0].colors.iter().any(|&color| color != background));
-}
-
-#[test]
-fn a_grid_of_the_courses_mode_is_the_only_one_that_is_taken_over() {
-    let renderer = glass();
-    let grid = Some(Resolution::Cells([3, 4, 5]));
-    let rays = SIZE[0] * SIZE[1];
-    assert!(renderer.prepare::<Fast>(grid, rays).expect("a grid").into_course().is_none());
-    let course = || renderer.prepare::<Course>(grid, rays).expect("a grid");
-    let counts = |prepared: Prepared<Course>| -> Counts {
-        let (watch, mut take_row) =
-            (|_| ControlFlow::Continue(()), |_: usize, _: &[Color]| ControlFlow::Continue(()));
-        prepared.render_rows(&request(), &watch, &mut take_row).expect("a picture")
-    };
-    let taken = course().into_course().expect("the same grid");
-    assert_eq!((taken.cells(), taken.fullness(5)), (course().cells(), course().fullness(5)));
-    assert_eq!(counts(taken), counts(course()));
 }

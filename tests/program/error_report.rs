@@ -2,8 +2,7 @@
 
 use crate::support::{Folder, only_line, scene};
 use raytracer::grid::options::Structure;
-use raytracer::mode::Fast;
-use raytracer::render::Request;
+use raytracer::render::{Request, Tracing};
 use raytracer::renderer::Renderer;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -61,7 +60,7 @@ fn the_error_is_that_of_the_pictures() {
     let base = Request { effects: raytracer::trace::Effects { bounces: 2, ..base.effects }, ..base };
     let colors = |filter, pattern, count, rng| {
         let request = Request { sampler: Sampler::new(pattern, count, rng), filter, ..base.clone() };
-        let prepared = renderer.prepare_for::<Fast>(Structure::List, &request).unwrap();
+        let prepared = renderer.prepare_for(Structure::List, &request, Tracing::Fast).unwrap();
         let picture = prepared.render(&request).unwrap().remove(0);
         picture
             .colors

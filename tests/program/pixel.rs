@@ -3,8 +3,7 @@
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
 use raytracer::grid::options::Resolution;
-use raytracer::mode::Course;
-use raytracer::render::Request;
+use raytracer::render::{Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
@@ -12,7 +11,7 @@ use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Counts, Probe};
+use raytracer::stats::Counts;
 use raytracer::tools::explain::{Explainer, PixelTree};
 use raytracer::trace::{Effects, Shadows};
 use std::collections::HashSet;
@@ -86,7 +85,7 @@ fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let loaded = scene_io::load(&folder.path().join("s.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a world");
     let rays = SIZE[0] * SIZE[1] * case.request.sampler.count() as usize;
-    let prepared = renderer.prepare::<Course>(case.grid, rays).expect("a grid");
+    let prepared = renderer.prepare(case.grid, rays, Tracing::Counted).expect("a grid");
     let explainer = Explainer::new(&prepared).expect("objects");
     let places = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
     let trees: Vec<PixelTree> =
@@ -162,6 +161,6 @@ fn without_its_meshes_a_renderer_explains_nothing() {
     let folder = Folder::with_scene(MESH);
     folder.write("m.obj", OBJ);
     let renderer = Renderer::open(&folder.path().join("s.txt")).expect("a world");
-    let prepared = renderer.prepare::<Course>(None, 1).expect("no grid");
+    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
     assert_eq!(Explainer::new(&prepared).expect_err("no meshes").to_string(), "the meshes were not kept");
 }

@@ -13,7 +13,6 @@ use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
 use raytracer::memory;
-use raytracer::mode::{Course, Fast};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
@@ -50,10 +49,6 @@ pub fn run(
     let file = match &options.json {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
         Some(JsonTarget::StandardOutput) | None => None,
-    };
-    let render = match options.counts() {
-        true => render::<Course>,
-        false => render::<Fast>,
     };
     let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, &tell);
     let mut rendered = options.input.as_ref().map(&mut from).transpose()?;

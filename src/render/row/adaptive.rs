@@ -2,13 +2,12 @@
 //! them disagree, more.
 
 use super::{Colors, Painter, RenderSetting};
-use crate::fast::VisibilityBuffer;
 use crate::memory::{self, NoMemory};
-use crate::render::RenderMode;
-use crate::render::sample_packet::{Sample, SamplePacket};
+use crate::render::tracing::{RowTracer, RowsTracer};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
+use crate::sampling::sample_packet::{Sample, SamplePacket};
 use crate::scene::Color;
-use crate::stats::{Counts, Probe};
+use crate::stats::Counts;
 use std::ops::Range;
 
 /// The first samples of a row of pixels.
@@ -51,27 +50,22 @@ impl FirstSamples {
 /// The bytes that the first samples of a pixel take.
 pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
-impl<M: RenderMode> RenderSetting<'_, M> {
-    /// Traces the first samples of row `j`, whose first hits `visibility` has as far as they are known, in the
-    /// columns of the row's pixels and of those around them.
-    pub fn first_samples(
-        &self,
-        visibility: Option<&VisibilityBuffer>,
-        j: usize,
-    ) -> Result<(FirstSamples, M::Counter), NoMemory> {
+impl RenderSetting<'_> {
+    /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
+    pub fn first_samples(&self, tracer: RowTracer, j: usize) -> Result<(FirstSamples, Counts), NoMemory> {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
-        self.first_samples_in(visibility, columns, j)
+        self.first_samples_in(tracer, columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
     fn first_samples_in(
         &self,
-        visibility: Option<&VisibilityBuffer>,
+        tracer: RowTracer,
         columns: Range<usize>,
         j: usize,
-    ) -> Result<(FirstSamples, M::Counter), NoMemory> {
-        let mut painter = self.painter(self.empty_row(j, None)?, visibility, false);
+    ) -> Result<(FirstSamples, Counts), NoMemory> {
+        let mut painter = self.painter(self.empty_row(j, None)?, tracer, false);
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
@@ -79,7 +73,7 @@ impl<M: RenderMode> RenderSetting<'_, M> {
         let mut first = FirstSamples { start, quarters, counts };
         let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
         for some in columns.clone().step_by(pixels_at_once) {
-            let before = painter.row.probe.counts();
+            let before = painter.row.counts;
             for column in some..columns.end.min(some + pixels_at_once) {
                 painter.push_first(column, &mut packet);
             }
@@ -92,21 +86,26 @@ impl<M: RenderMode> RenderSetting<'_, M> {
             first.quarters.extend(pixels.iter().zip(colors).map(quarters));
             packet.clear();
             if self.request.has_costs() {
-                first.counts.push(painter.row.probe.counts().since(before));
+                first.counts.push(painter.row.counts.since(before));
             }
         }
-        Ok((first, painter.row.probe))
+        Ok((first, painter.row.counts))
     }
 
     /// The samples of one pixel with their strata; none where there is no memory for them.
-    pub fn strata(&self, settings: Adaptive, [column, j]: [usize; 2]) -> Option<Vec<Stratum>> {
+    pub fn strata(
+        &self,
+        settings: Adaptive,
+        tracer: &RowsTracer,
+        [column, j]: [usize; 2],
+    ) -> Option<Vec<Stratum>> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in(None, columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
+            Some(self.first_samples_in(tracer.row(), columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter = self.painter(self.empty_row(j, None).ok()?, None, false);
+        let mut painter = self.painter(self.empty_row(j, None).ok()?, tracer.row(), false);
         painter.row.colors = Colors::Unwanted;
         painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
         painter.refine(column, &mut SamplePacket::default());
@@ -114,7 +113,7 @@ impl<M: RenderMode> RenderSetting<'_, M> {
     }
 }
 
-impl<M: RenderMode> Painter<'_, M> {
+impl Painter<'_> {
     /// Adds the first samples of a pixel to a packet.
     fn push_first(&self, column: usize, packet: &mut SamplePacket) {
         let index = self.index(column);

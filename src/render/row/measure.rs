@@ -1,13 +1,12 @@
 //! Layers that are measured at the centres of pixels: depths, distances and normals.
 
 use super::{Painter, RenderSetting};
-use crate::render::RenderMode;
 use crate::render::layer::Layer;
-use crate::render::sample_packet::Sample;
+use crate::sampling::sample_packet::Sample;
 use crate::scene::Color;
 use glam::DVec3;
 
-impl<M: RenderMode> Painter<'_, M> {
+impl Painter<'_> {
     /// Adds what is measured at the centres of pixels, which are next to each other, to the layers.
     pub(super) fn measure(&mut self, centers: &[Sample]) {
         let first = centers.first().map_or(0, |center| center.source.column);

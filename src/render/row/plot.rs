@@ -1,7 +1,6 @@
 //! Layers of samples: where the samples of a row lie, in its enlarged pixels.
 
 use super::Painter;
-use crate::render::RenderMode;
 use crate::render::layer::Layer;
 use crate::render::request::Request;
 use crate::scene::Color;
@@ -18,7 +17,7 @@ pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
     layers.filter_map(plot).collect()
 }
 
-impl<M: RenderMode> Painter<'_, M> {
+impl Painter<'_> {
     /// Draws the chequered background of these columns, on which their samples are plotted.
     pub(super) fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
         let (width, j) = (self.shown.len() * zoom, self.row.j);

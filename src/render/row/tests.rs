@@ -1,4 +1,6 @@
 use super::*;
+use crate::camera::Camera;
+use crate::render::tracing::PictureTracer;
 use crate::scene::Scene;
 use crate::scene::parser::parse;
 use glam::DVec3;
@@ -12,23 +14,20 @@ const TEXT: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 
 
 /// Calls `check` with a painter of row 5 of a picture of ten by eight pixels, whose window begins at column 2 and
 /// whose samples are plotted as squares of four by four.
-fn with_painter(check: impl FnOnce(&mut Painter<crate::mode::Fast>)) {
+fn with_painter(check: impl FnOnce(&mut Painter)) {
     let scene: Scene = parse(TEXT).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
-    let setting = RenderSetting {
-        camera: &camera,
-        caster: &caster,
-        view: View::Scene,
-        request: &request,
-        shadow_maps: None,
-    };
+    let (view, tracing) = (View::Scene, Tracing::Counted);
+    let setting = RenderSetting { caster: &caster, view, request: &request, tracing };
+    let picture = PictureTracer::new(&camera, &caster, view, &request, tracing);
+    let rows = picture.rows(5..6);
     check(&mut Painter {
         shown: 2..10,
         center_weight: 1.0,
-        ..setting.painter(setting.empty_row(5, None).unwrap(), None, true)
+        ..setting.painter(setting.empty_row(5, None).unwrap(), rows.row(), true)
     });
 }
 

@@ -2,12 +2,14 @@
 
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
+use crate::stats::Counts;
 
 /// The result of tracing a row of pixels.
-pub struct Row<P> {
+pub struct Row {
     /// The index of the row, counted from the bottom.
     pub j: usize,
-    pub probe: P,
+    /// What was counted.
+    pub counts: Counts,
     pub colors: Colors,
     /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of
     /// the enlarged picture from the bottom. The list of a colour layer is empty, because `colors` has its
@@ -15,8 +17,8 @@ pub struct Row<P> {
     pub layers: Vec<Vec<Color>>,
 }
 
-impl<P> Row<P> {
-    /// Row `j` in the memory of this one, whose probe has been taken; none if it has sums, which are not used again.
+impl Row {
+    /// Row `j` in the memory of this one, whose counts have been taken; none if it has sums, which are not used again.
     pub(super) fn emptied(mut self, j: usize) -> Option<Self> {
         match &mut self.colors {
             Colors::Unwanted => {}

@@ -1,9 +1,8 @@
 //! How many rows a strip has, and what it keeps.
 
 use super::*;
-use crate::camera::Camera;
 use crate::grid::Caster;
-use crate::mode::Fast;
+use crate::render::Tracing;
 use crate::render::View;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
@@ -11,14 +10,12 @@ use crate::scene::parser::parse;
 use crate::world::World;
 
 /// Calls `check` with the setting of a request on one thread.
-fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting<Fast>) -> T + Send) -> T {
+fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting) -> T + Send) -> T {
     let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 } Group { numObjects 0 }";
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
-    let camera = Camera::new(&scene.camera, request.size);
-    let setting =
-        RenderSetting { camera: &camera, caster: &caster, view: View::Scene, request, shadow_maps: None };
+    let setting = RenderSetting { caster: &caster, view: View::Scene, request, tracing: Tracing::Fast };
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
 }
 
@@ -56,36 +53,4 @@ fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() 
     let expected = (32 << 20) / ((32 + BYTES_PER_PIXEL) << 10);
     assert!(expected > 32);
     assert_eq!(rows(Filter::PIXEL, adaptive, 1 << 10), expected);
-}
-
-/// One vertex far away makes every pixel that its triangle may cover unsure.
-#[test]
-fn rays_that_rasterization_leaves_are_counted() {
-    let unknown = |far: &str, layers: &[Layer], size| {
-        let text = format!(
-            "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
-             Group {{ numObjects 1 Material {{ }}
-             Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
-        );
-        let scene = parse(&text).unwrap();
-        let world = World::new(&scene, &[]).unwrap();
-        let caster = Caster::new(&world, None).unwrap();
-        let request = Request { layers: layers.to_vec(), ..Request::new(size) };
-        let camera = Camera::new(&scene.camera, size);
-        let setting = RenderSetting {
-            camera: &camera,
-            caster: &caster,
-            view: View::Scene,
-            request: &request,
-            shadow_maps: None,
-        };
-        let strip = Strip::below(&setting, size[1], 0);
-        let visibility = strip.visibility();
-        [visibility.as_ref(), None].map(|visibility| strip.unknown_rays(visibility))
-    };
-    let [near, all] = unknown("1", &[Layer::Color], [100, 80]);
-    assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
-    let [far, _] = unknown("1e12", &[Layer::Color], [100, 80]);
-    assert!(far > 1000, "{far}");
-    assert_eq!(unknown("1", &[Layer::Filter { zoom: 2 }], [100, 80]), [0, 0]);
 }

@@ -1,8 +1,7 @@
 //! What is known without casting a ray, by rasterization from the camera and from the lights: pictures are the same as
-//! those of the course's mode, which casts every ray.
+//! those of the tracer, which casts every ray.
 
 use super::*;
-use crate::mode::Course;
 use crate::trace::{Effects, Shadows};
 
 /// A wall between the lights and all that the camera sees.
@@ -10,15 +9,14 @@ const WALL: &str = "Plane { normal 1 0.1 0.3 offset 1.5 }";
 
 const EGG: &str = "Transform { Translate 0.8 0.2 0.6 Scale 1 1 0.5 Sphere { center 0 0 0 radius 0.4 } }";
 
-/// The pictures of a request, and those of the course's mode.
+/// The pictures of a request, and those of the tracer.
 fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    let fast = render_in_memory(&camera, &caster, View::Scene, request).unwrap().0;
-    let course = caster.in_mode::<Course>();
-    [fast, render_in_memory(&camera, &course, View::Scene, request).unwrap().0]
+    [Tracing::Fast, Tracing::Counted]
+        .map(|tracing| render_in_memory((&camera, &caster), View::Scene, request, tracing).unwrap().0)
 }
 
 #[test]
@@ -39,8 +37,8 @@ fn pictures_are_those_of_rays_that_are_cast() {
         let filter = Filter::Gaussian { sigma: 0.4 };
         let adaptive = further(sampler);
         let request = Request { effects, sampler, adaptive, filter, ..Request::new(size) };
-        let [fast, course] = both(&text, &request);
-        assert!(fast == course, "{text} {sampler:?}");
+        let [fast, counted] = both(&text, &request);
+        assert!(fast == counted, "{text} {sampler:?}");
         let without = Request { effects: Effects { shadows: Shadows::None, ..effects }, ..request };
         assert!(both(&text, &without)[0] != fast, "{text} {sampler:?}");
     }
@@ -51,6 +49,6 @@ fn transparent_shadows_are_cast() {
     let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
     let scene =
         scene("").replace("diffuseColor 1 0.5 0.2", "diffuseColor 1 0.5 0.2 transparentColor 0.5 0.5 0.9");
-    let [fast, course] = both(&scene, &Request { effects, ..Request::new([270, 250]) });
-    assert!(fast == course);
+    let [fast, counted] = both(&scene, &Request { effects, ..Request::new([270, 250]) });
+    assert!(fast == counted);
 }

@@ -2,11 +2,11 @@
 //! after the other.
 //!
 //! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
-//! or by a textbook's tracer that breaks a rule. The one that makes the picture in question is the cause.
+//! or by the tracer with a rule broken. The one that makes the picture in question is the cause.
 
-mod finder;
 mod finding;
 mod finished;
+mod mistaken;
 mod object_space;
 mod paint;
 mod pixels;
@@ -14,24 +14,21 @@ mod requests;
 mod rules;
 mod scenes;
 mod speckles;
-mod textbook;
 mod transform_order;
 mod window;
 
-pub(crate) use finder::{Finder, Found};
 pub use finding::Finding;
 pub use finished::FinishedPicture;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;
 pub use rules::Rule;
-pub(crate) use rules::{MAX_BOUNCES, colors as textbook_colors};
+pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use scenes::SceneChange;
 
 use crate::grid::options::Structure;
-use crate::mode::Fast;
 use crate::picture::{FloatPicture, Picture};
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene::Scene;
 use serde::Serialize;
@@ -80,7 +77,7 @@ impl fmt::Display for Cause {
 /// This program's colour picture, and what it was rendered from.
 #[derive(Debug)]
 pub struct Original<'a> {
-    prepared: Prepared<'a, Fast>,
+    prepared: Prepared<'a>,
     structure: Structure,
     /// Its window is the part of the picture by which causes are judged.
     request: Request,
@@ -93,9 +90,10 @@ impl<'a> Original<'a> {
     /// kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
         let request = Request { layers: vec![Layer::Color], window: None, ..request.clone() };
-        // The textbook's tracer casts all rays, also those that the renderer need not cast.
+        // The tracer casts all rays, also those that the renderer need not cast.
         let rays = request.camera_rays();
-        let prepared = renderer.prepare(structure.resolution(renderer.world(), rays), rays).ok()?;
+        let prepared =
+            renderer.prepare(structure.resolution(renderer.world(), rays), rays, Tracing::Fast).ok()?;
         let colors = prepared.render(&request).ok()?.pop()?;
         Some(Self { prepared, structure, request, colors })
     }
@@ -122,7 +120,7 @@ impl<'a> Original<'a> {
     /// The picture of another scene with the same meshes.
     fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
         let renderer = self.renderer().with_scene(scene).ok()?;
-        let prepared = renderer.prepare_for::<Fast>(self.structure, request).ok()?;
+        let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
         Some(prepared.render(request).ok()?.pop()?.to_picture())
     }
 

@@ -1,22 +1,21 @@
 //! Mistakes in how rays are generated, traced and shaded.
 
 use super::Original;
-use super::finder::Finder;
+use super::mistaken::{self, Mistaken};
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
-use super::textbook::Textbook;
 use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
 use crate::render::Request;
 use crate::renderer::Renderer;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::{Color, Light, Object, Scene};
-use crate::trace::Shadows;
+use crate::trace::{Rules, Shadows, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
 
-/// A rule of the textbook that is broken.
+/// A rule of the tracer that is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "name", rename_all = "snake_case")]
 pub enum Rule {
@@ -124,20 +123,21 @@ fn is_checkerboard(material: &Material) -> bool {
     matches!(material, Material::Texture(texture) if texture.pattern == Pattern::Checkerboard)
 }
 
-/// The colours by a textbook's tracer that breaks the rule, or none, and finds by these means what rays hit. The
+/// The colours by the tracer with these rules, of which one is broken or none. The
 /// renderer must have kept the meshes.
 pub fn colors(
     renderer: &Renderer,
     request: &Request,
-    finder: &impl Finder,
+    right: &impl Rules,
     rule: Option<Rule>,
 ) -> Result<FloatPicture, BadSize> {
     let [width, height] = request.window_size();
     let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
     let spaces = spaces.map_err(|_| BadSize { width, height })?;
-    let textbook = Textbook { finder, effects: request.effects, rule, spaces: &spaces };
+    let rules = Mistaken { right, rule, spaces: &spaces };
+    let tracer = Tracer { rules: &rules, effects: request.effects };
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);
-    paint(&renderer.camera(request), request, shift, &|ray| textbook.color(ray))
+    paint(&renderer.camera(request), request, shift, &|ray| mistaken::color(&tracer, ray))
 }
 
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.

@@ -7,13 +7,11 @@ use super::setting::{Axis, Samples, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::grid::GridTooLarge;
 use crate::grid::options::Structure;
-use crate::mode::Fast;
 use crate::picture::{BadSize, FloatPicture};
-use crate::render::{Layer, Request, Stopped};
+use crate::render::{Layer, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
-use crate::stats::Probe;
 use crate::tools::compare::Comparison;
 use rayon::ThreadPool;
 use std::fmt;
@@ -166,7 +164,10 @@ impl<'a> Sweep<'a> {
         let mut halves = Vec::new();
         for sampler in reference::samplers(self.request.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
-            let prepared = self.bench.many.install(|| self.renderer.prepare_for(self.structure, &request))?;
+            let prepared = self
+                .bench
+                .many
+                .install(|| self.renderer.prepare_for(self.structure, &request, Tracing::Fast))?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -180,7 +181,7 @@ impl<'a> Sweep<'a> {
     fn numerical(&self) -> Result<Option<Numerical>, SweepError> {
         let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
         self.bench.many.install(|| {
-            let prepared = self.renderer.prepare_for(self.structure, &request)?;
+            let prepared = self.renderer.prepare_for(self.structure, &request, Tracing::Fast)?;
             Ok(numerical::measure(self.renderer, &prepared, &request)?)
         })
     }
@@ -216,7 +217,8 @@ impl<'a> Sweep<'a> {
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let request = setting.request(self.request, self.request.sampler.rng());
-        let prepared = self.bench.many.install(|| renderer.prepare_for(setting.structure, &request))?;
+        let prepared =
+            self.bench.many.install(|| renderer.prepare_for(setting.structure, &request, Tracing::Fast))?;
         let repeated = self.repeat(setting, &prepared, &request)?;
         let Some((picture, rays, times)) = repeated else { return Ok(None) };
         let bytes = picture.to_picture();
@@ -235,7 +237,7 @@ impl<'a> Sweep<'a> {
     fn repeat(
         &self,
         setting: &Setting,
-        prepared: &Prepared<Fast>,
+        prepared: &Prepared,
         request: &Request,
     ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, SweepError> {
         let (label, mut times) = (setting.label(), Vec::new());
@@ -257,7 +259,7 @@ impl<'a> Sweep<'a> {
     fn render(
         &self,
         threads: &ThreadPool,
-        prepared: &Prepared<Fast>,
+        prepared: &Prepared,
         request: &Request,
         work: f64,
         doing: &str,
@@ -273,7 +275,7 @@ impl<'a> Sweep<'a> {
             bench_watch(SweepProgress { share: (done + part * work) / all, doing })
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
-            Ok(counter) => Ok(Some((picture, counter.counts().rays()))),
+            Ok(counts) => Ok(Some((picture, counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
             Err(Stopped::Memory(_)) => {
                 let [width, height] = request.window_size();

@@ -7,7 +7,6 @@ use crate::camera::Camera;
 use crate::grid::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::mode::Course;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::render::Request;
 use crate::renderer::Prepared;
@@ -17,8 +16,8 @@ use crate::scene::error::SceneError;
 use crate::scene::material::Material;
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
-use crate::stats::{Counts, Probe};
-use crate::trace::{Event, Memory, Observer, Tracer};
+use crate::stats::Counts;
+use crate::trace::{Observer, Rules, Tracer};
 use crate::world::World;
 use glam::DVec2;
 use serde::Serialize;
@@ -28,7 +27,7 @@ use std::ops::RangeInclusive;
 /// Explains pixels of a scene.
 #[derive(Debug)]
 pub struct Explainer<'p, 'r> {
-    prepared: &'p Prepared<'r, Course>,
+    prepared: &'p Prepared<'r>,
     objects: Objects<'p>,
 }
 
@@ -75,7 +74,7 @@ pub struct SampleTree {
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// For a scene whose renderer has kept its meshes.
-    pub fn new(prepared: &'p Prepared<'r, Course>) -> Result<Self, ExplainError> {
+    pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, ExplainError> {
         let renderer = prepared.renderer();
         let uses_mesh = |object: &Object| match *object {
             Object::Mesh { mesh, .. } => mesh >= renderer.meshes().len(),
@@ -151,17 +150,14 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let caster = self.prepared.caster();
         let mut recorder = Recorder::of(*ray);
         recorder.non_shadow_ray();
-        let visible = caster.nearest(ray, None, &mut recorder);
-        recorder.observe(Event::Met(visible));
-        let surface = visible.map(|visible| caster.world.visible_surface(ray, visible));
-        let tracer = Tracer { caster, effects: request.effects, shadow_maps: None };
-        let color = tracer.color(ray, surface.as_ref(), &mut Memory::default(), &mut recorder);
+        let tracer = Tracer { rules: caster, effects: request.effects };
+        let color = tracer.color(ray, &mut recorder);
         let mut rays = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];
         for place in 0..rays.len() {
             for &child in &rays[place].children {
-                left[child] = rays[place].visible.map(|visible| visible.primitive);
+                left[child] = rays[place].hit.map(|hit| hit.primitive);
             }
             self.annotate(&mut rays[place], left[place]);
         }
@@ -171,10 +167,9 @@ impl<'p, 'r> Explainer<'p, 'r> {
     /// Finds out what the tracer itself does not need to know.
     fn annotate(&self, node: &mut RayNode, leaves: Option<u32>) {
         let world = self.prepared.caster().world;
-        let hit = node.visible.map(|visible| world.hit(&node.ray, visible));
-        let sees = hit.map(|hit| (hit.primitive, hit.t));
+        let sees = node.hit.map(|hit| (hit.primitive, hit.t));
         node.close_calls.extend(self.close_calls(&node.ray, RayEnds { leaves, sees }));
-        let (Some(surface), Some(hit)) = (&mut node.surface, hit) else { return };
+        let (Some(surface), Some(hit)) = (&mut node.surface, node.hit) else { return };
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
         surface.material_at = self.objects.material_position(surface.point.material);
@@ -207,7 +202,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
     }
 
     fn annotate_shadow(&self, shadow: &mut Shadow, light: usize, leaves: u32) {
-        let caster: &Caster<Course> = self.prepared.caster();
+        let caster: &Caster = self.prepared.caster();
         let world = caster.world;
         for crossing in &mut shadow.crossed {
             crossing.object = self.objects.of(crossing.hit.primitive);
@@ -215,8 +210,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let first = shadow.crossed.first().map(|crossing| crossing.hit);
         let sees = first.or_else(|| {
             let exclude = ((leaves as usize) < world.triangles.len()).then_some(leaves);
-            let visible = caster.nearest(&shadow.ray, exclude, &mut Counts::default());
-            visible.map(|visible| world.hit(&shadow.ray, visible))
+            caster.first_hit(&shadow.ray, exclude, &mut Counts::default())
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, RayEnds { leaves: Some(leaves), sees });

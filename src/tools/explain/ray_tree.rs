@@ -2,12 +2,12 @@
 
 use super::close_call::{CloseCall, CloseCallKind};
 use super::objects::{ObjectPart, TextureWeight};
-use crate::math::ray::{Hit, Ray, Visible};
+use crate::math::ray::{Hit, Ray};
 use crate::scene::material::Phong;
 use crate::scene::{Color, Position};
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe};
-use crate::trace::{Event, Observer, PathEnd, Secondary};
+use crate::trace::{Event, Observer, PathEnd, Secondary, is_critical};
 use crate::world::SurfacePoint;
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ pub struct RayNode {
     pub weight: f64,
     /// What it sees.
     #[serde(skip)]
-    pub visible: Option<Visible>,
+    pub hit: Option<Hit>,
     /// The work of finding that.
     pub counts: Counts,
     /// The surface that it sees; none where it sees the background.
@@ -150,7 +150,7 @@ impl RayNode {
             exclude: None,
             filter: Color::ONE,
             weight: 1.0,
-            visible: None,
+            hit: None,
             counts: Counts::default(),
             surface: None,
             color: Color::ZERO,
@@ -201,35 +201,31 @@ impl Recorder {
 
 impl Probe for Recorder {
     const COUNTS: bool = true;
-    fn non_shadow_ray(&mut self) {
-        self.counts.non_shadow_ray();
-    }
-    fn shadow_ray(&mut self) {
-        self.counts.shadow_ray();
-    }
+
     fn intersections(&mut self, count: usize) {
         self.counts.intersections(count);
     }
+
     fn cell(&mut self) {
         self.counts.cell();
-    }
-    /// Keeps the rays of this recorder, and the counts of both.
-    fn merge(self, other: Self) -> Self {
-        Self { counts: self.counts.merge(other.counts()), ..self }
-    }
-    fn counts(&self) -> Counts {
-        self.rays.iter().fold(self.counts, |sum, node| sum.merge(node.all_counts()))
     }
 }
 
 impl Observer for Recorder {
-    const OBSERVES: bool = true;
-    fn observe(&mut self, event: Event) {
+    fn non_shadow_ray(&mut self) {
+        self.counts.non_shadow_ray();
+    }
+
+    fn shadow_ray(&mut self) {
+        self.counts.shadow_ray();
+    }
+
+    fn observe<'e>(&mut self, event: impl FnOnce() -> Event<'e>) {
         if self.rays.is_empty() {
             return;
         }
         let bounces = self.rays[self.current].bounces;
-        match event {
+        match event() {
             Event::Surface { point, material } => {
                 self.rays[self.current].surface = Some(Surface::new(point, material));
             }
@@ -240,9 +236,11 @@ impl Observer for Recorder {
             Event::NotFollowed { kind, end } => {
                 self.rays[self.current].ends.push(NotFollowed { kind, end });
             }
-            Event::Critical => {
-                let call = CloseCall { kind: CloseCallKind::Critical, object: None };
-                self.rays[self.current].close_calls.push(call);
+            Event::Refracting { direction, normal, indices } => {
+                if is_critical(direction, normal, indices) {
+                    let call = CloseCall { kind: CloseCallKind::Critical, object: None };
+                    self.rays[self.current].close_calls.push(call);
+                }
             }
             Event::Ambient(color) => {
                 if let Some(surface) = self.surface() {
@@ -260,10 +258,10 @@ impl Observer for Recorder {
             }
             Event::Shaded(color) => self.rays[self.current].color = color,
             Event::Popped => self.current = self.waiting.pop().unwrap_or(0),
-            Event::Met(visible) => {
+            Event::Met(hit) => {
                 let counts = std::mem::take(&mut self.counts);
                 let node = &mut self.rays[self.current];
-                (node.visible, node.counts) = (visible, counts);
+                (node.hit, node.counts) = (hit, counts);
             }
         }
     }
@@ -287,37 +285,5 @@ impl Surface {
 impl Shadow {
     fn new(ray: Ray) -> Self {
         Self { ray, crossed: vec![], blocker: None, counts: Counts::default(), close_calls: vec![] }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DVec3;
-
-    /// A recorder with the tests of its camera ray, and of a ray that is not finished.
-    fn recorder(tests: usize) -> Recorder {
-        let mut recorder = Recorder::of(Ray::new(DVec3::ZERO, DVec3::X));
-        recorder.non_shadow_ray();
-        recorder.intersections(tests);
-        recorder.observe(Event::Met(None));
-        recorder.shadow_ray();
-        recorder.intersections(1);
-        recorder.cell();
-        recorder
-    }
-
-    #[test]
-    fn merged_recorders_have_counted_what_both_have() {
-        let counts = |tests: u64| Counts {
-            non_shadow_rays: 1,
-            shadow_rays: 1,
-            intersections: tests + 1,
-            cells_traversed: 1,
-        };
-        assert_eq!(recorder(5).counts(), counts(5));
-        assert_eq!(recorder(5).merge(recorder(70)).counts(), counts(5).merge(counts(70)));
-        assert_eq!(recorder(5).merge(Recorder::default()).counts(), counts(5));
-        assert_eq!(Recorder::default().merge(recorder(5)).counts(), counts(5));
     }
 }

@@ -14,9 +14,8 @@ use super::settings::{Most, command_line};
 use super::stage::{OpenScene, Stage};
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
-use crate::mode::Course;
 use crate::picture::{CHANNELS, Picture};
-use crate::render::Layer;
+use crate::render::{Layer, Tracing};
 use crate::scene::Camera;
 use crate::scene::parser::parse_camera;
 use crate::tools::explain::Explainer;
@@ -163,7 +162,7 @@ impl App {
             layers: vec![Layer::Color],
             ..options.request()
         };
-        let prepared = renderer.prepare_for::<Course>(options.structure, &request);
+        let prepared = renderer.prepare_for(options.structure, &request, Tracing::Counted);
         let prepared = prepared.map_err(|error| impossible(error.to_string()))?;
         let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.to_string()))?;
         let tree =

@@ -2,11 +2,10 @@
 
 use crate::camera::Camera;
 use crate::grid::options::Structure;
-use crate::mode::Fast;
-use crate::render::Request;
+use crate::render::{Request, Tracing};
 use crate::renderer::Renderer;
 use crate::scene;
-use crate::stats::RayCount;
+use crate::stats::Quiet;
 use crate::tools::explain::Objects;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -37,7 +36,8 @@ impl ObjectMap {
         let rays = request.camera_rays();
         // Every ray is cast, also where a picture would be rasterized.
         let grid = Structure::Any.resolution(renderer.world(), rays);
-        let prepared = renderer.prepare::<Fast>(grid, rays).or_else(|_| renderer.prepare(None, rays));
+        let prepared = renderer.prepare(grid, rays, Tracing::Fast);
+        let prepared = prepared.or_else(|_| renderer.prepare(None, rays, Tracing::Fast));
         let prepared = prepared.map_err(|error| error.to_string())?;
         let objects = Objects::new(renderer).map_err(|error| error.to_string())?;
         let view: Camera = prepared.camera(&request);
@@ -46,7 +46,7 @@ impl ObjectMap {
         let seen = |pixel: usize| {
             let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
             let ray = view.ray(at, DVec2::ZERO);
-            caster.nearest(&ray, None, &mut RayCount::default()).map(|visible| visible.primitive)
+            caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive)
         };
         let primitives: Vec<Option<u32>> =
             renderer.on_own_threads(|| (0..width * height).into_par_iter().map(seen).collect());

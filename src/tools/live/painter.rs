@@ -7,9 +7,8 @@ use super::stage::OpenScene;
 use crate::cli::Options;
 use crate::grid::GridTooLarge;
 use crate::grid::options::Structure;
-use crate::mode::{Course, Fast};
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
-use crate::render::{Cost, Layer, Progress, Request, Stopped};
+use crate::render::{Cost, Layer, Progress, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene::{Camera, Color};
 use crate::tools::explain::{CostMap, CostReport};
@@ -146,8 +145,11 @@ fn paint_all(jobs: &Receiver<Job>) {
 /// A scene with the structures that its last pictures were traced through.
 struct Easel<'r> {
     renderer: &'r Renderer,
-    ready: Vec<(Purpose, Ready<'r>)>,
+    ready: Vec<(Purpose, Prepared<'r>)>,
 }
+
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
 
 /// What a scene is prepared for.
 #[derive(Clone, Copy, PartialEq)]
@@ -157,11 +159,6 @@ struct Purpose {
     counts: bool,
     /// The camera's rays, where the picture depends on how many there are.
     rays: Option<usize>,
-}
-
-enum Ready<'r> {
-    Fast(Prepared<'r, Fast>),
-    Course(Prepared<'r, Course>),
 }
 
 impl<'r> Easel<'r> {
@@ -182,19 +179,15 @@ impl<'r> Easel<'r> {
             colors.take(row, subject.cost.is_some());
             ControlFlow::Continue(())
         };
-        let done = match ready {
-            Ready::Fast(ready) => ready.render_rows(&request, &watch, &mut take_row).map(drop),
-            Ready::Course(ready) => ready.render_rows(&request, &watch, &mut take_row).map(drop),
-        };
-        match done {
-            Ok(()) => {}
+        match ready.render_rows(&request, &watch, &mut take_row) {
+            Ok(_) => {}
             Err(Stopped::Cancelled { .. }) if turn.is_overtaken() => return Err(Unpainted::Overtaken),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::TooSlow),
             Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
         }
         let costs = subject.cost.map(|cost| CostReport {
             map: CostMap { cost, size: request.size, counts: std::mem::take(&mut colors.counts) },
-            cells: ready.fullness(),
+            cells: ready.fullness(FULLEST),
         });
         let picture = match &costs {
             Some(report) => report.map.draw().map_err(|error| Unpainted::Failed(error.to_string()))?,
@@ -204,7 +197,7 @@ impl<'r> Easel<'r> {
     }
 
     /// The scene, prepared for a picture.
-    fn ready(&mut self, subject: &Subject) -> Result<&Ready<'r>, GridTooLarge> {
+    fn ready(&mut self, subject: &Subject) -> Result<&Prepared<'r>, GridTooLarge> {
         let Options { structure, visualize_grid, .. } = subject.options;
         let whole = subject.options.request();
         let counts = subject.cost.is_some();
@@ -224,34 +217,26 @@ impl<'r> Easel<'r> {
     }
 }
 
-fn prepare<'r>(renderer: &'r Renderer, purpose: Purpose, whole: &Request) -> Result<Ready<'r>, GridTooLarge> {
+fn prepare<'r>(
+    renderer: &'r Renderer,
+    purpose: Purpose,
+    whole: &Request,
+) -> Result<Prepared<'r>, GridTooLarge> {
+    let tracing = if purpose.counts { Tracing::Counted } else { Tracing::Fast };
     match purpose.structure {
-        Structure::Grid(grid) if purpose.shows_cells && purpose.counts => {
-            renderer.prepare_cells(grid, whole.camera_rays()).map(Ready::Course)
-        }
         Structure::Grid(grid) if purpose.shows_cells => {
-            renderer.prepare_cells(grid, whole.camera_rays()).map(Ready::Fast)
+            renderer.prepare_cells(grid, whole.camera_rays(), tracing)
         }
         structure if purpose.counts => {
             let request = Request { layers: vec![Layer::Color], ..whole.clone() };
-            renderer.prepare_for(structure, &request).map(Ready::Course)
+            renderer.prepare_for(structure, &request, tracing)
         }
         structure => {
             let grid = structure.resolution(renderer.world(), MANY_RAYS);
-            match renderer.prepare(grid, MANY_RAYS) {
-                Err(_) if structure == Structure::Any => renderer.prepare(None, MANY_RAYS).map(Ready::Fast),
-                prepared => prepared.map(Ready::Fast),
+            match renderer.prepare(grid, MANY_RAYS, tracing) {
+                Err(_) if structure == Structure::Any => renderer.prepare(None, MANY_RAYS, tracing),
+                prepared => prepared,
             }
-        }
-    }
-}
-
-impl Ready<'_> {
-    fn fullness(&self) -> Option<crate::grid::Fullness> {
-        const FULLEST: usize = 5;
-        match self {
-            Self::Fast(prepared) => prepared.fullness(FULLEST),
-            Self::Course(prepared) => prepared.fullness(FULLEST),
         }
     }
 }

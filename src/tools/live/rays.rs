@@ -184,8 +184,8 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
 mod tests {
     use super::*;
     use crate::grid::options::{Resolution, Structure};
-    use crate::mode::Course;
     use crate::render::Request;
+    use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
     use crate::scene::error::{Problem, SceneError};
@@ -206,7 +206,7 @@ mod tests {
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
         let request = Request { effects, ..Request::new([9, 9]) };
-        let prepared = renderer.prepare_for::<Course>(structure, &request).unwrap();
+        let prepared = renderer.prepare_for(structure, &request, Tracing::Counted).unwrap();
         let tree = Explainer::new(&prepared).unwrap().pixel(&request, [5, 4]).unwrap();
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
         (tree, rays)

@@ -6,8 +6,7 @@ use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
 use crate::escape::quoted;
 use crate::grid::options::Structure;
 use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
-use crate::mode::Fast;
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene_io::mesh_places;
 use std::fs;
@@ -67,16 +66,12 @@ fn complete(subject: &Subject, output: &Output, painter: &Painter) -> Result<Com
     writer.complete().map_err(failed)
 }
 
-fn prepare<'r>(
-    renderer: &'r Renderer,
-    subject: &Subject,
-    request: &Request,
-) -> Result<Prepared<'r, Fast>, String> {
+fn prepare<'r>(renderer: &'r Renderer, subject: &Subject, request: &Request) -> Result<Prepared<'r>, String> {
     let prepared = match subject.options.structure {
         Structure::Grid(grid) if subject.options.visualize_grid => {
-            renderer.prepare_cells(grid, request.camera_rays())
+            renderer.prepare_cells(grid, request.camera_rays(), Tracing::Fast)
         }
-        structure => renderer.prepare_for(structure, request),
+        structure => renderer.prepare_for(structure, request, Tracing::Fast),
     };
     prepared.map_err(|error| error.to_string())
 }

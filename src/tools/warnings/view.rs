@@ -2,7 +2,7 @@
 
 use super::{Warning, known};
 use crate::math::robust::unit;
-use crate::render::{Layer, RenderMode, Request, Watch};
+use crate::render::{Layer, Request, Watch};
 use crate::renderer::Prepared;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
@@ -68,8 +68,8 @@ fn short(x: f64) -> String {
 /// A warning if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture,
 /// or else until the first row of pixels with a hit, so it is only asked of a picture that shows nothing but
 /// the background. If `watch` ends it there is no warning.
-pub fn nothing_visible<M: RenderMode>(
-    prepared: &Prepared<'_, M>,
+pub fn nothing_visible(
+    prepared: &Prepared,
     request: &Request,
     places: &Places,
     watch: Watch,
@@ -94,7 +94,7 @@ fn is_empty(world: &World) -> bool {
 }
 
 /// Why nothing is seen, as far as the bounds of the objects tell.
-fn sight<M: RenderMode>(prepared: &Prepared<'_, M>, request: &Request) -> Sight {
+fn sight(prepared: &Prepared, request: &Request) -> Sight {
     let renderer = prepared.renderer();
     let world = renderer.world();
     let Some(bounds) = renderer.bounds().filter(|_| world.planes.is_empty()) else {

@@ -4,7 +4,7 @@ use super::meshes::bunny;
 use super::scenes::world_of_mesh;
 use glam::{DAffine3, DVec3};
 use raytracer::grid::Caster;
-use raytracer::render::{Layer, RenderMode, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::material::Material;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -96,17 +96,17 @@ fn in_folder(folder: &Path) -> Vec<Named> {
 /// through more glass in a larger scene, which is rightly darker.
 pub fn render(named: &Named, world: &World, cells: Option<[usize; 3]>, power: i32) -> Vec<u8> {
     let caster = Caster::new(world, cells).unwrap_or_else(|e| panic!("{}: {e}", named.name));
-    render_with(named, &caster, power)
+    render_with(named, &caster, Tracing::Fast, power)
 }
 
-/// The same with a caster in any mode. In the course's mode every camera ray is cast, where otherwise
-/// triangles may be rasterized instead.
-pub fn render_with<M: RenderMode>(named: &Named, caster: &Caster<M>, power: i32) -> Vec<u8> {
+/// The same, traced in any way. Where it is counted every camera ray is cast, where otherwise triangles may be rasterized
+/// instead.
+pub fn render_with(named: &Named, caster: &Caster, tracing: Tracing, power: i32) -> Vec<u8> {
     let [near, far] = [2.0, 30.0].map(|t| t * 2f64.powi(power));
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.01 };
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
-    super::scenes::layers(&named.scene, caster, &Request { effects, layers, ..Request::new(named.size) })
-        .concat()
+    let request = Request { effects, layers, ..Request::new(named.size) };
+    super::scenes::layers(&named.scene, caster, &request, tracing).concat()
 }
 
 /// The scene scaled by 2^power, which is exact.

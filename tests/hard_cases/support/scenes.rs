@@ -4,7 +4,7 @@ use glam::DVec3;
 use raytracer::camera::Camera;
 use raytracer::grid::Caster;
 use raytracer::picture::FloatPicture;
-use raytracer::render::{RenderMode, Request, View, render_in_memory};
+use raytracer::render::{Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
@@ -59,23 +59,24 @@ pub fn render_picture(
 ) -> Vec<u8> {
     let world = World::new(scene, meshes).expect("a sound scene");
     let caster = Caster::new(&world, cells).expect("a grid");
-    layers(scene, &caster, &Request { effects, ..Request::new(size) }).concat()
+    layers(scene, &caster, &Request { effects, ..Request::new(size) }, Tracing::Fast).concat()
 }
 
 /// The bytes of each layer of a request. None of its colours may be a NaN.
-pub fn layers<M: RenderMode>(scene: &Scene, caster: &Caster<M>, request: &Request) -> Vec<Vec<u8>> {
-    let (layers, nans) = layers_and_nans(&Camera::new(&scene.camera, request.size), caster, request);
+pub fn layers(scene: &Scene, caster: &Caster, request: &Request, tracing: Tracing) -> Vec<Vec<u8>> {
+    let (layers, nans) = layers_and_nans(&Camera::new(&scene.camera, request.size), caster, request, tracing);
     assert_eq!(nans, 0, "colours that are not numbers");
     layers
 }
 
 /// The bytes of each layer of a request, and the number of colours with a NaN.
-pub fn layers_and_nans<M: RenderMode>(
+pub fn layers_and_nans(
     camera: &Camera,
-    caster: &Caster<M>,
+    caster: &Caster,
     request: &Request,
+    tracing: Tracing,
 ) -> (Vec<Vec<u8>>, u64) {
-    let rendered = render_in_memory(camera, caster, View::Scene, request);
+    let rendered = render_in_memory((camera, caster), View::Scene, request, tracing);
     let (pictures, _) = rendered.expect("small pictures");
     let bytes = pictures.iter().map(FloatPicture::to_bytes);
     bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {

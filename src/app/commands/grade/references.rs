@@ -8,9 +8,8 @@ use raytracer::distinct_files::ReadAs;
 use raytracer::escape::quoted;
 use raytracer::grid::options::Structure;
 use raytracer::image_io::{Format, read_picture};
-use raytracer::mode::Fast;
 use raytracer::picture::{FloatPicture, Picture};
-use raytracer::render::{Layer, Request};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
 use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
@@ -144,9 +143,9 @@ fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result
 fn colors(renderer: &Renderer, options: &Options, request: &Request) -> Result<FloatPicture, String> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
-            renderer.prepare_cells::<Fast>(grid, request.camera_rays())
+            renderer.prepare_cells(grid, request.camera_rays(), Tracing::Fast)
         }
-        _ => renderer.prepare_for(Structure::Any, request),
+        _ => renderer.prepare_for(Structure::Any, request, Tracing::Fast),
     };
     let pictures = prepared.map_err(|error| error.to_string())?.render(request);
     pictures.map_err(|error| error.to_string())?.pop().ok_or_else(|| "nothing is rendered".into())

@@ -1,8 +1,9 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
-use crate::math::ray::{Ray, Visible};
+use crate::math::ray::{Hit, Ray, Visible};
 use crate::primitive::triangle::Shear;
-use crate::tools::causes::{Finder, Found};
+use crate::stats::Probe;
+use crate::trace::Rules;
 use crate::world::{Primitive, World};
 
 /// Tests every primitive, one by one.
@@ -25,12 +26,13 @@ impl BruteForce<'_> {
     }
 }
 
-impl Finder for BruteForce<'_> {
+impl Rules for BruteForce<'_> {
     fn world(&self) -> &World {
         self.world
     }
 
-    fn nearest(&self, ray: &Ray, exclude: Option<u32>) -> Option<Found> {
+    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Hit> {
+        let exclude = leaves.filter(|&id| self.world.is_triangle(id));
         let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
         let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
         let coincident =
@@ -39,11 +41,6 @@ impl Finder for BruteForce<'_> {
             if self.world.comes_first(other.1, best.1) { other } else { best }
         };
         let (t, primitive) = coincident.reduce(first)?;
-        let hit = self.world.hit(ray, Visible { primitive, t_bound: t });
-        Some(Found { primitive, t, surface: self.world.surface(ray, &hit) })
-    }
-
-    fn is_blocked(&self, ray: &Ray, exclude: Option<u32>) -> bool {
-        self.hits(ray, exclude).next().is_some()
+        Some(self.world.hit(ray, Visible { primitive, t_bound: t }))
     }
 }

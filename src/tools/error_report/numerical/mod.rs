@@ -4,14 +4,14 @@
 mod brute_force;
 mod single;
 
-use crate::grid::Caster;
 use crate::math::ray::Ray;
-use crate::mode::Fast;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::{Layer, Request, Window};
 use crate::renderer::{Prepared, Renderer};
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::tools::causes::{Finder, MAX_BOUNCES, Rule, textbook_colors};
+use crate::stats::Quiet;
+use crate::tools::causes::{MAX_BOUNCES, Rule, mistaken_colors};
+use crate::trace::Rules;
 use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
@@ -49,7 +49,7 @@ const MOST_TESTS: f64 = 5e8;
 /// None where rays are followed too deep for the recursion. The renderer must have kept the meshes.
 pub fn measure(
     renderer: &Renderer,
-    prepared: &Prepared<Fast>,
+    prepared: &Prepared,
     request: &Request,
 ) -> Result<Option<Numerical>, BadSize> {
     if request.effects.bounces > MAX_BOUNCES {
@@ -58,13 +58,13 @@ pub fn measure(
     let request = affordable(renderer, request);
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
-    let exact = textbook_colors(renderer, &request, &brute_force, None)?;
-    let rough = textbook_colors(renderer, &request, &single, Some(Rule::SinglePrecision))?;
+    let exact = mistaken_colors(renderer, &request, &brute_force, None)?;
+    let rough = mistaken_colors(renderer, &request, &single, Some(Rule::SinglePrecision))?;
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
-    let hits = |finder: &dyn Finder| other_hits(renderer, &request, &brute_force, finder);
-    let caster: &Caster = prepared.caster();
-    let program = Departure { hits: hits(caster), ..departure(&own, &exact) };
-    let single = Departure { hits: hits(&single), ..departure(&rough, &exact) };
+    let own_hits = other_hits(renderer, &request, &brute_force, prepared.caster());
+    let single_hits = other_hits(renderer, &request, &brute_force, &single);
+    let program = Departure { hits: own_hits, ..departure(&own, &exact) };
+    let single = Departure { hits: single_hits, ..departure(&rough, &exact) };
     Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
 }
 
@@ -106,14 +106,13 @@ fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
 }
 
 /// How many camera rays hit other primitives.
-fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Finder, other: &dyn Finder) -> u64 {
+fn other_hits(renderer: &Renderer, request: &Request, exact: &impl Rules, other: &impl Rules) -> u64 {
     use rayon::prelude::*;
     let camera = renderer.camera(request);
     let height = request.size[1];
     let differs = |ray: &Ray| {
-        let [exact, other] =
-            [exact, other].map(|finder| finder.nearest(ray, None).map(|found| found.primitive));
-        exact != other
+        let exact = exact.first_hit(ray, None, &mut Quiet).map(|hit| hit.primitive);
+        exact != other.first_hit(ray, None, &mut Quiet).map(|hit| hit.primitive)
     };
     let of_column = |i: usize| {
         let rays = request.rows().flat_map(|j| {
@@ -129,6 +128,7 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Finder, other:
 mod tests {
     use super::*;
     use crate::grid::options::Structure;
+    use crate::render::Tracing;
     use crate::renderer::Meshes;
     use crate::scene_io::load;
     use crate::trace::{Effects, Shadows};
@@ -139,7 +139,7 @@ mod tests {
         let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces, ..Effects::default() };
         let request = Request { effects, ..Request::new([24, 18]) };
-        let prepared = renderer.prepare_for(Structure::Any, &request).unwrap();
+        let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).unwrap();
         measure(&renderer, &prepared, &request).unwrap().unwrap()
     }
 

@@ -1,8 +1,9 @@
 //! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
-use crate::math::ray::Ray;
-use crate::tools::causes::{Finder, Found};
+use crate::math::ray::{Hit, Ray};
+use crate::stats::Probe;
+use crate::trace::Rules;
 use crate::world::{Primitive, SurfacePoint, World};
 use glam::{Mat3, Vec3};
 
@@ -87,29 +88,27 @@ impl SinglePrecision<'_> {
     }
 }
 
-impl Finder for SinglePrecision<'_> {
+impl Rules for SinglePrecision<'_> {
     fn world(&self) -> &World {
         self.world
     }
 
-    fn nearest(&self, ray: &Ray, _: Option<u32>) -> Option<Found> {
+    fn first_hit<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Hit> {
         let ray = SingleRay::new(ray);
         let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
-        let position = ray.at(t);
-        let surface = SurfacePoint {
-            position: position.as_dvec3(),
-            normal: self.normal(position, primitive).as_dvec3(),
-            material: self.world.material_of(primitive),
-            primitive: None,
-            triangle: None,
-        };
-        Some(Found { primitive, t: t.into(), surface })
+        Some(Hit { t: t.into(), primitive, weights: None })
     }
 
-    fn is_blocked(&self, ray: &Ray, _: Option<u32>) -> bool {
-        let ray = SingleRay::new(ray);
-        self.ids().any(|id| self.hit(&ray, id).is_some())
+    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let position = SingleRay::new(ray).at(hit.t as f32);
+        SurfacePoint {
+            position: position.as_dvec3(),
+            normal: self.normal(position, hit.primitive).as_dvec3(),
+            material: self.world.material_of(hit.primitive),
+            primitive: None,
+            triangle: None,
+        }
     }
 }
 

@@ -264,7 +264,7 @@ fn is_front(corners: [ScreenVertex; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fast::edge_functions::ErrorBound;
+    use crate::fast::raster::edge_functions::ErrorBound;
 
     /// Eight rows of eight pixels, each an eighth wide at distance 1, seen along -z.
     fn viewport() -> Viewport {

@@ -140,7 +140,7 @@ impl EdgeFunctions {
 mod tests {
     use super::*;
     use crate::camera::Eye;
-    use crate::fast::Screen;
+    use crate::fast::raster::Screen;
     use glam::DVec2;
 
     #[test]

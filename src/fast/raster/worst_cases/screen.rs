@@ -1,8 +1,8 @@
-//! How tight the error bounds of [`triangle_bounds`](crate::fast::triangle_bounds) are.
+//! How tight the error bounds of [`triangle_bounds`](crate::fast::raster::triangle_bounds) are.
 
 use super::{SIZE, view};
-use crate::fast::Viewport;
-use crate::fast::triangle_bounds::{
+use crate::fast::raster::Viewport;
+use crate::fast::raster::triangle_bounds::{
     BEHIND_ROUNDINGS, MAX_STEEPNESS, SCREEN_ROUNDINGS, SIDE_ROUNDINGS, pixel_coordinates,
 };
 use crate::math::double_double::{Dd, difference, dot};

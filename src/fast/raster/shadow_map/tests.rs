@@ -60,7 +60,7 @@ fn check(world: &World, maps: &ShadowMaps, points: &[(DVec3, Option<u32>)]) -> [
                     counts[0] += 1;
                 }
                 Blocker::Only(triangle) => {
-                    let meets = caster.is_hit(&ray, triangle, leaves, &mut Quiet);
+                    let meets = caster.is_hit(&ray, triangle, leaves);
                     assert_eq!(meets, is_blocked, "{light:?} {point} {triangle}");
                     counts[1] += 1;
                 }

@@ -4,15 +4,14 @@
 //! of one ray depend on each other, while those of different rays overlap. Each camera ray keeps the order of its own
 //! rays, so that its colour is the same sum as by itself.
 
-use super::secondary::SecondaryRay;
-use super::{Memory, Observer, Tracer};
+use super::shading::{Memory, Shading};
 use crate::grid::packet::PacketRay;
 use crate::math::f64x4::F64x4;
 use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
-use crate::mode::Mode;
 use crate::scene::Color;
 use crate::shortcut::Shortcut;
+use crate::trace::SecondaryRay;
 use crate::world::surfaces::Traced;
 
 /// Fewer rays are followed one after the other.
@@ -49,22 +48,20 @@ impl PacketRay for Cast {
     }
 }
 
-impl<M: Mode> Tracer<'_, M> {
-    /// Whether secondary rays are followed side by side. It pays where they traverse a grid with triangles. Where they
-    /// are counted or observed, they are followed one after the other.
-    pub(super) fn goes_side_by_side<P: Observer>(&self) -> bool {
-        let is_fast = Shortcut::SideBySide.is_taken() && !M::AS_COURSE && !P::OBSERVES && !P::COUNTS;
-        is_fast && self.caster.has_grid() && !self.world().triangles.is_empty()
+impl Shading<'_> {
+    /// Whether secondary rays are followed side by side. It pays where they traverse a grid with triangles.
+    pub(super) fn goes_side_by_side(&self) -> bool {
+        let has_triangles = !self.tracer.world().triangles.is_empty();
+        Shortcut::SideBySide.is_taken() && has_triangles && self.tracer.rules.has_grid()
     }
 
     /// Adds the colours of the secondary rays to those of their camera rays, until few camera rays have any left.
     #[inline(always)]
-    pub(super) fn follow_side_by_side<F: F64x4, P: Observer>(
+    pub(super) fn follow_side_by_side<F: F64x4>(
         &self,
         proof: F::Proof,
         colors: &mut [Color],
         memory: &mut Memory,
-        probe: &mut P,
     ) {
         let mut cast = std::mem::take(&mut memory.cast);
         // The set of the camera rays with secondary rays.
@@ -83,14 +80,14 @@ impl<M: Mode> Tracer<'_, M> {
             if cast.len() < LEAST_RAYS {
                 break;
             }
-            self.caster.nearest_of_packet(&mut cast, probe);
-            self.world().find_surfaces::<F, _>(proof, &mut cast);
+            self.tracer.rules.nearest_of_packet(&mut cast);
+            self.tracer.world().find_surfaces::<F, _>(proof, &mut cast);
             for Cast { source: Origin { camera_ray, .. }, ray, surface, .. } in &cast {
                 let Some(SecondaryRay { path, .. }) = memory.pending[*camera_ray].pop() else { continue };
-                probe.non_shadow_ray();
+                memory.rays += 1;
                 let seen = match surface {
-                    Some(surface) => self.follow(ray, &path, surface, *camera_ray, memory, probe),
-                    None => self.background(probe),
+                    Some(surface) => self.follow(ray, &path, surface, *camera_ray, memory),
+                    None => self.tracer.world().background,
                 };
                 colors[*camera_ray] += path.filter * seen;
             }
@@ -104,9 +101,10 @@ mod tests {
     use super::*;
     use crate::grid::options::GridOptions;
     use crate::grid::{Caster, Instructions};
+    use crate::sampling::sample_packet::SamplePacket;
     use crate::scene::parser::parse;
-    use crate::stats::{Counts, Probe, Quiet, RayCount};
-    use crate::trace::{Effects, MOST_CAMERA_RAYS, Shadows};
+    use crate::stats::{Counts, Quiet};
+    use crate::trace::{Effects, Shadows, Tracer};
     use crate::world::World;
     use glam::DVec3;
 
@@ -135,33 +133,34 @@ mod tests {
     }
 
     #[test]
-    fn camera_rays_have_the_colours_and_the_rays_that_they_have_alone() {
+    fn camera_rays_have_the_colours_that_they_have_alone() {
         let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
         for instructions in Instructions::available() {
             let caster = Caster::with(&world, GridOptions::uniform([6, 5, 7]), instructions).unwrap();
-            let tracer = Tracer { caster: &caster, effects, shadow_maps: None };
-            assert!(tracer.goes_side_by_side::<RayCount>() && !tracer.goes_side_by_side::<Counts>());
-            let (mut memory, mut together, mut alone) =
-                (Memory::default(), RayCount::default(), Counts::default());
+            let tracer = Tracer { rules: &caster, effects };
+            let shading = Shading { tracer, shadow_maps: None };
+            assert!(shading.goes_side_by_side());
+            let (mut memory, mut alone) = (Memory::default(), Counts::default());
             let mut first = 0;
-            for count in (1..=MOST_CAMERA_RAYS).cycle().take(100) {
+            for count in (1..=SamplePacket::SIZE).cycle().take(100) {
                 let rays: Vec<Ray> = (first..first + count).map(camera_ray).collect();
                 let surface = |ray| Some(world.visible_surface(ray, caster.nearest(ray, None, &mut Quiet)?));
                 let surfaces: Vec<_> = rays.iter().map(surface).collect();
                 let mut colors = vec![];
                 for (i, (ray, surface)) in rays.iter().zip(&surfaces).enumerate() {
-                    colors.push(tracer.local_color(ray, surface.as_ref(), i, &mut memory, &mut together));
+                    colors.push(shading.local_color(ray, surface.as_ref(), i, &mut memory));
                 }
-                tracer.add_secondary(&mut colors, &mut memory, &mut together);
+                shading.add_secondary(&mut colors, &mut memory);
                 for (color, (ray, surface)) in colors.iter().zip(rays.iter().zip(&surfaces)) {
-                    let expected = tracer.color(ray, surface.as_ref(), &mut Memory::default(), &mut alone);
+                    let expected = tracer.color_of(ray, *surface, &mut alone);
                     let bits = |color: &Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(color), bits(&expected), "{ray:?}");
                 }
                 first += count;
             }
-            assert_eq!(together.counts().rays(), alone.rays());
+            // The tracer also casts shadow rays to lights without effect.
+            assert!(memory.rays < alone.rays() && memory.rays > alone.non_shadow_rays);
             assert!(alone.non_shadow_rays as usize > 4 * first, "{}", alone.non_shadow_rays);
         }
     }

@@ -1,26 +1,42 @@
 //! What happens while a ray is followed, for whoever wants to know.
-//!
-//! Whether anybody wants to is a type parameter, so that the code for the probes that only count makes no events.
 
-use crate::math::ray::{Hit, Ray, Visible};
+use crate::math::ray::{Hit, Ray};
 use crate::scene::Color;
 use crate::scene::material::Phong;
 use crate::shading::light::Incident;
-use crate::stats::{Counts, Probe, Quiet, RayCount};
+use crate::stats::{Counts, Probe, Quiet};
 use crate::world::SurfacePoint;
+use glam::DVec3;
 use serde::Serialize;
 
-/// A probe that may also be told what happens to each ray.
+/// Watches the tracer. By default it does not, which costs nothing.
 pub trait Observer: Probe {
-    /// Whether it is told. If not, no events are made.
-    const OBSERVES: bool = false;
-    /// Takes an event.
-    fn observe(&mut self, _: Event) {}
+    /// A camera ray, or a reflected or refracted one.
+    #[inline(always)]
+    fn non_shadow_ray(&mut self) {}
+
+    /// A ray towards a light.
+    #[inline(always)]
+    fn shadow_ray(&mut self) {}
+
+    /// Is told what happens. The event is made only if it is asked for.
+    #[inline(always)]
+    fn observe<'e>(&mut self, _event: impl FnOnce() -> Event<'e>) {}
 }
 
 impl Observer for Quiet {}
-impl Observer for RayCount {}
-impl Observer for Counts {}
+
+impl Observer for Counts {
+    #[inline(always)]
+    fn non_shadow_ray(&mut self) {
+        self.non_shadow_rays += 1;
+    }
+
+    #[inline(always)]
+    fn shadow_ray(&mut self) {
+        self.shadow_rays += 1;
+    }
+}
 
 /// The way in which a ray leaves a surface to be followed further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -47,13 +63,6 @@ pub enum PathEnd {
     },
     /// All light is reflected at this angle.
     TotalReflection,
-}
-
-impl Secondary {
-    /// No ray of this kind is followed.
-    pub(super) fn ends(self, end: PathEnd) -> Event<'static> {
-        Event::NotFollowed { kind: self, end }
-    }
 }
 
 impl PathEnd {
@@ -94,8 +103,15 @@ pub enum Event<'e> {
         /// Why it does not.
         end: PathEnd,
     },
-    /// A few roundings could turn refraction into total reflection, or the reverse.
-    Critical,
+    /// The ray is refracted or totally reflected.
+    Refracting {
+        /// Where it comes from, as a unit vector.
+        direction: DVec3,
+        /// The unit normal, against the direction.
+        normal: DVec3,
+        /// The indices of refraction in front of the surface and behind it.
+        indices: [f64; 2],
+    },
     /// The ambient light that the surface reflects.
     Ambient(Color),
     /// A ray is cast towards a light.
@@ -124,6 +140,6 @@ pub enum Event<'e> {
     Shaded(Color),
     /// The next secondary ray is taken.
     Popped,
-    /// The secondary ray has been cast.
-    Met(Option<Visible>),
+    /// The ray has been cast.
+    Met(Option<Hit>),
 }

@@ -1,0 +1,197 @@
+//! The stages that the samples of a row pass through together: their rays, the hits, the surfaces there, and the colours.
+//! The stages of one sample depend on each other, while those of different samples overlap, which hides the latency of
+//! divisions and of memory. All of them are compiled for each instruction set.
+
+use super::FastRow;
+use super::raster::{Seen, VisibilityBuffer};
+use crate::camera::Camera;
+use crate::grid::Caster;
+use crate::grid::packet::PacketRay;
+#[cfg(target_arch = "x86_64")]
+use crate::math::avx::Avx;
+use crate::math::f64x4::{F64x4, LANES, Scalar};
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
+use crate::math::instructions::{Instructions, Portable};
+use crate::math::ray::{Ray, Visible};
+use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
+
+impl PacketRay for Sample {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn set_visible(&mut self, visible: Option<Visible>) {
+        self.visible = visible;
+    }
+}
+
+/// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted.
+pub fn trace(
+    row: &mut FastRow,
+    j: usize,
+    wanted: Wanted,
+    packet: &mut SamplePacket,
+    colors: &mut PacketColors,
+) {
+    match row.rows.caster.instructions {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
+        Instructions::Avx2(avx2) => unsafe { trace_avx2(avx2, row, j, wanted, packet, colors) },
+        Instructions::Portable => trace_with::<Scalar>(Portable, row, j, wanted, packet, colors),
+    }
+}
+
+/// The same, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn trace_avx2(
+    avx2: Avx2,
+    row: &mut FastRow,
+    j: usize,
+    wanted: Wanted,
+    packet: &mut SamplePacket,
+    colors: &mut PacketColors,
+) {
+    trace_with::<Avx>(avx2, row, j, wanted, packet, colors);
+}
+
+/// The same, compiled for the instructions of the caller.
+#[inline(always)]
+fn trace_with<F: F64x4>(
+    proof: F::Proof,
+    row: &mut FastRow,
+    j: usize,
+    wanted: Wanted,
+    packet: &mut SamplePacket,
+    colors: &mut PacketColors,
+) {
+    let FastRow { rows, shading, memory } = row;
+    aim::<F>(proof, packet, rows.picture.camera, j);
+    if wanted.hits {
+        cast(packet, &rows.caster, rows.visibility.as_ref(), j);
+    }
+    if wanted.surfaces {
+        rows.caster.world.find_surfaces::<F, _>(proof, packet.samples_mut());
+    }
+    if wanted.colors {
+        let samples = packet.samples();
+        for (i, (color, Sample { ray, surface, .. })) in colors.iter_mut().zip(samples).enumerate() {
+            *color = shading.local_color(ray, surface.as_ref(), i, memory);
+        }
+        shading.add_secondary(&mut colors[..samples.len()], memory);
+    }
+}
+
+/// Computes the rays of the samples, which lie in row `j`.
+#[inline(always)]
+fn aim<F: F64x4>(proof: F::Proof, packet: &mut SamplePacket, camera: &Camera, j: usize) {
+    let count = packet.samples().len();
+    // Places without a sample may get any ray.
+    let (groups, _) = packet.places_mut().as_chunks_mut::<LANES>();
+    for [a, b, c, d] in &mut groups[..count.div_ceil(LANES)] {
+        let columns = [a.source.column, b.source.column, c.source.column, d.source.column];
+        let offsets = [a.source.offset, b.source.offset, c.source.offset, d.source.offset];
+        [a.ray, b.ray, c.ray, d.ray] = camera.rays::<F>(proof, columns, j, offsets);
+    }
+}
+
+/// Finds the first hit of each ray. `visibility` has those of rays through row `j`, as far as they are known.
+#[inline(always)]
+fn cast(packet: &mut SamplePacket, caster: &Caster, visibility: Option<&VisibilityBuffer>, j: usize) {
+    let Some(visibility) = visibility else {
+        return caster.nearest_of_packet(packet.samples_mut());
+    };
+    let mut unsure = vec![];
+    for sample in packet.samples_mut() {
+        match visibility.seen(caster.world, &sample.ray, sample.source.column, j) {
+            Seen::Nothing => sample.visible = None,
+            Seen::Primitive(visible) => sample.visible = Some(visible),
+            Seen::Unsure => unsure.push(sample),
+        }
+    }
+    caster.nearest_of_packet(&mut unsure);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::f64x4::Scalar;
+    use crate::math::instructions::Portable;
+    use crate::scene::parser::parse;
+    use crate::world::{SurfacePoint, World};
+    use glam::{DVec2, DVec3};
+
+    /// Two triangles, a sphere and a plane behind them.
+    const TEXT: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 60 }
+         Materials { numMaterials 4 Material { } Material { } Material { } Material { } }
+         Group { numObjects 4
+         MaterialIndex 3 Triangle { vertex0 -2 -1 0 vertex1 0 -1 0.5 vertex2 -1 2 1 }
+         MaterialIndex 1 Triangle { vertex0 0 -1 0.5 vertex1 2 -1 0 vertex2 1 2 -1 }
+         MaterialIndex 2 Sphere { center 0 1.5 0 radius 0.7 }
+         MaterialIndex 0 Plane { normal 0 0 1 offset -3 } }";
+
+    /// The bits of a surface's position and normal, and its ids.
+    type Bits = ([[u64; 3]; 2], [Option<u32>; 3]);
+
+    fn bits(surface: Option<SurfacePoint>) -> Option<Bits> {
+        let bits = |v: DVec3| v.to_array().map(f64::to_bits);
+        let ids = |s: SurfacePoint| [s.primitive, s.triangle, Some(s.material as u32)];
+        surface.map(|s| ([bits(s.position), bits(s.normal)], ids(s)))
+    }
+
+    fn finds_what_each_ray_hits<F: F64x4>(proof: F::Proof) {
+        let scene = parse(TEXT).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let size = [32, 24];
+        let camera = Camera::new(&scene.camera, size);
+        let mut packet = SamplePacket::default();
+        let mut kinds = [0; 4];
+        for (j, start) in (0..size[1]).flat_map(|j| (0..size[0]).map(move |start| (j, start))) {
+            let count = 1 + (start + 5 * j) % SamplePacket::SIZE;
+            for k in 0..count {
+                // Some neighbours lie close to each other, others far apart.
+                let column = if j % 2 == 0 { start } else { (start + 3 * k) % size[0] };
+                packet.push(column, DVec2::new(k as f64 / 16.0 - 0.5, 0.25), false);
+            }
+            aim::<F>(proof, &mut packet, &camera, j);
+            for sample in packet.samples_mut() {
+                let t = |id: u32| match world.primitive(id) {
+                    crate::world::Primitive::Triangle(i) => {
+                        crate::primitive::triangle::Shear::new(&sample.ray)
+                            .intersect(world.corners_in_place(i))
+                    }
+                    crate::world::Primitive::Sphere(i) => world.spheres[i].intersect(&sample.ray),
+                    _ => Some(100.0),
+                };
+                let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
+                sample.visible = visible.filter(|_| column_is_open(sample.source.column));
+            }
+            world.find_surfaces::<F, _>(proof, packet.samples_mut());
+            for Sample { ray, visible, surface, .. } in packet.samples() {
+                let expected = visible.map(|visible| world.visible_surface(ray, visible));
+                assert_eq!(bits(*surface), bits(expected), "{ray:?}");
+                visible.iter().for_each(|visible| kinds[visible.primitive as usize] += 1);
+            }
+            packet.clear();
+        }
+        assert!(kinds.iter().all(|&count| count > 100), "{kinds:?}");
+    }
+
+    /// Whether something is seen in a column, so that some samples of a packet see nothing.
+    fn column_is_open(column: usize) -> bool {
+        !column.is_multiple_of(7)
+    }
+
+    #[test]
+    fn a_packet_has_the_surface_that_each_ray_hits() {
+        finds_what_each_ray_hits::<Scalar>(Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            finds_what_each_ray_hits::<crate::math::avx::Avx>(proof);
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Who traces the rays of a picture: the tracer itself, which is counted, or its fast twin.
+
+use super::request::{Request, View};
+use crate::camera::Camera;
+#[cfg(feature = "fast")]
+use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
+use crate::grid::Caster;
+use crate::math::ray::Visible;
+use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
+use crate::stats::Counts;
+use crate::trace::{Observer, Rules, Tracer};
+use glam::DVec2;
+use serde::Serialize;
+use std::ops::Range;
+
+/// How a picture is traced. It is the same picture either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tracing {
+    /// As soon as possible: only what the picture needs is traced, and only rays are counted. They are not told apart.
+    #[default]
+    Fast,
+    /// As by the course's program, whose steps are counted.
+    Counted,
+}
+
+/// Traces the rays of a picture.
+pub enum PictureTracer<'a> {
+    Plain(PlainTracer<'a>),
+    #[cfg(feature = "fast")]
+    Fast(FastTracer<'a>),
+}
+
+/// Traces the rays of some rows.
+pub enum RowsTracer<'a> {
+    Plain(PlainTracer<'a>),
+    #[cfg(feature = "fast")]
+    Fast(FastRows<'a>),
+}
+
+/// Traces the rays of one row.
+pub enum RowTracer<'a> {
+    Plain(PlainTracer<'a>),
+    #[cfg(feature = "fast")]
+    Fast(FastRow<'a>),
+}
+
+/// Traces rays one by one.
+#[derive(Clone, Copy)]
+pub struct PlainTracer<'a> {
+    camera: &'a Camera,
+    tracer: Tracer<'a, Caster<'a>>,
+}
+
+impl<'a> PictureTracer<'a> {
+    pub fn new(
+        camera: &'a Camera,
+        caster: &'a Caster<'a>,
+        view: View,
+        request: &Request,
+        tracing: Tracing,
+    ) -> Self {
+        match tracing {
+            #[cfg(feature = "fast")]
+            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request))),
+            _ => {
+                let _ = view;
+                Self::Plain(PlainTracer {
+                    camera,
+                    tracer: Tracer { rules: caster, effects: request.effects },
+                })
+            }
+        }
+    }
+
+    /// For these rows, counted from the bottom.
+    pub fn rows(&self, rows: Range<usize>) -> RowsTracer<'_> {
+        match self {
+            Self::Plain(plain) => {
+                let _ = rows;
+                RowsTracer::Plain(*plain)
+            }
+            #[cfg(feature = "fast")]
+            Self::Fast(fast) => RowsTracer::Fast(fast.rows(rows)),
+        }
+    }
+}
+
+impl RowsTracer<'_> {
+    pub fn row(&self) -> RowTracer<'_> {
+        match self {
+            Self::Plain(plain) => RowTracer::Plain(*plain),
+            #[cfg(feature = "fast")]
+            Self::Fast(fast) => RowTracer::Fast(fast.row()),
+        }
+    }
+}
+
+impl RowTracer<'_> {
+    /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. The rays from
+    /// the camera are not counted.
+    pub fn trace(
+        &mut self,
+        j: usize,
+        wanted: Wanted,
+        packet: &mut SamplePacket,
+        colors: &mut PacketColors,
+        counts: &mut Counts,
+    ) {
+        match self {
+            Self::Plain(plain) => plain.trace(j, wanted, packet, colors, counts),
+            #[cfg(feature = "fast")]
+            Self::Fast(fast) => counts.non_shadow_rays += fast.trace(j, wanted, packet, colors),
+        }
+    }
+}
+
+impl PlainTracer<'_> {
+    fn trace<O: Observer>(
+        &self,
+        j: usize,
+        wanted: Wanted,
+        packet: &mut SamplePacket,
+        colors: &mut PacketColors,
+        observer: &mut O,
+    ) {
+        let Self { camera, tracer } = self;
+        for (sample, color) in packet.samples_mut().iter_mut().zip(colors) {
+            sample.ray = camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
+            let hit = wanted.hits.then(|| tracer.first_hit(&sample.ray, None, observer)).flatten();
+            sample.visible = hit.map(|hit| Visible { primitive: hit.primitive, t_bound: hit.t });
+            if wanted.surfaces {
+                sample.surface = hit.map(|hit| tracer.rules.surface(&sample.ray, &hit));
+            }
+            if wanted.colors {
+                *color = tracer.color_of(&sample.ray, sample.surface, observer);
+            }
+        }
+    }
+}
+
+/// The rays that a request asks for.
+#[cfg(feature = "fast")]
+fn demand(view: View, request: &Request) -> Demand {
+    let colors = request.traces_colors(Tracing::Fast) && matches!(view, View::Scene);
+    let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
+    let samples = request.window_size().iter().product::<usize>() * request.sampler.count() as usize;
+    Demand {
+        size: request.size,
+        columns: request.columns(),
+        footprint: (request.measures() || colors).then_some(footprint),
+        colors: if colors { samples } else { 0 },
+        effects: request.effects,
+    }
+}
+
+#[cfg(all(test, feature = "fast"))]
+mod tests {
+    use super::*;
+    use crate::render::grid_view::Occupancy;
+    use crate::render::{Layer, Request};
+    use crate::sampling::drand48::Drand48;
+    use crate::sampling::sampler::{Pattern, Sampler};
+    use crate::scene::parser::parse;
+    use crate::trace::{Effects, Shadows};
+    use crate::world::World;
+
+    #[test]
+    fn camera_rays_are_asked_for_where_a_layer_needs_them() {
+        let text =
+            "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 } Group { numObjects 1
+             Material { } Sphere { center 0 0 0 radius 1 } }";
+        let scene = parse(text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let occupancy = Occupancy::new(&scene, &[], world.bounds, [1; 3]).unwrap();
+        let (center, aside) = (Sampler::CENTER, Sampler::new(Pattern::Uniform, 4, Drand48::UNSEEDED));
+        let cells = View::Cells(&occupancy);
+        let depth = Layer::Depth { near: 1.0, far: 2.0 };
+        for (layers, sampler, view, footprint, colors) in [
+            (vec![Layer::Color], center, View::Scene, Some(Footprint::Center), 30),
+            (vec![Layer::Color], aside, View::Scene, Some(Footprint::Pixel), 120),
+            (vec![Layer::Color], center, cells, None, 0),
+            (vec![Layer::Color, depth], aside, View::Scene, Some(Footprint::Pixel), 120),
+            (vec![Layer::Color, depth], center, cells, Some(Footprint::Center), 0),
+            (vec![depth], center, View::Scene, Some(Footprint::Center), 0),
+            (vec![Layer::Filter { zoom: 1 }], center, View::Scene, None, 0),
+        ] {
+            let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
+            let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
+            let demand = demand(view, &request);
+            assert_eq!((demand.footprint, demand.colors), (footprint, colors), "{request:?}");
+        }
+    }
+}
