@@ -65,7 +65,7 @@ pub struct FastRows<'a> {
 pub struct FastRow<'a> {
     rows: &'a FastRows<'a>,
     shading: Shading<'a>,
-    memory: Memory,
+    memory: Box<Memory>,
 }
 
 /// Whether the first hits of camera rays are found without casting most of them.
@@ -116,7 +116,7 @@ impl FastRows<'_> {
         let FastTracer { demand, shadow_maps, .. } = self.picture;
         let tracer = Tracer { rules: &self.caster, effects: demand.effects };
         let shading = Shading { tracer, shadow_maps: shadow_maps.as_ref() };
-        FastRow { rows: self, shading, memory: Memory::default() }
+        FastRow { rows: self, shading, memory: Box::default() }
     }
 }
 
