@@ -5,7 +5,7 @@
 //!
 //! *bias* is the mean error of the picture's colours over all seeds with its standard error, in levels. *RMSE* is that of
 //! the picture as it is shown. *speed-up* is the time that jittered samples take to the same error, interpolated, over the
-//! time of the adaptive ones. Times are those of one thread's processor.
+//! time of the adaptive ones, and *fewer rays* is the same of rays. Times are those of one thread's processor.
 
 mod scenes;
 
@@ -21,6 +21,7 @@ use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use scenes::{CASES, Case};
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// The errors that are asked for, in levels.
@@ -61,13 +62,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let settings = settings()?;
     let mut speed_ups = vec![];
     println!(
-        "| scene | asked for | bias | RMSE | RMSE / asked for | s | speed-up |\n|---|---:|---:|---:|---:|---:|---:|"
+        "| scene | asked for | bias | RMSE | RMSE / asked for | rays | s | fewer rays | speed-up |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|"
     );
     let is_wanted =
         |case: &&Case| settings.names.is_empty() || settings.names.iter().any(|name| name == case.name);
     for case in CASES.iter().filter(is_wanted) {
         let measured = measure(case, &settings)?;
-        println!("| {} | all | | | | | **{:.2}** |", case.name, geometric_mean(&measured));
+        println!("| {} | all | | | | | | | **{:.2}** |", case.name, geometric_mean(&measured));
         speed_ups.push(geometric_mean(&measured));
     }
     println!("\nGeometric mean of the speed-ups: {:.2}.", geometric_mean(&speed_ups));
@@ -111,7 +112,7 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
     let mut speed_ups = vec![];
     for error in ERRORS {
         let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| adaptive(error, seed)).collect();
-        let [time, found] = time_and_error(&prepared, &one, &requests, &halves)?;
+        let [time, found, rays] = time_and_error(&prepared, &one, &requests, &halves)?;
         let bias = if BIASED.contains(&error) && seeds > 0 {
             let requests = (1..=seeds).map(|seed| adaptive(error, 100 + seed));
             let [bias, deviation] = bias(&prepared, &many, requests, &halves)?;
@@ -120,14 +121,14 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
             String::new()
         };
         let (gain, shown) = match cost_of(found, &curve) {
-            Some(cost) => (cost / time, format!("{:.2}", cost / time)),
-            None => (f64::NAN, "-".into()),
+            Some([cost, many]) => (cost / time, format!("{:.2} | {:.2}", many / rays, cost / time)),
+            None => (f64::NAN, "- | -".into()),
         };
         if gain.is_finite() {
             speed_ups.push(gain);
         }
         println!(
-            "| {} | {error} | {bias} | {found:.3} | {:.2} | {time:.4} | {shown} |",
+            "| {} | {error} | {bias} | {found:.3} | {:.2} | {rays:.1} | {time:.4} | {shown} |",
             case.name,
             found / error
         );
@@ -135,13 +136,13 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
     Ok(speed_ups)
 }
 
-/// The least time of a render in seconds, and the root mean square error of all.
+/// The least time of a render in seconds, the root mean square error of all, and the rays for a pixel.
 fn time_and_error(
     prepared: &Prepared,
     one: &ThreadPool,
     requests: &[Request],
     halves: &[FloatPicture; 2],
-) -> Result<[f64; 2], Box<dyn Error>> {
+) -> Result<[f64; 3], Box<dyn Error>> {
     let (mut least, mut sum) = (Duration::MAX, 0.0);
     for request in requests {
         let (picture, time) = one.install(|| {
@@ -152,7 +153,11 @@ fn time_and_error(
         least = least.min(time);
         sum += mean_square(&picture?[0], halves);
     }
-    Ok([least.as_secs_f64(), 255.0 * (sum / requests.len() as f64).max(0.0).sqrt()])
+    let go_on = |_| ControlFlow::Continue(());
+    let counts = prepared.render_rows(&requests[0], &go_on, &mut |_, _| ControlFlow::Continue(()))?;
+    let pixels = requests[0].size.iter().product::<usize>() as f64;
+    let error = 255.0 * (sum / requests.len() as f64).max(0.0).sqrt();
+    Ok([least.as_secs_f64(), error, counts.rays() as f64 / pixels])
 }
 
 /// The mean square error, from which the noise of the reference's halves cancels.
@@ -194,12 +199,12 @@ fn bias(
     Ok([average - 0.5 * (mean(a) + mean(b)), (variance + noise).sqrt()])
 }
 
-/// The time at which a curve of times and errors has this error, interpolated in logarithms, and continued from its first
-/// two or last two points.
-fn cost_of(error: f64, curve: &[[f64; 2]]) -> Option<f64> {
+/// The time and the rays with which a curve has this error, interpolated in logarithms, and continued from its first two
+/// or last two points.
+fn cost_of(error: f64, curve: &[[f64; 3]]) -> Option<[f64; 2]> {
     let next = curve.iter().position(|point| point[1] <= error).unwrap_or(curve.len() - 1).max(1);
-    let [[cost, found], [next_cost, next_found]] = [curve[next - 1], curve[next]];
-    let share = (found / error).ln() / (found / next_found).ln();
-    let cost = (cost.ln() + share * (next_cost / cost).ln()).exp();
-    cost.is_finite().then_some(cost)
+    let [one, other] = [curve[next - 1], curve[next]];
+    let share = (one[1] / error).ln() / (one[1] / other[1]).ln();
+    let cost = [0, 2].map(|k| (one[k].ln() + share * (other[k] / one[k]).ln()).exp());
+    cost.iter().all(|cost| cost.is_finite()).then_some(cost)
 }

@@ -109,10 +109,10 @@ fn needles() -> String {
         let [a, b] = [0.85, 0.0015];
         objects.push(format!(
             "MaterialIndex 0 Triangle {{ vertex0 {} {} 0 vertex1 {} {} 0 vertex2 {} {} 0 }}",
-            x + a * cos - b * sin,
-            y + a * sin + b * cos,
             x + a * cos + b * sin,
             y + a * sin - b * cos,
+            x + a * cos - b * sin,
+            y + a * sin + b * cos,
             x - a * cos,
             y - a * sin
         ));

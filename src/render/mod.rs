@@ -9,6 +9,7 @@ mod row;
 mod strip;
 mod tally;
 mod tracing;
+mod unseen;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
@@ -29,6 +30,7 @@ use std::ops::ControlFlow;
 use strip::Strip;
 use tally::Tally;
 use tracing::PictureTracer;
+use unseen::Unseen;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,10 +105,11 @@ pub fn render(
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     let tally = Tally::new(rows.len(), watch);
+    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request)).transpose()?;
     let mut counts = Counts::default();
     let mut end = rows.end;
     while end > rows.start {
-        let strip = Strip::below(&setting, end, rows.start);
+        let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
         counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
         end = strip.rows.start;
     }
@@ -124,7 +127,8 @@ pub fn strata(
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    setting.strata(settings, &tracer.rows(0..0), pixel).unwrap_or_default()
+    let strata = |unseen: Unseen| setting.strata(settings, &tracer.rows(0..0), &unseen, pixel);
+    Unseen::new(camera, caster.world, request).ok().and_then(strata).unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

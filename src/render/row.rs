@@ -126,7 +126,7 @@ impl Painter<'_> {
             self.paint_centers(columns.clone(), packet);
         }
         if colors && self.refinement.is_some() {
-            columns.for_each(|column| self.refine(column, packet));
+            self.refine(columns, packet);
         } else if colors && !sampler.is_center() {
             self.take_samples(columns, packet);
         }

@@ -10,6 +10,7 @@ use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
+use super::unseen::{Unseen, UnseenRows};
 use super::{Stopped, TakeRow, delivery};
 use crate::memory::{self, NoMemory};
 use crate::sampling::film::Film;
@@ -39,6 +40,8 @@ const ROWS_PER_SUPPORT: usize = 64;
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a> {
     setting: &'a RenderSetting<'a>,
+    /// What adaptive samples may miss, if there are any.
+    unseen: Option<&'a Unseen>,
     pub rows: Range<usize>,
 }
 
@@ -54,7 +57,12 @@ struct Finished {
 
 impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
+    pub fn below(
+        setting: &'a RenderSetting<'a>,
+        unseen: Option<&'a Unseen>,
+        end: usize,
+        first: usize,
+    ) -> Self {
         let Request { layers, sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
@@ -67,7 +75,7 @@ impl<'a> Strip<'a> {
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
         let rows = if Self::hands_out_at_once(setting.request) { rows.min(few) } else { rows };
         let rows = rows.max(8 * support).max(rayon::current_num_threads());
-        Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+        Self { setting, unseen, rows: end.saturating_sub(rows).max(first)..end }
     }
 
     /// Whether rows depend on each other, so that all of a strip are handed out at once.
@@ -169,19 +177,20 @@ impl<'a> Strip<'a> {
         tally: &Tally,
     ) -> Result<Vec<Option<Row>>, NoMemory> {
         let RenderSetting { request, .. } = *self.setting;
-        let (first, counted) = match request.adaptive {
-            Some(_) if request.traces_colors(self.setting.tracing) => {
-                match self.trace_first(&rows, tracer, tally)? {
+        let (first, counted) = match self.unseen {
+            Some(unseen) if request.traces_colors(self.setting.tracing) => {
+                match self.trace_first(&rows, tracer, unseen, tally)? {
                     Some(first) => first,
                     None => return memory::collected(rows.map(|_| None)),
                 }
             }
             _ => (vec![], vec![]),
         };
+        let unseen = self.unseen.map(|unseen| unseen.rows(rows.clone())).transpose()?;
         let first_row = rows.start.saturating_sub(1);
         let trace = |j| {
             let row = self.setting.empty_row(j, None)?;
-            self.row(row, tracer, self.refinement(&first, first_row, j), tally)
+            self.row(row, tracer, self.refinement(&first, first_row, unseen.as_ref(), j), tally)
         };
         let mut traced = in_parallel(rows.clone(), tally, trace)?;
         for (row, counts) in traced.iter_mut().zip(counted.into_iter().skip(rows.start - first_row)) {
@@ -213,10 +222,11 @@ impl<'a> Strip<'a> {
         &self,
         rows: &Range<usize>,
         tracer: &RowsTracer,
+        unseen: &Unseen,
         tally: &Tally,
     ) -> Result<Option<FirstOfRows>, NoMemory> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(tracer.row(), j))?;
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(tracer.row(), unseen, j))?;
         let (mut first, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
         for row in traced {
             let Some((samples, counts)) = row else { return Ok(None) };
@@ -232,12 +242,13 @@ impl<'a> Strip<'a> {
         &self,
         first: &'f [FirstSamples],
         first_row: usize,
+        unseen: Option<&'f UnseenRows>,
         j: usize,
     ) -> Option<Refinement<'f>> {
         let row = |j: Option<usize>| first.get(j?.checked_sub(first_row)?);
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
         rows[1]?;
-        self.setting.request.adaptive.map(|settings| Refinement::new(settings, rows))
+        Some(Refinement::new(self.setting.request.adaptive?, rows, unseen?))
     }
 }
 

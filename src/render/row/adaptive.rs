@@ -4,7 +4,9 @@
 use super::{Colors, Painter, RenderSetting};
 use crate::memory::{self, NoMemory};
 use crate::render::tracing::{RowTracer, RowsTracer};
-use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
+use crate::render::request::Request;
+use crate::render::unseen::{Unseen, UnseenRows};
+use crate::sampling::adaptive::{Adaptive, Quarters, Strata, Stratum, StratumIndex, Undivided};
 use crate::sampling::sample_packet::{Sample, SamplePacket};
 use crate::scene::Color;
 use crate::stats::Counts;
@@ -26,12 +28,16 @@ pub type FirstRows<'a> = [Option<&'a FirstSamples>; 3];
 pub struct Refinement<'a> {
     settings: Adaptive,
     rows: FirstRows<'a>,
-    strata: Strata,
+    unseen: &'a UnseenRows,
+    strata: Strata<'a>,
+    /// Those that need a sample.
+    new: Vec<StratumIndex>,
 }
 
 impl<'a> Refinement<'a> {
-    pub fn new(settings: Adaptive, rows: FirstRows<'a>) -> Self {
-        Self { settings, rows, strata: Strata::default() }
+    /// From the first samples of a row and those beside it, and what is known without them.
+    pub fn new(settings: Adaptive, rows: FirstRows<'a>, unseen: &'a UnseenRows) -> Self {
+        Self { settings, rows, unseen, strata: Strata::new(settings), new: vec![] }
     }
 
     /// What the first samples of a pixel have cost.
@@ -52,16 +58,17 @@ pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
 impl RenderSetting<'_> {
     /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
-    pub fn first_samples(&self, tracer: RowTracer, j: usize) -> Result<(FirstSamples, Counts), NoMemory> {
+    pub fn first_samples(&self, tracer: RowTracer, unseen: &Unseen, j: usize) -> Result<(FirstSamples, Counts), NoMemory> {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
-        self.first_samples_in(tracer, columns, j)
+        self.first_samples_in(tracer, unseen, columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
     fn first_samples_in(
         &self,
         tracer: RowTracer,
+        unseen: &Unseen,
         columns: Range<usize>,
         j: usize,
     ) -> Result<(FirstSamples, Counts), NoMemory> {
@@ -81,7 +88,9 @@ impl RenderSetting<'_> {
             let (pixels, _) = packet.samples().as_chunks::<4>();
             let (colors, _) = colors.as_chunks::<4>();
             let quarters = |(pixel, colors): (&[Sample; 4], &[Color; 4])| {
-                Quarters::new(pixel.each_ref().map(|sample| sample.source.offset), *colors)
+                let hidden = |sample: &Sample| sample.surface.map_or(0.0, |surface| unseen.hidden_by(&surface));
+                let offsets = pixel.each_ref().map(|sample| sample.source.offset);
+                Quarters::new(offsets, *colors, pixel.each_ref().map(hidden))
             };
             first.quarters.extend(pixels.iter().zip(colors).map(quarters));
             packet.clear();
@@ -97,19 +106,22 @@ impl RenderSetting<'_> {
         &self,
         settings: Adaptive,
         tracer: &RowsTracer,
+        unseen: &Unseen,
         [column, j]: [usize; 2],
     ) -> Option<Vec<Stratum>> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in(tracer.row(), columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
+            let j = j.filter(|&j| j < height)?;
+            Some(self.first_samples_in(tracer.row(), unseen, columns.clone(), j).ok()?.0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
+        let unseen = unseen.rows(j..j + 1).ok()?;
         let mut painter = self.painter(self.empty_row(j, None).ok()?, tracer.row(), false);
         painter.row.colors = Colors::Unwanted;
-        painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
-        painter.refine(column, &mut SamplePacket::default());
-        painter.refinement.map(|refinement| refinement.strata.all().to_vec())
+        painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref), &unseen));
+        painter.refine(column..column + 1, &mut SamplePacket::default());
+        painter.refinement.map(|mut refinement| refinement.strata.finish().flatten().copied().collect())
     }
 }
 
@@ -122,52 +134,48 @@ impl Painter<'_> {
         }
     }
 
-    /// Takes the samples of a pixel, the first of which have been traced, and adds them to the row.
-    pub fn refine(&mut self, column: usize, packet: &mut SamplePacket) {
+    /// Takes the samples of the pixels in these columns, the first of which have been traced, and adds them to the row.
+    pub fn refine(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Some(mut refinement) = self.refinement.take() else { return };
-        let Refinement { settings, rows, strata } = &mut refinement;
-        let around: Neighborhood =
-            rows.map(|row| [column.checked_sub(1), Some(column), Some(column + 1)].map(|x| row?.at(x)));
-        if let Some(first) = around[1][1] {
-            strata.start(first);
-            self.divide(column, *settings, &around, strata, packet);
-            strata.all().iter().for_each(|stratum| self.add_stratum(column, stratum));
+        let Refinement { settings, rows, unseen, strata, new } = &mut refinement;
+        let Request { sampler, size: [width, height], .. } = *self.setting.request;
+        let all = (width * height) as u64;
+        strata.start(columns.map(|column| Undivided {
+            column,
+            around: rows.map(|row| [column.checked_sub(1), Some(column), Some(column + 1)].map(|x| row?.at(x))),
+            known: unseen.variance([column, self.row.j]),
+            rng: sampler.further(self.index(column), all, settings.most),
+        }));
+        loop {
+            strata.divide(new);
+            if new.is_empty() {
+                break;
+            }
+            self.sample(strata, new, packet);
+        }
+        for pixel in strata.finish() {
+            pixel.iter().for_each(|stratum| self.add_stratum(stratum));
             let sum = std::mem::take(&mut self.sum);
             self.finish(&sum);
         }
         self.refinement = Some(refinement);
     }
 
-    /// Divides strata and samples the new ones until the pixel is finished.
-    fn divide(
-        &mut self,
-        column: usize,
-        settings: Adaptive,
-        around: &Neighborhood,
-        strata: &mut Strata,
-        packet: &mut SamplePacket,
-    ) {
-        let request = self.setting.request;
-        let pixels = (request.size[0] * request.size[1]) as u64;
-        let mut rng = request.sampler.further(self.index(column), pixels, settings.most);
-        loop {
-            let new = strata.divide(settings, around, &mut rng);
-            if new.is_empty() {
-                return;
+    /// Samples the strata that have no colours yet.
+    fn sample(&mut self, strata: &mut Strata, new: &[StratumIndex], packet: &mut SamplePacket) {
+        for some in new.chunks(SamplePacket::SIZE) {
+            for &index in some {
+                let Stratum { column, offset, .. } = *strata.stratum(index);
+                packet.push(column, offset, false);
             }
-            for some in new.chunks_mut(SamplePacket::SIZE) {
-                for stratum in &*some {
-                    packet.push(column, stratum.offset, false);
-                }
-                let colors = self.colors_of(packet);
-                some.iter_mut().zip(colors).for_each(|(stratum, color)| stratum.color = color);
-                packet.clear();
-            }
+            let colors = self.colors_of(packet);
+            some.iter().zip(colors).for_each(|(&index, color)| strata.stratum(index).color = color);
+            packet.clear();
         }
     }
 
-    fn add_stratum(&mut self, column: usize, stratum: &Stratum) {
-        let Stratum { offset, color, .. } = *stratum;
+    fn add_stratum(&mut self, stratum: &Stratum) {
+        let Stratum { column, offset, color, .. } = *stratum;
         match &mut self.row.colors {
             Colors::Unwanted => {}
             Colors::Finished(_) => {
