@@ -55,11 +55,11 @@ const fn square_of_levels(levels: f64) -> f64 {
 
 /// The variances that are assumed where an outline is, and where a sample sees a mirror, clear glass, a highlight that is
 /// narrow, or a texture. They were chosen by `examples/sampling_marks`.
-static AT_OUTLINE: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| { let l: f64 = std::env::var("AT_OUTLINE").ok().and_then(|x| x.parse().ok()).unwrap_or(16.0); (l/255.0)*(l/255.0) });
-static IN_MIRROR: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| { let l: f64 = std::env::var("IN_MIRROR").ok().and_then(|x| x.parse().ok()).unwrap_or(6.0); (l/255.0)*(l/255.0) });
-static IN_GLASS: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| { let l: f64 = std::env::var("IN_GLASS").ok().and_then(|x| x.parse().ok()).unwrap_or(8.0); (l/255.0)*(l/255.0) });
-static IN_HIGHLIGHT: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| { let l: f64 = std::env::var("IN_HIGHLIGHT").ok().and_then(|x| x.parse().ok()).unwrap_or(4.0); (l/255.0)*(l/255.0) });
-static IN_TEXTURE: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| { let l: f64 = std::env::var("IN_TEXTURE").ok().and_then(|x| x.parse().ok()).unwrap_or(6.0); (l/255.0)*(l/255.0) });
+const AT_OUTLINE: f64 = square_of_levels(16.0);
+const IN_MIRROR: f64 = square_of_levels(6.0);
+const IN_GLASS: f64 = square_of_levels(8.0);
+const IN_HIGHLIGHT: f64 = square_of_levels(4.0);
+const IN_TEXTURE: f64 = square_of_levels(6.0);
 
 /// The exponent from which highlights are narrow.
 const NARROW: f64 = 40.0;
@@ -114,7 +114,7 @@ impl Unseen {
         }
         for place in &mut variances {
             let part = f64::from(place.clamp(0.0, 0.5));
-            let least = if *place == 0.0 { 0.0 } else { (*AT_OUTLINE) };
+            let least = if *place == 0.0 { 0.0 } else { AT_OUTLINE };
             *place = (part * (1.0 - part)).max(least) as f32;
         }
         Ok(UnseenRows { width: self.width, first_row: rows.start, variances })
@@ -205,7 +205,7 @@ fn hidden(materials: &[Material], effects: &Effects) -> Result<Vec<f64>, NoMemor
         let variance = match material {
             Material::Phong(phong) => hidden_by_phong(phong, effects),
             Material::Texture(texture) => {
-                texture.children.iter().filter_map(|&child| hidden.get(child)).fold((*IN_TEXTURE), |a, b| a.max(*b))
+                texture.children.iter().filter_map(|&child| hidden.get(child)).fold(IN_TEXTURE, |a, b| a.max(*b))
             }
         };
         hidden.push(variance);
@@ -215,8 +215,8 @@ fn hidden(materials: &[Material], effects: &Effects) -> Result<Vec<f64>, NoMemor
 
 fn hidden_by_phong(phong: &Phong, effects: &Effects) -> f64 {
     let square = |color: DVec3| color.max_element().min(1.0).powi(2);
-    let highlight = if phong.exponent >= NARROW { (*IN_HIGHLIGHT) * square(phong.specular) } else { 0.0 };
-    let secondary = (*IN_MIRROR) * square(phong.reflective) + (*IN_GLASS) * square(phong.transparent);
+    let highlight = if phong.exponent >= NARROW { IN_HIGHLIGHT * square(phong.specular) } else { 0.0 };
+    let secondary = IN_MIRROR * square(phong.reflective) + IN_GLASS * square(phong.transparent);
     highlight + if effects.bounces > 0 { secondary } else { 0.0 }
 }
 
@@ -406,3 +406,6 @@ impl Edges {
             || world.material_of(triangle as u32) != world.material_of(other)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -108,7 +108,7 @@ impl Adaptive {
         // With strata of area a and variance v, a^2 v is the squared error of one. It is divided where this is above t. If
         // all are like this, the error of their sum is a v, which is the root of v t.
         let error = self.error / LEVELS;
-        let usual = *T_USUAL / LEVELS;
+        let usual = USUAL_DEVIATION / LEVELS;
         let least = (error * error / usual) * (error * error / usual);
         least * f64::from(1u32 << (4 * depth).min(31))
     }
@@ -220,7 +220,7 @@ impl<'a> Strata<'a> {
         }
         let least = self.settings.variance_to_divide(depth);
         for family in first..end {
-            let known = if depth <= *T_BLIND as u32 { self.pixels[self.families[family].pixel].known } else { 0.0 };
+            let known = if depth <= BLIND_DEPTH { self.pixels[self.families[family].pixel].known } else { 0.0 };
             if known >= least {
                 (0..4).for_each(|place| self.divide_one((family, place), new));
                 continue;
@@ -385,7 +385,3 @@ impl Block {
 
 #[cfg(test)]
 mod tests;
-
-fn t(name: &str, d: f64) -> f64 { std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(d) }
-static T_USUAL: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| t("USUAL", 10.0));
-static T_BLIND: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| t("BLIND", 3.0));
