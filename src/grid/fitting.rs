@@ -10,6 +10,8 @@ use super::lattice::Lattice;
 use super::options::CellRule;
 use super::voxelize;
 use crate::math::aabb::Aabb;
+use crate::primitive::shape::{Form, InCells};
+use crate::primitive::sphere::Sphere;
 use crate::world::{Primitive, World};
 
 /// A lattice whose cell lists an allowance covers.
@@ -87,17 +89,15 @@ fn insert(
         }
         (Primitive::Triangle(_), _) if !world.may_be_hit(id) => Ok(()),
         (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), padding, out),
-        (Primitive::Sphere(i), CellRule::Course { .. }) => {
-            let sphere = &world.spheres[i];
-            voxelize::of_ball_by_centers(lattice, sphere.center, sphere.radius, padding, out)
-        }
-        (Primitive::Sphere(i), _) => {
-            let sphere = &world.spheres[i];
-            voxelize::of_sphere(lattice, sphere.center, sphere.radius, padding, out)
-        }
-        (Primitive::Ellipsoid(i), _) => {
-            voxelize::of_box(lattice, &world.ellipsoids[i].bounds(), padding, out)
-        }
+        (Primitive::Shape(i), _) => match (world.shapes[i].in_cells(), rule) {
+            (InCells::Sphere(Sphere { center, radius }), CellRule::Course { .. }) => {
+                voxelize::of_ball_by_centers(lattice, center, radius, padding, out)
+            }
+            (InCells::Sphere(Sphere { center, radius }), _) => {
+                voxelize::of_sphere(lattice, center, radius, padding, out)
+            }
+            (InCells::Box(bounds), _) => voxelize::of_box(lattice, &bounds, padding, out),
+        },
         (Primitive::Plane(_), _) => Ok(()),
     }
 }
@@ -112,7 +112,6 @@ mod tests {
     use crate::math::ray::Ray;
     use crate::math::robust::UNIT_ROUNDOFF;
     use crate::math::worst_case::{Input, Rng, search};
-    use crate::primitive::sphere::Sphere;
     use glam::DVec3;
 
     #[test]

@@ -151,6 +151,7 @@ impl CellRange {
 mod tests {
     use super::*;
     use crate::math::ray::Ray;
+    use crate::primitive::shape::Form;
     use crate::primitive::sphere::Sphere;
 
     pub fn lattice() -> Lattice {

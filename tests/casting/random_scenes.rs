@@ -25,8 +25,8 @@ fn of_unit_length(rays: Vec<Ray>) -> Vec<Ray> {
 
 /// The same rays aimed at the world's vertices and primitives, where decisions are close.
 fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
-    let spheres = world.spheres.iter().map(|s| s.center + s.radius * DVec3::X);
-    let targets: Vec<DVec3> = world.vertices.iter().copied().chain(spheres).collect();
+    let shapes = world.boxes().map(|bounds| DVec3 { x: bounds.max.x, ..0.5 * (bounds.min + bounds.max) });
+    let targets: Vec<DVec3> = world.vertices.iter().copied().chain(shapes).collect();
     let aim = |(ray, i): (&Ray, usize)| {
         let direction = *targets.get(i % targets.len().max(1))? - ray.origin;
         (direction != DVec3::ZERO).then_some(Ray { direction, ..*ray })

@@ -12,6 +12,7 @@ use glam::DVec3;
 use raytracer::grid::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
+use raytracer::primitive::shape::Form;
 use raytracer::primitive::sphere::Sphere;
 use raytracer::scene::Object;
 use raytracer::stats::Quiet;

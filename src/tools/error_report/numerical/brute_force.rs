@@ -1,6 +1,7 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
 use crate::math::ray::{Hit, Ray, Visible};
+use crate::primitive::shape::Form;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::trace::Rules;
@@ -18,8 +19,7 @@ impl BruteForce<'_> {
         let all = 0..(world.finite_count() + world.planes.len()) as u32;
         let hit = move |id| match world.primitive(id) {
             Primitive::Triangle(i) => shear.intersect(world.corners_in_place(i)).filter(|&t| ray.covers(t)),
-            Primitive::Sphere(i) => world.spheres[i].intersect(ray),
-            Primitive::Ellipsoid(i) => world.ellipsoids[i].intersect(ray),
+            Primitive::Shape(i) => world.shapes[i].intersect(ray),
             Primitive::Plane(i) => world.planes[i].intersect(ray),
         };
         all.filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
