@@ -22,7 +22,7 @@ FILES = {
                    "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/parallel_view.rs"],
     "shadow_maps": ["src/fast/raster/shadow_map.rs", "src/fast/raster/light_view.rs"],
     "packets": ["src/grid/packet.rs", "src/grid/packet_setup.rs", "src/grid/dda4.rs"],
-    "side_by_side": ["src/trace/side_by_side.rs"],
+    "side_by_side": ["src/fast/side_by_side.rs"],
     "avx2": ["src/math/avx.rs"],
     "plain_meshes": ["src/scene/plain_obj.rs"],
 }

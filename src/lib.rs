@@ -6,8 +6,7 @@
 //!
 //! ```
 //! use raytracer::grid::options::Structure;
-//! use raytracer::mode::Fast;
-//! use raytracer::render::{Layer, Request, Window};
+//! use raytracer::render::{Layer, Request, Tracing, Window};
 //! use raytracer::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};
 //! use std::path::Path;
@@ -18,7 +17,7 @@
 //! let layers = vec![Layer::Color, Layer::Normals];
 //! let request = Request { effects, layers, ..Request::new(size) };
 //! // Builds a grid if it saves time for this scene and this request.
-//! let prepared = renderer.prepare_for::<Fast>(Structure::Any, &request)?;
+//! let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast)?;
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);
 //!
