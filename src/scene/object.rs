@@ -55,7 +55,7 @@ pub enum Object {
     },
     /// A triangle mesh from a file.
     Mesh {
-        /// The index of the file in [`Scene::meshes`].
+        /// The index of the file in [`Scene::meshes`](super::Scene::meshes).
         mesh: usize,
         /// The material of the surface.
         material: MaterialId,
