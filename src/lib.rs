@@ -5,7 +5,7 @@
 //! as one likes: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
-//! use raytracer::grid::options::Structure;
+//! use raytracer::grid::choose::Structure;
 //! use raytracer::render::{Layer, Request, Tracing, Window};
 //! use raytracer::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};

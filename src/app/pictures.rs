@@ -11,7 +11,7 @@ use crate::app::{End, failed};
 use raytracer::cli::{Comparison, Options, Output};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::fingerprint;
-use raytracer::grid::options::{Resolution, Structure};
+use raytracer::grid::choose::{Resolution, Structure};
 use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
 use raytracer::memory::{Bytes, Text};
 use raytracer::picture::Picture;

@@ -1,156 +1,126 @@
-//! Building the acceleration structure of the finite primitives: a list, a uniform grid, or a grid with
-//! trees in its crowded cells. The steps are in modules of their own: the lattice and the cells of
-//! each primitive ([`super::fitting`]), then the contents of each cell ([`super::cell_contents`]), then the trees
-//! ([`super::trees`]).
+//! Building the acceleration structure of the finite primitives: a list, a uniform grid or a tree.
 
-use super::allowance::{Allowance, separates};
-use super::budget::{Budget, REFERENCE_COST};
 use super::cell_contents::CellContents;
-use super::cell_lists::CellLists;
 use super::cell_table::CellTable;
+use super::choose::Layout;
 use super::error::GridTooLarge;
-use super::fitting::{FittedLattice, bounds_of, cell_lists};
+use super::insertion::{CellRule, bounds_of, cell_lists};
 use super::lattice::Lattice;
-use super::options::{CellRule, GridOptions};
 use super::ray_aabb::SimdAabb;
 use super::reach::max_origin_distance;
-use super::trees::Trees;
+use super::tree::Tree;
 use super::triangle8::{Block, Frame};
 use crate::math::aabb::Aabb;
 use crate::world::World;
 use bytemuck::allocation::try_zeroed_vec;
 
-/// The acceleration structure of some primitives: a grid, or a single list.
+/// The acceleration structure of the finite primitives.
 #[derive(Debug)]
 pub struct AccelerationStructure {
     /// Rays are tested only in this box.
     pub simd_bounds: SimdAabb,
-    /// The entries of the grid's cells; none for a list.
-    pub table: Option<CellTable>,
-    /// The primitives of the cells; a list counts as one cell.
+    /// How the blocks that a ray meets are found.
+    pub order: Order,
+    /// The primitives of the cells, or those of the leaves; a list counts as one cell.
     pub cells: CellContents,
-    /// The blocks of the cells, followed by those of the trees.
+    /// The blocks of the cells or the leaves.
     pub blocks: Vec<Block>,
-    /// The trees of crowded cells.
-    pub trees: Trees,
-    /// The cost of building it, including abandoned attempts.
-    cost: usize,
     /// The proofs of filter and DDA hold for rays whose origin is at most this far from the centre along each
     /// axis. For other rays every primitive is tested.
     pub max_origin_distance: f64,
 }
 
+/// How the blocks that a ray meets are found.
+// There is one of it, and a box around the table would be another step for every ray.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug)]
+pub enum Order {
+    /// A ray meets all of them.
+    List,
+    /// By the entries of the cells along the ray.
+    Grid(CellTable),
+    /// By the boxes that the ray meets.
+    Tree(Tree),
+}
+
 /// The size of an acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StructureSize {
-    /// Cells, including the border, and nodes of trees; a list counts as one cell.
+    /// Cells, including the border, or nodes of the tree; a list counts as one cell.
     pub cells: usize,
     /// References to primitives in all cells; a primitive counts once for each cell that lists it.
     pub references: usize,
     /// Blocks of eight triangles.
     pub blocks: usize,
-    /// The cost of building: 1 for each test of a cell, and 16 for each reference.
-    pub cost: usize,
 }
 
 impl AccelerationStructure {
     /// The structure of all finite primitives of a world. An error when it does not fit into memory.
-    pub fn new(world: &World, options: GridOptions) -> Result<Self, GridTooLarge> {
-        let mut structure = Self::without_blocks(world, options)?;
+    pub fn new(world: &World, layout: Layout) -> Result<Self, GridTooLarge> {
+        let bounds = bounds_of(world);
+        let mut structure = match layout {
+            // A tree needs something to divide.
+            Layout::List | Layout::Tree if layout == Layout::List || world.hittable_count() == 0 => {
+                Self::list(world, &bounds, true)
+            }
+            Layout::List | Layout::Tree => Self::tree(world, &bounds),
+            Layout::Grid(cells) => Self::grid(world, bounds, cells, CellRule::Exact),
+            Layout::Course(None) => Self::list(world, &bounds, false),
+            Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, CellRule::Course),
+        }?;
         structure.blocks = try_zeroed_vec(structure.cells.block_count()).map_err(|()| GridTooLarge)?;
         structure.cells.fill(world, &mut structure.blocks);
         Ok(structure)
     }
 
-    /// The same with indices in place of the blocks.
-    fn without_blocks(world: &World, GridOptions { cells, rule }: GridOptions) -> Result<Self, GridTooLarge> {
-        let bounds = bounds_of(world);
-        let Some(cells) = cells else {
-            return Self::list(world, &bounds, !matches!(rule, CellRule::Course { .. }));
-        };
-        let allowance = |max_per_cell: usize| Allowance::new(max_per_cell, world.finite_count());
-        match rule {
-            CellRule::Trees { max_per_cell } => {
-                Self::automatic(world, bounds, cells, allowance(max_per_cell))
-            }
-            CellRule::Course { is_bounded: true } => {
-                let fitted = FittedLattice::new(world, bounds, cells, rule, allowance(usize::MAX))?;
-                Self::grid(world, fitted.lattice, fitted.cell_lists, &[])
-            }
-            CellRule::Exact | CellRule::Course { is_bounded: false } => {
-                let lattice = Lattice::new(bounds, cells);
-                let cell_lists = cell_lists(world, &lattice, rule, &Budget::unlimited())?;
-                Self::grid(world, lattice, cell_lists, &[])
-            }
+    /// The entries of the grid's cells, if it is a grid.
+    #[inline(always)]
+    pub fn table(&self) -> Option<&CellTable> {
+        match &self.order {
+            Order::Grid(table) => Some(table),
+            Order::List | Order::Tree(_) => None,
         }
     }
 
     /// The size of the structure.
     pub fn size(&self) -> StructureSize {
         StructureSize {
-            cells: self.table.as_ref().map_or(1, |table| table.lattice().index_count())
-                + self.trees.nodes.len(),
+            cells: match &self.order {
+                Order::List => 1,
+                Order::Grid(table) => table.lattice().index_count(),
+                Order::Tree(tree) => tree.nodes.len(),
+            },
             references: CellContents::references(&self.blocks),
             blocks: self.blocks.len(),
-            cost: self.cost,
         }
     }
 
     /// A list of all finite primitives of a world with these bounds, or only of those that rays may hit.
     fn list(world: &World, bounds: &Aabb, hittable: bool) -> Result<Self, GridTooLarge> {
-        let cost = REFERENCE_COST * world.finite_count();
-        Ok(Self {
-            simd_bounds: SimdAabb::new(bounds),
-            table: None,
-            cells: CellContents::all(world, Frame::new(bounds), hittable)?,
-            blocks: vec![],
-            trees: Trees::default(),
-            cost,
-            max_origin_distance: max_origin_distance(bounds, f64::INFINITY),
-        })
+        let cells = CellContents::all(world, Frame::new(bounds), hittable)?;
+        Ok(Self::over(bounds, Order::List, cells))
     }
 
-    /// A grid of at most these cells with trees in its crowded cells, or a list if no grid within the allowance
-    /// separates the primitives.
-    fn automatic(
-        world: &World,
-        bounds: Aabb,
-        cells: [usize; 3],
-        allowance: Allowance,
-    ) -> Result<Self, GridTooLarge> {
-        let count = world.finite_count();
-        let rule = CellRule::Trees { max_per_cell: allowance.max_per_cell };
-        let FittedLattice { lattice, mut cell_lists, abandoned_cost } =
-            FittedLattice::new(world, bounds, cells, rule, allowance)?;
-        let (counts, references) = (cell_lists.counts(&lattice)?, cell_lists.references());
-        if count > allowance.max_per_cell && !separates(&counts, count, references) {
-            let mut list = Self::list(world, &bounds, true)?;
-            list.cost += abandoned_cost + cell_lists.cost();
-            return Ok(list);
-        }
-        let crowded = cell_lists.take_crowded(&counts, allowance.max_per_cell)?;
-        drop(counts);
-        let mut grid = Self::grid(world, lattice, cell_lists, &crowded)?;
-        grid.cost += abandoned_cost;
-        Ok(grid)
+    fn tree(world: &World, bounds: &Aabb) -> Result<Self, GridTooLarge> {
+        let (tree, leaves) = Tree::new(world, &Frame::new(bounds))?;
+        let cells = CellContents::of_leaves(world, &leaves)?;
+        Ok(Self::over(bounds, Order::Tree(tree), cells))
     }
 
-    /// A grid with these cell lists, and with trees in the `crowded` cells, which the lists leave out.
-    fn grid(
-        world: &World,
-        lattice: Lattice,
-        cell_lists: CellLists,
-        crowded: &[(u32, Vec<u32>)],
-    ) -> Result<Self, GridTooLarge> {
-        let in_trees: usize = crowded.iter().map(|(_, ids)| ids.len()).sum();
-        let cost = cell_lists.cost() + REFERENCE_COST * in_trees;
+    fn over(bounds: &Aabb, order: Order, cells: CellContents) -> Self {
+        let max_origin_distance = max_origin_distance(bounds, f64::INFINITY);
+        Self { simd_bounds: SimdAabb::new(bounds), order, cells, blocks: vec![], max_origin_distance }
+    }
+
+    fn grid(world: &World, bounds: Aabb, cells: [usize; 3], rule: CellRule) -> Result<Self, GridTooLarge> {
+        let lattice = Lattice::new(bounds, cells);
+        let cell_lists = cell_lists(world, &lattice, rule)?;
         let mut cells = CellContents::new(world, &lattice, &cell_lists)?;
         drop(cell_lists);
-        let trees = Trees::new(world, &lattice, crowded, &mut cells)?;
         let max_origin_distance = max_origin_distance(&lattice.bounds, lattice.cell_size.min_element());
         let simd_bounds = SimdAabb::new(&lattice.bounds);
-        let table = Some(CellTable::new(lattice, cells.take_entries())?);
-        Ok(Self { simd_bounds, table, cells, blocks: vec![], trees, cost, max_origin_distance })
+        let order = Order::Grid(CellTable::new(lattice, cells.take_entries())?);
+        Ok(Self { simd_bounds, order, cells, blocks: vec![], max_origin_distance })
     }
 }
 

@@ -1,11 +1,11 @@
 //! Casts single rays: the planes are tested first, and then the cells of the grid or, without a grid, every
 //! primitive.
 
-use super::build::{AccelerationStructure, StructureSize};
+use super::build::{AccelerationStructure, Order, StructureSize};
+use super::choose::{Layout, Rays};
 use super::descent::DescentKernel;
 use super::error::GridTooLarge;
 use super::fullness::Fullness;
-use super::options::{GridOptions, Structure};
 use super::query::RayQuery;
 use super::ray_entry::Entry;
 use super::triangle8;
@@ -53,27 +53,22 @@ pub struct Caster<'w> {
     pub instructions: Instructions,
     /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
-    /// A grid in place of the list, if it may be built where more rays are cast than were expected, and the camera rays it
-    /// is built for.
+    /// A grid or a tree in place of the list, if it may be built where more rays are cast than were expected, and the camera
+    /// rays it is built for.
     on_demand: Option<(usize, Arc<OnDemand>)>,
 }
 
 impl<'w> Caster<'w> {
     /// A caster with a grid of this number of cells along each axis, or without a grid.
     pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
-        let options = cells.map_or(GridOptions::NONE, GridOptions::uniform);
-        Self::with(world, options, Instructions::available()[0])
+        Self::with(world, cells.map_or(Layout::List, Layout::Grid), Instructions::available()[0])
     }
 
     /// A caster with this acceleration structure that uses these instructions.
-    pub fn with(
-        world: &'w World,
-        options: GridOptions,
-        instructions: Instructions,
-    ) -> Result<Self, GridTooLarge> {
+    pub fn with(world: &'w World, layout: Layout, instructions: Instructions) -> Result<Self, GridTooLarge> {
         let finite = world.finite_count() > 0;
         let structure =
-            finite.then(|| AccelerationStructure::new(world, options).map(Arc::new)).transpose()?;
+            finite.then(|| AccelerationStructure::new(world, layout).map(Arc::new)).transpose()?;
         Ok(Self { world, instructions, structure, on_demand: None })
     }
 
@@ -86,10 +81,13 @@ impl<'w> Caster<'w> {
     /// pays for it. It is built once for all copies of the caster.
     pub(crate) fn for_rays(&self, count: impl FnOnce() -> usize) -> Self {
         let grid = self.on_demand.as_ref().and_then(|(rays, grid)| {
-            Structure::Any.resolution(self.world, count())?;
-            let build = || AccelerationStructure::new(self.world, GridOptions::automatic(self.world, *rays));
+            let layout = Layout::chosen(self.world, Rays { camera: *rays, cast: count() });
+            let build = || AccelerationStructure::new(self.world, layout).ok().map(Arc::new);
+            if layout == Layout::List {
+                return None;
+            }
             // Nobody has asked for the grid that does not fit into memory.
-            grid.get_or_init(|| build().ok().map(Arc::new)).clone()
+            grid.get_or_init(build).clone()
         });
         if grid.is_some() { Self { structure: grid, on_demand: None, ..self.clone() } } else { self.clone() }
     }
@@ -101,14 +99,15 @@ impl<'w> Caster<'w> {
         self.structure.as_ref().is_some_and(|structure| !matches!(entry(structure), Entry::Misses))
     }
 
-    /// Whether a ray is tested against only a few of the primitives.
-    pub fn has_grid(&self) -> bool {
-        self.structure.as_ref().is_some_and(|structure| structure.table.is_some())
+    /// Whether a ray is tested against only a few of the primitives: those in the cells of a grid, or in the boxes of a
+    /// tree, that it meets.
+    pub fn is_selective(&self) -> bool {
+        self.structure.as_ref().is_some_and(|structure| !matches!(structure.order, Order::List))
     }
 
-    /// The cells along each axis of the grid. An automatic grid may have fewer than its options ask for.
+    /// The cells along each axis of the grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
-        Some(self.structure.as_ref()?.table.as_ref()?.lattice().cells())
+        Some(self.structure.as_ref()?.table()?.lattice().cells())
     }
 
     /// How full the cells of the grid are, with so many of the fullest; none without a grid.
@@ -313,7 +312,7 @@ mod tests {
             (&plane, Some([2, 3, 4]), None),
         ] {
             let caster = Caster::new(world, cells).unwrap();
-            assert_eq!((caster.has_grid(), caster.cells()), (expected.is_some(), expected));
+            assert_eq!((caster.is_selective(), caster.cells()), (expected.is_some(), expected));
             assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
         }
     }
@@ -329,11 +328,11 @@ mod tests {
         );
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let mut caster = Caster::new(&world, None).unwrap();
-        assert!(!caster.for_rays(|| panic!("nobody asks for the number of rays")).has_grid());
+        assert!(!caster.for_rays(|| panic!("nobody asks for the number of rays")).is_selective());
         caster.allow_grid(10_000);
-        assert!(!caster.for_rays(|| 31).has_grid());
+        assert!(!caster.for_rays(|| 31).is_selective());
         let grids = [32, 1000].map(|rays| caster.for_rays(|| rays));
-        let expected = GridOptions::automatic(&world, 10_000);
+        let expected = Layout::automatic(&world, 10_000);
         let expected = Caster::with(&world, expected, Instructions::available()[0]).unwrap();
         assert_eq!(grids[0].cells(), expected.cells());
         let [one, other] = grids.each_ref().map(|grid| grid.structure.as_ref().unwrap());

@@ -1,14 +1,13 @@
 //! The contents of the cells, laid out for the inner loop: one 32-bit entry per cell, contiguous blocks of
 //! eight triangles, and a list of the few primitives that are not triangles. They are built from the
-//! [`CellLists`] by a counting sort in two passes, count and fill. The leaves of the trees in crowded cells follow in
-//! the same list of blocks, because a long list is in large pages where the program's allocator offers them, and then
-//! address translation misses less often. Hence only the indices of the blocks are made at first, and the blocks are
-//! filled when all of them are known.
+//! [`CellLists`] by a counting sort in two passes, count and fill. The leaves of a tree are such blocks, too. Only the
+//! indices of the blocks are made at first, and the blocks are filled when all of them are known.
 
 use super::cell_lists::{CellLists, filled_with, with_room_for};
 use super::cell_table::EMPTY;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
+use super::tree::Leaves;
 use super::triangle8::{Block, BlockIndex, Frame, LANES, NONE};
 use crate::memory;
 use crate::world::World;
@@ -22,12 +21,11 @@ const COUNT_BITS: u32 = 4;
 /// The largest number of blocks that fits into an entry. It means this number or more, and the first block
 /// then holds the exact number.
 const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
-/// The entry of a cell with a tree has this bit, and the others are the tree's root. None is
-/// [`BORDER`](super::cell_table::BORDER).
-pub const TREE: u32 = 1 << 31;
+/// No entry of a cell with blocks has this bit, which that of a [`BORDER`](super::cell_table::BORDER) has.
+pub const NO_BLOCKS: u32 = 1 << 31;
 
 /// The contents of all cells. The entry of a cell with primitives holds the index of its first block and the
-/// number of its blocks, which are contiguous. Other entries are [`EMPTY`] or refer to a tree.
+/// number of its blocks, which are contiguous. Other entries are [`EMPTY`].
 #[derive(Debug)]
 pub struct CellContents {
     /// By index of the lattice, until [`take_entries`](Self::take_entries) moves them out.
@@ -38,7 +36,7 @@ pub struct CellContents {
     non_triangles: Vec<u32>,
     /// The coordinates of the blocks of cells.
     pub frame: Frame,
-    /// From which blocks on which coordinates hold; those of cells come first.
+    /// From which blocks on which coordinates hold.
     frames: Vec<(usize, Frame)>,
 }
 
@@ -71,7 +69,7 @@ impl CellContents {
     /// The first block of the cell with this entry, or none if the entry is not that of a cell with blocks.
     #[inline(always)]
     pub fn first_block_of(blocks: &[Block], entry: u32) -> Option<&Block> {
-        if entry < TREE && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
+        if entry < NO_BLOCKS && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
     }
 
     /// The blocks of the cell with this entry, which must be that of a cell with blocks.
@@ -142,40 +140,30 @@ impl CellContents {
         blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 
-    /// Sets the entry of a cell, which must be empty, to a tree with this root, which must be less than [`TREE`].
-    pub fn link_tree(&mut self, cell: u32, root: u32) {
-        self.entries[cell as usize] = TREE | root;
-    }
-
-    /// Appends a block for each leaf of a tree, given by the ids of its primitives in ascending order, and returns the
-    /// index of the first. The `frames` say from which leaf on which one holds.
-    pub fn append_leaves(
-        &mut self,
-        world: &World,
-        leaves: &[[u32; LANES]],
-        frames: &[(usize, Frame)],
-    ) -> Result<usize, GridTooLarge> {
-        let start = self.indices.len();
+    /// The leaves of a tree, a block for each.
+    pub fn of_leaves(world: &World, Leaves { ids, frames }: &Leaves) -> Result<Self, GridTooLarge> {
+        let (_, frame) = frames[0];
+        let mut cells = Self::of_indices(with_room_for(ids.len())?, frame);
         for &(leaf, frame) in frames {
-            if self.frames.last().is_none_or(|(_, last)| *last != frame) {
-                memory::push(&mut self.frames, (start + leaf, frame)).map_err(|_| GridTooLarge)?;
+            if cells.frames.last().is_none_or(|(_, last)| *last != frame) {
+                memory::push(&mut cells.frames, (leaf, frame)).map_err(|_| GridTooLarge)?;
             }
         }
-        for leaf in leaves {
+        for leaf in ids {
             let [triangles, end] =
                 [world.triangles.len() as u32, NONE].map(|id| leaf.partition_point(|&i| i < id));
             let mut index = BlockIndex { count: 1, ..BlockIndex::EMPTY };
             index.ids[..triangles].copy_from_slice(&leaf[..triangles]);
             if triangles < end {
-                let others = self.non_triangles.len() as u32;
+                let others = cells.non_triangles.len() as u32;
                 index.non_triangles = [others, others + (end - triangles) as u32];
                 for &id in &leaf[triangles..end] {
-                    memory::push(&mut self.non_triangles, id).map_err(|_| GridTooLarge)?;
+                    memory::push(&mut cells.non_triangles, id).map_err(|_| GridTooLarge)?;
                 }
             }
-            memory::push(&mut self.indices, index).map_err(|_| GridTooLarge)?;
+            cells.indices.push(index);
         }
-        Ok(start)
+        Ok(cells)
     }
 
     /// Contents with blocks of these indices, whose entries and counts are still to be set.
@@ -273,8 +261,8 @@ fn counts(
 }
 
 /// Upper bound on the end of a cell's lanes, so that the index of every block fits into an entry below
-/// [`TREE`].
-const MAX_LANE_END: u32 = (TREE >> COUNT_BITS) * LANES as u32;
+/// [`NO_BLOCKS`].
+const MAX_LANE_END: u32 = (NO_BLOCKS >> COUNT_BITS) * LANES as u32;
 
 /// Turns the count of each cell into the position where its lanes end, and returns the number of all lanes.
 /// The lanes of each cell start a new block. Positions are offset by one block, so that none of them equals

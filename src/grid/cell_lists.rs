@@ -1,8 +1,8 @@
 //! The cells of each primitive: the result of insertion, before the primitives are laid out by cell.
 
-use super::budget::{Budget, TouchedCells};
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
+use super::touched_cells::TouchedCells;
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,8 +21,6 @@ struct Chunk {
     ends: Vec<u32>,
     /// Indices of the lattice.
     cells: Vec<u32>,
-    /// The cost of finding the cells, in the units of a [`Budget`].
-    cost: usize,
 }
 
 /// The number of primitives that one task inserts.
@@ -36,66 +34,18 @@ impl CellLists {
         count: usize,
         cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
     ) -> Result<Self, GridTooLarge> {
-        Self::within(&Budget::unlimited(), lattice, count, cells_of)
-    }
-
-    /// The same as [`new`](Self::new), with an error when the lists exceed the budget.
-    pub fn within(
-        budget: &Budget,
-        lattice: &Lattice,
-        count: usize,
-        cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
-    ) -> Result<Self, GridTooLarge> {
         lattice.fits()?;
-        let chunks: Vec<Chunk> = (0..Self::chunk_count(count))
+        let chunks: Vec<Chunk> = (0..count.div_ceil(PRIMS_PER_CHUNK))
             .into_par_iter()
-            .map(|k| Chunk::new(budget, k * PRIMS_PER_CHUNK..count.min((k + 1) * PRIMS_PER_CHUNK), &cells_of))
+            .map(|k| Chunk::new(k * PRIMS_PER_CHUNK..count.min((k + 1) * PRIMS_PER_CHUNK), &cells_of))
             .collect::<Result<_, _>>()?;
         let cell_lists = Self { chunks };
         if cell_lists.references() <= u32::MAX as usize { Ok(cell_lists) } else { Err(GridTooLarge) }
     }
 
-    /// The number of chunks for this number of primitives.
-    pub fn chunk_count(count: usize) -> usize {
-        count.div_ceil(PRIMS_PER_CHUNK)
-    }
-
     /// The number of references: the cells of all primitives together.
     pub fn references(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.cells.len()).sum()
-    }
-
-    /// The cost of finding the cells, in the units of a [`Budget`].
-    pub fn cost(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.cost).sum()
-    }
-
-    /// The number of primitives in each cell, by index.
-    pub fn counts(&self, lattice: &Lattice) -> Result<Vec<u32>, GridTooLarge> {
-        let mut counts = filled_with(0u32, lattice.index_count())?;
-        for &cell in self.chunks.iter().flat_map(|chunk| &chunk.cells) {
-            counts[cell as usize] += 1;
-        }
-        Ok(counts)
-    }
-
-    /// Removes the cells with more than `max_per_cell` primitives from the lists, and returns them in
-    /// ascending order, each with its primitives. `counts` is the result of [`counts`](Self::counts).
-    pub fn take_crowded(
-        &mut self,
-        counts: &[u32],
-        max_per_cell: usize,
-    ) -> Result<Vec<(u32, Vec<u32>)>, GridTooLarge> {
-        let crowded = counts.iter().enumerate().filter(|&(_, &count)| count as usize > max_per_cell);
-        let mut crowded = crowded
-            .map(|(cell, &count)| Ok((cell as u32, with_room_for(count as usize)?)))
-            .collect::<Result<Vec<_>, _>>()?;
-        if !crowded.is_empty() {
-            for (chunk, first) in self.chunks.iter_mut().zip((0..).step_by(PRIMS_PER_CHUNK)) {
-                chunk.take(first, counts, max_per_cell, &mut crowded);
-            }
-        }
-        Ok(crowded)
     }
 
     /// The cells of all primitives before `id`, as slices.
@@ -118,40 +68,16 @@ impl CellLists {
 
 impl Chunk {
     fn new(
-        budget: &Budget,
         ids: std::ops::Range<usize>,
         cells_of: &impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge>,
     ) -> Result<Self, GridTooLarge> {
-        let mut touched = TouchedCells::new(budget);
-        touched.indices = with_room_for(4 * ids.len())?;
+        let mut touched = TouchedCells { indices: with_room_for(4 * ids.len())? };
         let mut ends = with_room_for(ids.len())?;
         for id in ids {
-            let before = touched.indices.len();
             cells_of(id, &mut touched)?;
-            touched.pay_references(before)?;
             ends.push(touched.indices.len() as u32);
         }
-        Ok(Self { ends, cost: touched.spent, cells: touched.indices })
-    }
-
-    /// Moves the references in crowded cells from this chunk, whose first primitive is `first`, to the lists
-    /// of those cells.
-    fn take(&mut self, first: u32, counts: &[u32], max_per_cell: usize, crowded: &mut [(u32, Vec<u32>)]) {
-        let (mut start, mut kept) = (0, 0);
-        for (id, end) in (first..).zip(&mut self.ends) {
-            for i in start..*end as usize {
-                let cell = self.cells[i];
-                if counts[cell as usize] as usize <= max_per_cell {
-                    self.cells[kept] = cell;
-                    kept += 1;
-                } else if let Ok(i) = crowded.binary_search_by_key(&cell, |c| c.0) {
-                    crowded[i].1.push(id);
-                }
-            }
-            start = *end as usize;
-            *end = kept as u32;
-        }
-        self.cells.truncate(kept);
+        Ok(Self { ends, cells: touched.indices })
     }
 }
 
@@ -203,8 +129,7 @@ mod tests {
         assert_eq!(below(0), 0);
         let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
-            let budget = Budget::unlimited();
-            let mut expected = TouchedCells::new(&budget);
+            let mut expected = TouchedCells::default();
             voxelize::of_box(&lattice, b, 1e-6, &mut expected).unwrap();
             assert_eq!(cell_lists.cells_of(i), expected.indices);
             cells += expected.indices.len();
@@ -234,51 +159,5 @@ mod tests {
             (far - larger.min, larger.max - far),
             (DVec3::splat(1.0 / 1024.0), DVec3::splat(1.0 / 1024.0))
         );
-    }
-
-    /// Two chunks of primitives, of which all but a few are in cells of their own.
-    #[test]
-    fn crowded_cells_are_removed_with_their_primitives() {
-        let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [20, 20, 20]);
-        let (max_per_cell, count) = (3, PRIMS_PER_CHUNK + 100);
-        let cells_of = |id: usize| -> Vec<u32> {
-            let own = 100 + id as u32 % 2000;
-            if id.is_multiple_of(1000) { vec![7, own, 9] } else { vec![own] }
-        };
-        let mut cell_lists = CellLists::new(&lattice, count, |id, out| {
-            cells_of(id).into_iter().for_each(|cell| out.push(cell));
-            Ok(())
-        })
-        .unwrap();
-        let counts = cell_lists.counts(&lattice).unwrap();
-        let holders = |cell: u32| (0..count as u32).filter(move |&n| cells_of(n as usize).contains(&cell));
-        for (cell, &ids) in counts.iter().enumerate().step_by(37).chain(counts.iter().enumerate().take(20)) {
-            assert_eq!(ids as usize, holders(cell as u32).count(), "{cell}");
-        }
-        let taken = cell_lists.take_crowded(&counts, max_per_cell).unwrap();
-        let crowded: Vec<u32> = (0..counts.len() as u32).filter(|&c| counts[c as usize] > 3).collect();
-        assert_eq!(taken.iter().map(|(cell, _)| *cell).collect::<Vec<_>>(), crowded);
-        assert_eq!(crowded, [7, 9]);
-        for (cell, ids) in &taken {
-            assert_eq!(*ids, holders(*cell).collect::<Vec<_>>());
-        }
-        for id in 0..count {
-            let left: Vec<u32> = cells_of(id).into_iter().filter(|c| !crowded.contains(c)).collect();
-            assert_eq!(cell_lists.cells_of(id), left, "{id}");
-        }
-        assert_eq!(cell_lists.references(), count);
-        assert_eq!(cell_lists.cost(), super::super::budget::REFERENCE_COST * (count + 2 * 5));
-    }
-
-    #[test]
-    fn a_grid_with_too_many_cells_is_an_error() {
-        let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
-        let lattice = Lattice::new(unit, [1 << 20, 1 << 20, 1 << 20]);
-        assert_eq!(CellLists::new(&lattice, 0, |_, _| Ok(())).err(), Some(GridTooLarge));
-    }
-
-    #[test]
-    fn a_grid_too_large_says_what_helps() {
-        assert_eq!(GridTooLarge.to_string(), "the grid does not fit into memory: use fewer cells");
     }
 }

@@ -122,7 +122,9 @@ impl<'l> Dda<'l> {
         let RayInterval { entry, exit, ray_lanes } = interval;
         let fixed_per_t = T_ONE / max(exit - entry, MIN_INTERVAL);
         let lattice_lanes = lattice.tables.lattice_lanes(ray_lanes.origin.proof());
-        let [entry_lanes, scale] = [*entry, fixed_per_t].map(|x| ray_lanes.origin.broadcast(x));
+        // Written out: a closure in `map` is not compiled for the instructions of the caller.
+        let (entry_lanes, scale) =
+            (ray_lanes.origin.broadcast(*entry), ray_lanes.origin.broadcast(fixed_per_t));
         let setup = DdaSetup::new(&lattice_lanes, ray_lanes, entry_lanes, scale);
         Self::with_setup(lattice, &setup, ray_lanes.inv_direction.sign_mask(), *entry, fixed_per_t)
     }

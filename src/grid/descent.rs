@@ -1,11 +1,11 @@
-//! The descent through the tree of a crowded cell: the boxes that a ray meets, the nearest first.
+//! The descent through the tree: the boxes that a ray meets, the nearest first.
 
 use super::box8::{BoxKernel, BoxRay, Meeting};
 use super::build::AccelerationStructure;
-use super::bvh::{Branch, LEAF, MAX_LEVELS, SMALL, Small};
 use super::filter::Kernel;
 use super::query::{FilterState, RayQuery};
 use super::ray_entry::{Entry, ray_entry};
+use super::tree::{Branch, LEAF, MAX_LEVELS, SMALL, Small, Tree};
 use super::triangle8::LANES;
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
@@ -24,6 +24,7 @@ pub(crate) trait DescentKernel: Kernel + BoxKernel {
     fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
         query: &mut RayQuery,
@@ -36,12 +37,13 @@ impl DescentKernel for Portable {
     fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
-        structure.descend::<_, P, ANY>(self, branch, filter_state, query, probe)
+        structure.descend::<_, P, ANY>(self, tree, branch, filter_state, query, probe)
     }
 }
 
@@ -51,13 +53,14 @@ impl DescentKernel for Avx2 {
     fn descend<P: Probe, const ANY: bool>(
         self,
         structure: &AccelerationStructure,
+        tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
         // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { descend_avx2::<P, ANY>(self, structure, branch, filter_state, query, probe) }
+        unsafe { descend_avx2::<P, ANY>(self, structure, tree, branch, filter_state, query, probe) }
     }
 }
 
@@ -67,12 +70,13 @@ impl DescentKernel for Avx2 {
 fn descend_avx2<P: Probe, const ANY: bool>(
     avx2: Avx2,
     structure: &AccelerationStructure,
+    tree: &Tree,
     branch: Branch,
     filter_state: &mut FilterState,
     query: &mut RayQuery,
     probe: &mut P,
 ) -> bool {
-    structure.descend::<_, P, ANY>(avx2, branch, filter_state, query, probe)
+    structure.descend::<_, P, ANY>(avx2, tree, branch, filter_state, query, probe)
 }
 
 /// A child of a node that the ray meets, with the depth at which it enters its box.
@@ -90,13 +94,14 @@ impl AccelerationStructure {
     fn descend<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
+        tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
         if (SMALL..LEAF).contains(&branch) {
-            return self.test_small::<K, P, ANY>(kernel, branch - SMALL, filter_state, query, probe);
+            return self.test_small::<K, P, ANY>(kernel, tree, branch - SMALL, filter_state, query, probe);
         }
         let mut has_changed = false;
         let box_ray = BoxRay::new(&filter_state.ray);
@@ -108,7 +113,7 @@ impl AccelerationStructure {
                     let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
                     query.test_cell::<K, P, ANY>(kernel, &self.cells, block, filter_state, probe)
                 } else {
-                    kernel.descend::<P, ANY>(self, child, filter_state, query, probe)
+                    kernel.descend::<P, ANY>(self, tree, child, filter_state, query, probe)
                 };
                 if ANY && changed {
                     return true;
@@ -117,9 +122,9 @@ impl AccelerationStructure {
                 None
             } else {
                 probe.cell();
-                let node = &self.trees.nodes[child as usize];
+                let node = &tree.nodes[child as usize];
                 let meeting = kernel.meet(node, &box_ray, filter_state.ray.max_depth);
-                self.first_child::<ANY>(&node.children, &meeting, &mut stack)
+                self.first_child::<ANY>(tree, &node.children, &meeting, &mut stack)
             };
             child = match next {
                 Some(next) => next,
@@ -138,12 +143,13 @@ impl AccelerationStructure {
     fn test_small<K: DescentKernel, P: Probe, const ANY: bool>(
         &self,
         kernel: K,
+        tree: &Tree,
         index: u32,
         outer: &mut FilterState,
         query: &mut RayQuery,
         probe: &mut P,
     ) -> bool {
-        let small = &self.trees.small[index as usize];
+        let small = &tree.small[index as usize];
         let before = query.best;
         let Small { branch, simd_bounds, frame, max_origin_distance, .. } = small;
         let (ray, last) = (query.ray, query.end::<ANY>());
@@ -151,9 +157,9 @@ impl AccelerationStructure {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::on_interval(&interval, frame, last);
-                kernel.descend::<P, ANY>(self, *branch, &mut filter_state, query, probe);
+                kernel.descend::<P, ANY>(self, tree, *branch, &mut filter_state, query, probe);
             }
-            Entry::TooFar => self.test_leaves::<P, ANY>(small, query, probe),
+            Entry::TooFar => self.test_leaves::<P, ANY>(tree, small, query, probe),
         }
         outer.shorten(query.end::<ANY>());
         query.best != before
@@ -161,11 +167,17 @@ impl AccelerationStructure {
 
     /// Tests the primitives of a branch exactly, without the filter, unless the ray certainly misses their bounds.
     #[cold]
-    fn test_leaves<P: Probe, const ANY: bool>(&self, small: &Small, query: &mut RayQuery, probe: &mut P) {
+    fn test_leaves<P: Probe, const ANY: bool>(
+        &self,
+        tree: &Tree,
+        small: &Small,
+        query: &mut RayQuery,
+        probe: &mut P,
+    ) {
         if small.simd_bounds.is_surely_missed(query.ray) {
             return;
         }
-        self.trees.any_leaf(small.branch, &mut |leaf| {
+        tree.any_leaf(small.branch, &mut |leaf| {
             let mut ids = self.cells.primitives_of(&self.blocks[leaf as usize]);
             ids.any(|id| {
                 probe.intersections(1);
@@ -179,6 +191,7 @@ impl AccelerationStructure {
     #[inline(always)]
     fn first_child<const ANY: bool>(
         &self,
+        tree: &Tree,
         children: &[Branch; LANES],
         meeting: &Meeting,
         stack: &mut Stack,
@@ -186,10 +199,10 @@ impl AccelerationStructure {
         let at = |lane: usize| Waiting { entry: meeting.entries[lane], child: children[lane] };
         let mut met = lanes(meeting.set).map(at);
         let mut first = met.next()?;
-        self.prefetch_child(first.child);
+        self.prefetch_child(tree, first.child);
         let waiting = stack.len();
         for mut other in met {
-            self.prefetch_child(other.child);
+            self.prefetch_child(tree, other.child);
             if !ANY && other.entry < first.entry {
                 std::mem::swap(&mut first, &mut other);
             }
@@ -202,9 +215,9 @@ impl AccelerationStructure {
     }
 
     #[inline(always)]
-    fn prefetch_child(&self, child: Branch) {
+    fn prefetch_child(&self, tree: &Tree, child: Branch) {
         if child < SMALL {
-            self.trees.prefetch_node(child);
+            tree.prefetch_node(child);
         } else if let Some(block) = self.blocks.get((child & !LEAF) as usize) {
             prefetch(block);
         }

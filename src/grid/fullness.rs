@@ -1,7 +1,7 @@
 //! How the primitives are spread over the cells of a grid.
 
 use super::build::AccelerationStructure;
-use super::cell_contents::{CellContents, TREE};
+use super::cell_contents::CellContents;
 use super::cell_table::EMPTY;
 
 /// How full the cells of a grid are.
@@ -17,9 +17,9 @@ pub struct Fullness {
 }
 
 impl AccelerationStructure {
-    /// The fullness of the grid's cells; none of a list. A cell with a tree holds what the tree holds.
+    /// The fullness of the grid's cells; none of a list or a tree.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        let table = self.table.as_ref()?;
+        let table = self.table()?;
         let lattice = table.lattice();
         let [nx, ny, nz] = lattice.cells();
         let mut fullness = Fullness { fullest: vec![], empty: 0, cells: nx * ny * nz };
@@ -37,19 +37,9 @@ impl AccelerationStructure {
     }
 
     fn primitives_in(&self, entry: u32) -> usize {
-        if entry == EMPTY {
-            return 0;
-        }
-        match entry.checked_sub(TREE) {
-            Some(root) => {
-                let mut count = 0;
-                self.trees.any_leaf(root, &mut |leaf| {
-                    count += CellContents::references(std::slice::from_ref(&self.blocks[leaf as usize]));
-                    false
-                });
-                count
-            }
-            None => CellContents::references(CellContents::blocks_of(&self.blocks, entry)),
+        match entry {
+            EMPTY => 0,
+            _ => CellContents::references(CellContents::blocks_of(&self.blocks, entry)),
         }
     }
 }
@@ -57,8 +47,7 @@ impl AccelerationStructure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::{CellRule, GridOptions};
-    use crate::grid::{Caster, Instructions};
+    use crate::grid::Caster;
     use crate::scene::parser::parse;
     use crate::world::World;
 
@@ -90,10 +79,6 @@ mod tests {
         let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
         assert_eq!(of(&uniform, 5), expected);
         assert_eq!(of(&uniform, 1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
-        let rule = CellRule::Trees { max_per_cell: 1 };
-        let options = GridOptions { cells: Some([4, 4, 4]), rule };
-        let nested = Caster::with(&world, options, Instructions::Portable).unwrap();
-        assert_eq!(of(&nested, 5), expected);
         assert_eq!(Caster::new(&world, None).unwrap().fullness(5), None);
     }
 }

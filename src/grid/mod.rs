@@ -1,11 +1,11 @@
-//! Ray casting with a uniform grid, in whose crowded cells there are trees of boxes.
+//! Ray casting with a list, a uniform grid or a tree of boxes.
 //!
 //! Each module is one step of building or traversing the grid, and imports only from the modules before it in
 //! this list.
 
 mod error;
 #[doc(hidden)]
-pub mod budget;
+pub mod touched_cells;
 pub(crate) mod ray_aabb;
 mod reach;
 mod lattice;
@@ -17,18 +17,17 @@ pub(crate) mod dda4;
 pub mod voxelize;
 #[doc(hidden)]
 pub mod cell_lists;
-pub mod options;
-mod allowance;
-mod fitting;
+#[doc(hidden)]
+pub mod insertion;
+pub mod choose;
 #[doc(hidden)]
 pub mod triangle8;
 #[doc(hidden)]
 pub mod filter;
 mod box8;
-mod bvh;
+mod tree;
 mod cell_table;
 mod cell_contents;
-mod trees;
 mod build;
 mod fullness;
 mod query;

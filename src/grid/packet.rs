@@ -4,7 +4,7 @@
 
 use super::build::AccelerationStructure;
 use super::caster::{Caster, Left};
-use super::cell_contents::{CellContents, TREE};
+use super::cell_contents::CellContents;
 use super::cell_table::{BORDER, CellCursor, CellTable};
 use super::dda4::Dda4;
 use super::descent::DescentKernel;
@@ -65,7 +65,7 @@ impl<R: PacketRay> PacketRay for &mut R {
 impl Caster<'_> {
     /// Finds the same primitive as [`nearest`](Self::nearest) for each of any number of rays.
     pub fn nearest_of_packet(&self, rays: &mut [impl PacketRay]) {
-        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table.as_ref()?)));
+        let grid = self.structure.as_ref().and_then(|grid| Some((grid, grid.table()?)));
         let Some((grid, table)) = grid.filter(|_| Shortcut::Packets.is_taken()) else {
             return rays.iter_mut().for_each(|ray| self.cast_alone(ray));
         };
@@ -195,7 +195,7 @@ fn set_up<F: F64x4>(
 }
 
 /// The first cell along one of four rays that is not empty; none if the ray leaves the grid before it. The cell's first
-/// block, or the root of its tree, is prefetched.
+/// block is prefetched.
 #[inline(always)]
 fn first_occupied_cell<'t>(
     grid: &AccelerationStructure,
@@ -210,8 +210,6 @@ fn first_occupied_cell<'t>(
     }
     if let Some(block) = CellContents::first_block_of(&grid.blocks, cursor.entry()) {
         prefetch(block);
-    } else if let Some(root) = cursor.entry().checked_sub(TREE) {
-        grid.trees.prefetch_node(root);
     }
     Some(cursor)
 }
@@ -233,7 +231,7 @@ fn trace_packet_avx2<Q: PacketRay>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::GridOptions;
+    use crate::grid::choose::Layout;
     use crate::scene::parser::parse;
     use crate::stats::Quiet;
     use crate::world::World;
@@ -270,7 +268,7 @@ mod tests {
              Triangle { vertex0 -1 -1 1 vertex1 1 -1 1 vertex2 0 0.5 1 } }";
         let world = World::new(&parse(text).unwrap(), &[]).unwrap();
         for instructions in Instructions::available() {
-            let caster = Caster::with(&world, GridOptions::uniform([3; 3]), instructions).unwrap();
+            let caster = Caster::with(&world, Layout::Grid([3; 3]), instructions).unwrap();
             for (count, far) in (1..=PACKET_SIZE + 3).flat_map(|count| (0..count).map(move |i| (count, i))) {
                 let asked = |i| {
                     let origin = DVec3::new(0.0, 0.75 - 0.1 * i as f64, if i == far { 1e9 } else { 3.0 });

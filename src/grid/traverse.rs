@@ -1,8 +1,9 @@
-//! The traversal: the cells along a ray in order, with the trees in crowded cells, until no nearer hit can follow.
+//! The search along a ray: through the whole list, the cells of the grid in order, or the boxes of the tree, until no
+//! nearer hit can follow.
 
-use super::build::AccelerationStructure;
-use super::cell_contents::{CellContents, TREE};
-use super::cell_table::{BORDER, CellCursor, EMPTY};
+use super::build::{AccelerationStructure, Order};
+use super::cell_contents::{CellContents, NO_BLOCKS};
+use super::cell_table::{CellCursor, EMPTY};
 use super::descent::DescentKernel;
 use super::query::{FilterState, RayQuery};
 use super::ray_entry::{Entry, ray_entry};
@@ -31,17 +32,22 @@ impl AccelerationStructure {
             Entry::Passes(interval) if interval.entry <= query.end::<ANY>() => *interval,
             _ => {
                 // The course's program tests every primitive. A ray that misses their bounds misses them all.
-                let untested = if P::COUNTS && self.table.is_none() { query.world.finite_count() } else { 0 };
+                let is_list = matches!(self.order, Order::List);
+                let untested = if P::COUNTS && is_list { query.world.finite_count() } else { 0 };
                 return probe.intersections(untested);
             }
         };
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.end::<ANY>());
-        match &self.table {
-            Some(table) => {
-                self.traverse_cells::<K, P, ANY>(kernel, table.cursor(&interval), filter_state, query, probe);
-            }
-            None => {
+        match &self.order {
+            Order::List => {
                 query.test_cell::<K, P, ANY>(kernel, &self.cells, &self.blocks, &mut filter_state, probe);
+            }
+            Order::Grid(table) => {
+                let cursor = table.cursor(&interval);
+                self.traverse_cells::<K, P, ANY>(kernel, cursor, filter_state, query, probe);
+            }
+            Order::Tree(tree) => {
+                kernel.descend::<P, ANY>(self, tree, tree.root, &mut filter_state, query, probe);
             }
         }
     }
@@ -49,23 +55,6 @@ impl AccelerationStructure {
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
     pub fn traverse_cells<K: DescentKernel, P: Probe, const ANY: bool>(
-        &self,
-        kernel: K,
-        cursor: CellCursor,
-        filter_state: FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) {
-        match self.trees.is_empty() {
-            true => self.test_cells::<K, P, ANY, false>(kernel, cursor, filter_state, query, probe),
-            false => self.test_cells::<K, P, ANY, true>(kernel, cursor, filter_state, query, probe),
-        }
-    }
-
-    /// The same with or without trees. Without them nothing but this loop reads the filter's ray, which then stays in
-    /// registers: a tenth faster in a small mesh.
-    #[inline(always)]
-    fn test_cells<K: DescentKernel, P: Probe, const ANY: bool, const TREES: bool>(
         &self,
         kernel: K,
         mut cursor: CellCursor,
@@ -83,16 +72,12 @@ impl AccelerationStructure {
             let entry = cursor.entry();
             if entry != EMPTY {
                 unlikely();
-                // Comparing every entry with the border first takes a tenth longer in a grid of small cells.
-                let changed = if entry < TREE {
-                    let own = CellContents::blocks_of(blocks, entry);
-                    query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe)
-                } else if TREES && entry != BORDER {
-                    kernel.descend::<P, ANY>(self, entry - TREE, filter_state, query, probe)
-                } else {
+                // Comparing with the border itself takes a tenth longer in a grid of small cells.
+                if entry >= NO_BLOCKS {
                     return;
-                };
-                if changed {
+                }
+                let own = CellContents::blocks_of(blocks, entry);
+                if query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe) {
                     if ANY {
                         return;
                     }

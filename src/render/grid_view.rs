@@ -4,9 +4,9 @@
 //! by a coarser rule and has a tolerance at the faces of cells. So the primitives of each cell are counted
 //! here.
 
-use crate::grid::budget::{Budget, TouchedCells};
 use crate::grid::cell_lists::filled_with;
 use crate::grid::dda::Dda;
+use crate::grid::touched_cells::TouchedCells;
 use crate::grid::{GridTooLarge, Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
@@ -56,8 +56,7 @@ impl Occupancy {
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            let budget = Budget::unlimited();
-            let mut touched = TouchedCells::new(&budget);
+            let mut touched = TouchedCells::default();
             for placement in placements(scene) {
                 occupancy.insert(&placement.map_err(|_| GridTooLarge)?, meshes, &mut touched)?;
             }

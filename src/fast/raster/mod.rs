@@ -112,7 +112,7 @@ impl VisibilityBuffer {
         // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
         let count = world.triangles.len();
         let max_triangles =
-            if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
+            if caster.is_selective() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }

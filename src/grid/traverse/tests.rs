@@ -1,5 +1,5 @@
 use super::*;
-use crate::grid::options::{CellRule, GridOptions};
+use crate::grid::choose::Layout;
 use crate::grid::{Caster, Instructions};
 use crate::math::f64x4::Scalar;
 use crate::math::instructions::Portable;
@@ -13,7 +13,7 @@ fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
     let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
          Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
     let world = World::new(&parse(text).unwrap(), &[]).unwrap();
-    let structure = AccelerationStructure::new(&world, GridOptions::uniform([1; 3])).unwrap();
+    let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3])).unwrap();
     let is_in_proven_range = |x: f64| {
         let ray = Ray::new(DVec3::X * x, DVec3::Y);
         !matches!(structure.ray_entry::<Scalar>(Portable, &ray, f64::INFINITY), Entry::TooFar)
@@ -55,16 +55,16 @@ fn point(k: f64) -> DVec3 {
     (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract()
 }
 
-/// A branch of the tree of one cell has a frame of its own. Some rays start too far away for the error bounds there.
+/// A branch of the tree has a frame of its own. Some rays start too far away for the error bounds there.
 #[test]
-fn a_crowded_cell_is_searched_in_its_tree() {
+fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
     let world = world_with_crowds();
-    let options = GridOptions { cells: Some([2; 3]), rule: CellRule::Trees { max_per_cell: 20 } };
-    let plain = Caster::with(&world, GridOptions::NONE, Instructions::Portable).unwrap();
+    let plain = Caster::with(&world, Layout::List, Instructions::Portable).unwrap();
     for instructions in Instructions::available() {
-        let crowded = Caster::with(&world, options, instructions).unwrap();
+        let crowded = Caster::with(&world, Layout::Tree, instructions).unwrap();
         let structure = crowded.structure.as_ref().unwrap();
-        assert!(!structure.trees.small.is_empty() && structure.trees.nodes.len() > 20);
+        let Order::Tree(tree) = &structure.order else { panic!("a tree was asked for") };
+        assert!(!tree.small.is_empty() && tree.nodes.len() > 20);
         let (mut hits, mut tiny) = (0, 0);
         for k in 0..6000 {
             let target = match k % 3 {

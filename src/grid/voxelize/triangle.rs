@@ -3,9 +3,9 @@
 //! Asia 2010). `proofs/needles.g` proves the error bound of the plane.
 
 use super::CellRange;
-use crate::grid::budget::TouchedCells;
 use crate::grid::error::GridTooLarge;
 use crate::grid::lattice::Lattice;
+use crate::grid::touched_cells::TouchedCells;
 use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;

@@ -6,7 +6,7 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Samples, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::grid::GridTooLarge;
-use crate::grid::options::Structure;
+use crate::grid::choose::Structure;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::{Layer, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};

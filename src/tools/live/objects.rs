@@ -1,7 +1,7 @@
 //! Which object of the scene's text each pixel shows.
 
 use crate::camera::Camera;
-use crate::grid::options::Structure;
+use crate::grid::choose::{Rays, Structure};
 use crate::render::{Request, Tracing};
 use crate::renderer::Renderer;
 use crate::scene;
@@ -35,9 +35,7 @@ impl ObjectMap {
         let request = Request { camera, ..Request::new(size) };
         let rays = request.camera_rays();
         // Every ray is cast, also where a picture would be rasterized.
-        let grid = Structure::Any.resolution(renderer.world(), rays);
-        let prepared = renderer.prepare(grid, rays, Tracing::Fast);
-        let prepared = prepared.or_else(|_| renderer.prepare(None, rays, Tracing::Fast));
+        let prepared = renderer.prepare_as(Structure::Any, Rays::cast(rays), Tracing::Fast);
         let prepared = prepared.map_err(|error| error.to_string())?;
         let objects = Objects::new(renderer).map_err(|error| error.to_string())?;
         let view: Camera = prepared.camera(&request);

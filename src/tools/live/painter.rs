@@ -6,7 +6,7 @@ use super::limits::PICTURE_TIME;
 use super::stage::OpenScene;
 use crate::cli::Options;
 use crate::grid::GridTooLarge;
-use crate::grid::options::Structure;
+use crate::grid::choose::{Rays, Structure};
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::{Cost, Layer, Progress, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
@@ -231,13 +231,7 @@ fn prepare<'r>(
             let request = Request { layers: vec![Layer::Color], ..whole.clone() };
             renderer.prepare_for(structure, &request, tracing)
         }
-        structure => {
-            let grid = structure.resolution(renderer.world(), MANY_RAYS);
-            match renderer.prepare(grid, MANY_RAYS, tracing) {
-                Err(_) if structure == Structure::Any => renderer.prepare(None, MANY_RAYS, tracing),
-                prepared => prepared,
-            }
-        }
+        structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
     }
 }
 

@@ -183,7 +183,7 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::{Resolution, Structure};
+    use crate::grid::choose::{Resolution, Structure};
     use crate::render::Request;
     use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};

@@ -4,7 +4,7 @@ use super::painter::{Painter, Subject, Unpainted};
 use crate::cli::Output;
 use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
 use crate::escape::quoted;
-use crate::grid::options::Structure;
+use crate::grid::choose::Structure;
 use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
 use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};

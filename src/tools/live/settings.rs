@@ -3,7 +3,7 @@
 use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
 use crate::cli::{self, Command, Options, ShowProgress};
 use crate::escape::shell_word;
-use crate::grid::options::{Resolution, Structure};
+use crate::grid::choose::{Resolution, Structure};
 use crate::render::Cost;
 use std::ffi::OsString;
 use std::path::Path;

@@ -6,7 +6,7 @@ use rayon::ThreadPool;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::distinct_files::ReadAs;
 use raytracer::escape::quoted;
-use raytracer::grid::options::Structure;
+use raytracer::grid::choose::Structure;
 use raytracer::image_io::{Format, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};

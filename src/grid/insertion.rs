@@ -1,50 +1,25 @@
-//! The cells that primitives touch, in a lattice no finer than the allowance covers. This step connects
-//! primitives and rules of insertion to [`super::voxelize`], which knows only shapes.
+//! Insertion: the cells of a lattice that each primitive is in. This step connects primitives and rules of insertion to
+//! [`super::voxelize`], which knows only shapes.
 
-use super::allowance::{Allowance, coarser};
-use super::budget::{Budget, TouchedCells};
 use super::cell_lists::{CellLists, widened};
 use super::dda::face_error_bound;
 use super::error::GridTooLarge;
 use super::lattice::Lattice;
-use super::options::CellRule;
+use super::touched_cells::TouchedCells;
 use super::voxelize;
 use crate::math::aabb::Aabb;
 use crate::primitive::shape::{Form, InCells};
 use crate::primitive::sphere::Sphere;
 use crate::world::{Primitive, World};
+use rayon::prelude::*;
 
-/// A lattice whose cell lists an allowance covers.
-pub struct FittedLattice {
-    pub lattice: Lattice,
-    pub cell_lists: CellLists,
-    /// The cost of abandoned attempts with finer lattices, which the allowance did not cover.
-    pub abandoned_cost: usize,
-}
-
-impl FittedLattice {
-    /// A lattice with this number of cells along each axis, or fewer if their lists would exceed the
-    /// allowance.
-    pub fn new(
-        world: &World,
-        bounds: Aabb,
-        cells: [usize; 3],
-        rule: CellRule,
-        allowance: Allowance,
-    ) -> Result<Self, GridTooLarge> {
-        let count = world.finite_count();
-        let cost = allowance.cost(count);
-        let (mut lattice, mut abandoned_cost) = (Lattice::new(bounds, cells), 0);
-        loop {
-            let budget = Budget::new(cost, CellLists::chunk_count(count));
-            match (cell_lists(world, &lattice, rule, &budget), coarser(lattice.cells())) {
-                (Ok(cell_lists), _) => return Ok(Self { lattice, cell_lists, abandoned_cost }),
-                (Err(_), Some(cells)) => lattice = Lattice::new(bounds, cells),
-                (Err(error), None) => return Err(error),
-            }
-            abandoned_cost += cost;
-        }
-    }
+/// Into which cells a primitive is inserted. The rule never changes a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellRule {
+    /// The cells that it touches.
+    Exact,
+    /// The cells into which the course's program inserts it, so that counts compare with the course's.
+    Course,
 }
 
 /// The padded bounding box of all finite primitives.
@@ -52,22 +27,29 @@ pub fn bounds_of(world: &World) -> Aabb {
     widened(world.boxes().fold(world.bounds, |all, b| all.union(b)))
 }
 
-/// The cells of each finite primitive in a lattice, or an error when they exceed the budget.
-pub fn cell_lists(
-    world: &World,
-    lattice: &Lattice,
-    rule: CellRule,
-    budget: &Budget,
-) -> Result<CellLists, GridTooLarge> {
+/// The cells of each finite primitive in a lattice.
+pub fn cell_lists(world: &World, lattice: &Lattice, rule: CellRule) -> Result<CellLists, GridTooLarge> {
     let padding = padding(lattice);
-    CellLists::within(budget, lattice, world.finite_count(), |i, out| {
+    CellLists::new(lattice, world.finite_count(), |i, out| {
         insert(world, i as u32, lattice, rule, padding, out)
     })
 }
 
-/// The padding of cells for insertion and for the boxes of trees, in cells: the error bounds of the DDA and of hit
+/// An upper bound on the number of cells of all primitives together: those that their boxes touch.
+pub fn most_references(world: &World, lattice: &Lattice) -> u64 {
+    // The course's rule for spheres reaches less than a cell beyond their boxes.
+    let (padding, of_shapes) = (padding(lattice), 1.0);
+    let ids = (0..world.finite_count() as u32).into_par_iter();
+    ids.map(|id| {
+        let padding = if world.is_triangle(id) { padding } else { of_shapes };
+        voxelize::count_of_box(lattice, &world.box_of(id), padding)
+    })
+    .sum()
+}
+
+/// The padding of cells for insertion, in cells: the error bounds of the DDA and of hit
 /// points.
-pub fn padding(lattice: &Lattice) -> f64 {
+fn padding(lattice: &Lattice) -> f64 {
     face_error_bound(lattice) + POSITION_ERROR_BOUND
 }
 
@@ -84,13 +66,13 @@ fn insert(
     out: &mut TouchedCells,
 ) -> Result<(), GridTooLarge> {
     match (world.primitive(id), rule) {
-        (Primitive::Triangle(i), CellRule::Course { .. }) => {
+        (Primitive::Triangle(i), CellRule::Course) => {
             voxelize::of_box(lattice, &Aabb::around(world.corners(i)), padding, out)
         }
         (Primitive::Triangle(_), _) if !world.may_be_hit(id) => Ok(()),
         (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), padding, out),
         (Primitive::Shape(i), _) => match (world.shapes[i].in_cells(), rule) {
-            (InCells::Sphere(Sphere { center, radius }), CellRule::Course { .. }) => {
+            (InCells::Sphere(Sphere { center, radius }), CellRule::Course) => {
                 voxelize::of_ball_by_centers(lattice, center, radius, padding, out)
             }
             (InCells::Sphere(Sphere { center, radius }), _) => {

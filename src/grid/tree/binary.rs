@@ -1,4 +1,4 @@
-//! The binary tree of primitives from which the nodes of a [`Bvh`](super::Bvh) are made.
+//! The binary tree of primitives from which the nodes of a [`Tree`](super::Tree) are made.
 //!
 //! A node with its eight children stands for several levels of the binary tree. Which ones is chosen such that the sum
 //! of the nodes' surface areas is least, to which the number of nodes that a ray visits is proportional. This takes
@@ -7,7 +7,7 @@
 
 use super::division::{Bounds, Item, ItemRun};
 use crate::grid::triangle8::LANES;
-use crate::memory::{NoMemory, push};
+use crate::memory::{NoMemory, make_room, push};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 
@@ -50,15 +50,16 @@ struct Plan {
     /// The sum of half the areas of the nodes that the branch needs.
     area: f32,
     /// The number of these children for the first half; zero if one child stands for both halves.
-    first: usize,
+    first: u32,
 }
+
+/// From this number of items on, both halves are divided at the same time.
+const PARALLEL_ITEMS: usize = 1 << 13;
 
 impl BinaryTree {
     /// The tree of more than [`LANES`] items, below so many levels.
     pub fn new(items: &mut [Item], level: usize) -> Result<Self, NoMemory> {
-        let mut tree = Self { halves: vec![] };
-        tree.divide(ItemRun::new(items), 0, level)?;
-        Ok(tree)
+        Self::divided(ItemRun::new(items), 0, level)
     }
 
     /// The whole tree.
@@ -83,37 +84,57 @@ impl BinaryTree {
 
     fn add_halves<'a>(&'a self, half: &Half, count: usize, children: &mut ArrayVec<&'a Half, LANES>) {
         if let BranchContent::Halves([a, b]) = half.content {
-            let first = half.plans[count].first;
+            let first = half.plans[count].first as usize;
             self.add_children(&self.halves[a], first, children);
             self.add_children(&self.halves[b], count - first, children);
         }
     }
 
-    /// Adds a branch with these items, the first of which has the index `start`, and returns its index.
-    fn add(&mut self, group: ItemRun, start: usize, level: usize) -> Result<usize, NoMemory> {
+    /// The tree of a branch with these items, the first of which has the index `start`.
+    fn of(group: ItemRun, start: usize, level: usize) -> Result<Self, NoMemory> {
         let content = if group.items.len() <= LANES {
             BranchContent::Leaf
         } else if level < HEURISTIC_LEVELS && group.is_small {
             BranchContent::Small { level }
         } else {
-            return self.divide(group, start, level);
+            return Self::divided(group, start, level);
         };
         let items = start..start + group.items.len();
-        self.add_half(Half { bounds: group.bounds, items, content, plans: [Plan::NOTHING; LANES + 1] })
+        let mut tree = Self { halves: vec![] };
+        push(
+            &mut tree.halves,
+            Half { bounds: group.bounds, items, content, plans: [Plan::NOTHING; LANES + 1] },
+        )?;
+        Ok(tree)
     }
 
     /// The same for a group that is divided.
-    fn divide(&mut self, group: ItemRun, start: usize, level: usize) -> Result<usize, NoMemory> {
+    fn divided(group: ItemRun, start: usize, level: usize) -> Result<Self, NoMemory> {
         let (bounds, items) = (group.bounds, start..start + group.items.len());
         let [a, b] = group.halves(level >= HEURISTIC_LEVELS);
         let middle = start + a.items.len();
-        let halves = [self.add(a, start, level + 1)?, self.add(b, middle, level + 1)?];
-        let plans = plans(bounds.half_area(), halves.map(|half| &self.halves[half].plans));
-        self.add_half(Half { bounds, items, content: BranchContent::Halves(halves), plans })
+        let divide = |group, start| Self::of(group, start, level + 1);
+        let (first, second) = match items.len() {
+            PARALLEL_ITEMS.. => rayon::join(|| divide(a, start), || divide(b, middle)),
+            _ => (divide(a, start), divide(b, middle)),
+        };
+        let (mut tree, second) = (first?, second?);
+        let halves = [tree.halves.len() - 1, tree.append(second)?];
+        let plans = plans(bounds.half_area(), halves.map(|half| &tree.halves[half].plans));
+        push(&mut tree.halves, Half { bounds, items, content: BranchContent::Halves(halves), plans })?;
+        Ok(tree)
     }
 
-    fn add_half(&mut self, half: Half) -> Result<usize, NoMemory> {
-        push(&mut self.halves, half)?;
+    /// Appends the halves of another tree, and returns the index of its root.
+    fn append(&mut self, mut other: Self) -> Result<usize, NoMemory> {
+        let shift = self.halves.len();
+        make_room(&mut self.halves, other.halves.len())?;
+        for half in &mut other.halves {
+            if let BranchContent::Halves(halves) = &mut half.content {
+                halves.iter_mut().for_each(|half| *half += shift);
+            }
+        }
+        self.halves.append(&mut other.halves);
         Ok(self.halves.len() - 1)
     }
 }
@@ -127,7 +148,7 @@ impl Plan {
 /// of the branch.
 fn plans(half_area: f32, [a, b]: [&[Plan; LANES + 1]; 2]) -> [Plan; LANES + 1] {
     let among = |count: usize| {
-        let plan = |first: usize| Plan { area: a[first].area + b[count - first].area, first };
+        let plan = |first: usize| Plan { area: a[first].area + b[count - first].area, first: first as u32 };
         (2..count).fold(plan(1), |best, first| if plan(first).area < best.area { plan(first) } else { best })
     };
     let inside = among(LANES);

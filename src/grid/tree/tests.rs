@@ -17,30 +17,30 @@ fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
     World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
 }
 
+/// A tree with its leaves.
+type Grown = (Tree, Leaves);
+
 /// The ids in the leaves of a branch, and the number of levels of nodes.
-fn ids_under(bvh: &Bvh, branch: Branch, ids: &mut Vec<u32>) -> usize {
+fn ids_under(grown: &Grown, branch: Branch, ids: &mut Vec<u32>) -> usize {
     if branch >= LEAF {
-        let leaf = bvh.leaves[(branch - LEAF) as usize];
+        let leaf = grown.1.ids[(branch - LEAF) as usize];
         assert!(leaf.is_sorted());
         ids.extend(leaf.into_iter().filter(|&id| id != NONE));
         return 0;
     }
     if branch >= SMALL {
-        return ids_under(bvh, bvh.small[(branch - SMALL) as usize].branch, ids);
+        return ids_under(grown, grown.0.small[(branch - SMALL) as usize].branch, ids);
     }
-    let node = &bvh.nodes[branch as usize];
+    let node = &grown.0.nodes[branch as usize];
     let levels = node.branches().map(|branch| {
         let mut below = vec![];
-        let levels = ids_under(bvh, branch, &mut below);
+        let levels = ids_under(grown, branch, &mut below);
         assert!(!below.is_empty());
         ids.extend(below);
         levels
     });
     1 + levels.max().unwrap_or(0)
 }
-
-/// A cell that contains all primitives.
-const EVERYTHING: Aabb = Aabb { min: DVec3::splat(-10.0), max: DVec3::splat(10.0) };
 
 fn frame() -> Frame {
     Frame::new(&Aabb { min: DVec3::ZERO, max: DVec3::ONE })
@@ -49,12 +49,12 @@ fn frame() -> Frame {
 /// Checks that every primitive is in one leaf, and returns the number of levels and of primitives per leaf.
 fn shape(world: &World) -> (usize, f64) {
     let all: Vec<u32> = (0..world.triangles.len() as u32).collect();
-    let bvh = Bvh::new(world, &all, &frame(), &EVERYTHING).unwrap();
+    let grown = Tree::new(world, &frame()).unwrap();
     let mut ids = vec![];
-    let levels = ids_under(&bvh, bvh.root, &mut ids);
+    let levels = ids_under(&grown, grown.0.root, &mut ids);
     ids.sort_unstable();
     assert_eq!(ids, all);
-    (levels, all.len() as f64 / bvh.leaves.len() as f64)
+    (levels, all.len() as f64 / grown.1.ids.len() as f64)
 }
 
 fn scattered(i: u32) -> (DVec3, f64) {
@@ -88,23 +88,22 @@ fn a_branch_of_small_primitives_has_a_frame_of_its_own() {
         0 => (0.6 + 1e-5 * scattered(i).0, 1e-7),
         _ => scattered(i),
     });
-    let all: Vec<u32> = (0..2000).collect();
-    let bvh = Bvh::new(&two_sizes, &all, &frame(), &EVERYTHING).unwrap();
+    let grown = Tree::new(&two_sizes, &frame()).unwrap();
     let mut ids = vec![];
-    for small in &bvh.small {
+    for small in &grown.0.small {
         assert!(small.frame.scale > 1000.0);
-        ids_under(&bvh, small.branch, &mut ids);
+        ids_under(&grown, small.branch, &mut ids);
     }
     assert!(ids.iter().filter(|&id| id % 2 == 0).count() > 950, "{}", ids.len());
     assert!(ids.iter().filter(|&id| id % 2 == 1).count() < 10);
-    for (i, leaf) in bvh.leaves.iter().enumerate() {
-        let (_, frame_of_leaf) = bvh.frames.iter().rfind(|(start, _)| *start <= i).unwrap();
-        let around = bvh.small.iter().find(|small| small.frame == *frame_of_leaf);
+    for (i, leaf) in grown.1.ids.iter().enumerate() {
+        let (_, frame_of_leaf) = grown.1.frames.iter().rfind(|(start, _)| *start <= i).unwrap();
+        let around = grown.0.small.iter().find(|small| small.frame == *frame_of_leaf);
         assert_eq!(around.is_some(), ids.contains(&leaf[0]), "{i}");
         assert!(around.is_some() || *frame_of_leaf == frame());
     }
-    let even = Bvh::new(&world(2000, scattered), &all, &frame(), &EVERYTHING).unwrap();
-    assert!(even.small.is_empty() && even.frames.len() == 1);
+    let even = Tree::new(&world(2000, scattered), &frame()).unwrap();
+    assert!(even.0.small.is_empty() && even.1.frames.len() == 1);
 }
 
 #[test]
@@ -116,29 +115,4 @@ fn items_have_padded_boxes_in_the_frame() {
     assert_eq!(min.to_array(), [-0.25 - padding, -0.5 - padding, -padding]);
     assert_eq!(max.to_array(), [padding, 0.25 + padding, 0.5 + padding]);
     assert_eq!(id, 7);
-}
-
-#[test]
-fn of_a_primitive_only_the_part_in_the_cell_counts() {
-    let world = &world(2, |i| [(DVec3::new(0.0, 0.5, 0.5), 1.0), (DVec3::splat(0.75), 0.125)][i as usize]);
-    let cell = &Aabb { min: DVec3::splat(0.25), max: DVec3::new(0.75, 1.0, 1.0) };
-    let primitives = Primitives { world, cell };
-    let part = Aabb { min: DVec3::new(0.25, 0.5, 0.5), max: DVec3::new(0.75, 1.0, 0.5) };
-    assert_eq!(primitives.box_of(0), part);
-    // Because of the cell's padding, a primitive may be listed in a cell that it does not reach.
-    let beside = Aabb { min: DVec3::splat(0.75), max: DVec3::new(0.75, 0.875, 0.75) };
-    assert_eq!(primitives.box_of(1), beside);
-}
-
-/// The frame is for the small primitives, not for the large ones between them.
-#[test]
-fn large_primitives_do_not_enlarge_a_frame_beyond_the_cell() {
-    let crossed = world(500, |i| match i % 100 {
-        0 => (DVec3::new(-1.0, -1.0, 0.5), 4.0),
-        _ => (0.5 + 1e-5 * scattered(i).0, 1e-7),
-    });
-    let all: Vec<u32> = (0..500).collect();
-    let cell = Aabb { min: DVec3::splat(0.5), max: DVec3::splat(0.5 + 1e-5) };
-    let bvh = Bvh::new(&crossed, &all, &frame(), &cell).unwrap();
-    assert!(bvh.small[0].frame.scale > 10_000.0, "{}", bvh.small[0].frame.scale);
 }
