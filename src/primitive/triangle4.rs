@@ -11,13 +11,13 @@ use super::edge_functions::{HUGE, MIN_EDGE_ERROR_BOUND, SCALED_EDGE_ROUNDINGS};
 use super::triangle::{NEEDLE, SHORT};
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
-use crate::math::vectors4::Vectors4;
+use crate::math::vector::Vector;
 use glam::DVec3;
 
 /// Four triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangles4<F> {
-    corners: [Vectors4<F>; 3],
+    corners: [Vector<F>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
     /// The set of the triangles whose normals are accurate, bit 0 for the first one.
@@ -37,9 +37,9 @@ impl<F: F64x4> Triangles4<F> {
     /// The triangles with these corners.
     #[inline(always)]
     pub fn new(proof: F::Proof, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
-        let a = Vectors4::new(proof, [p[0], q[0], r[0], s[0]]);
-        let b = Vectors4::new(proof, [p[1], q[1], r[1], s[1]]);
-        let c = Vectors4::new(proof, [p[2], q[2], r[2], s[2]]);
+        let a = Vector::new(proof, [p[0], q[0], r[0], s[0]]);
+        let b = Vector::new(proof, [p[1], q[1], r[1], s[1]]);
+        let c = Vector::new(proof, [p[2], q[2], r[2], s[2]]);
         let (normals, accurate) = normals([a, b, c]);
         Self { corners: [a, b, c], normals: normals.to_array(), accurate }
     }
@@ -49,18 +49,18 @@ impl<F: F64x4> Triangles4<F> {
     pub fn hits(&self, proof: F::Proof, rays: [&Ray; 4]) -> Hits4 {
         let [a, b, c] = self.corners;
         let ([u, v, w], inside) = weights(proof, rays, [a, b, c]);
-        let points = a.times(u).plus(b.times(v)).plus(c.times(w)).over(u + v + w);
+        let points = (a * u + b * v + c * w) / (u + v + w);
         Hits4 { points: points.to_array(), certain: inside & self.accurate }
     }
 }
 
 /// The barycentric weights, and the set of the rays that certainly pass through their triangles.
 #[inline(always)]
-fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
+fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
     let [i, j, k, l] = rays;
-    let origin = Vectors4::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
-    let d = Vectors4::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
-    let (p, q, r) = (p.minus(origin), q.minus(origin), r.minus(origin));
+    let origin = Vector::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
+    let d = Vector::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
+    let (p, q, r) = (p - origin, q - origin, r - origin);
     const ALL: u32 = 0b1111;
     match longest_axes(d) {
         (0, _) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),
@@ -78,35 +78,35 @@ fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 
 /// The axes along which these directions are longest, as a shear chooses them: the set of those that are not longest
 /// along x, and the set of those that are longest along z.
 #[inline(always)]
-fn longest_axes<F: F64x4>(directions: Vectors4<F>) -> (u32, u32) {
-    let Vectors4 { x, y, z } = directions.abs();
+fn longest_axes<F: F64x4>(directions: Vector<F>) -> (u32, u32) {
+    let Vector { x, y, z } = directions.abs();
     let is_z = x.le_mask(z) & y.le_mask(z);
     (x.le_mask(y) | x.le_mask(z), is_z)
 }
 
 /// Each vector turned so that this axis of it, 0 to 2, is the last one.
 #[inline(always)]
-fn turned<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>, axis: F) -> Vectors4<F> {
+fn turned<F: F64x4>(Vector { x, y, z }: Vector<F>, axis: F) -> Vector<F> {
     let choose = |of_x: F, of_y: F, of_z: F| {
         let of_y_or_z = axis.select_lt(axis.broadcast(2.0), of_y, of_z);
         axis.select_lt(axis.broadcast(1.0), of_x, of_y_or_z)
     };
-    Vectors4 { x: choose(y, z, x), y: choose(z, x, y), z: choose(x, y, z) }
+    Vector { x: choose(y, z, x), y: choose(z, x, y), z: choose(x, y, z) }
 }
 
 #[inline(always)]
-fn yzx<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
-    Vectors4 { x: y, y: z, z: x }
+fn yzx<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+    Vector { x: y, y: z, z: x }
 }
 
 #[inline(always)]
-fn zxy<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
-    Vectors4 { x: z, y: x, z: y }
+fn zxy<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+    Vector { x: z, y: x, z: y }
 }
 
 /// The weights for directions that are longest along z, and vertices relative to the rays' origins.
 #[inline(always)]
-fn sheared_weights<F: F64x4>(direction: Vectors4<F>, [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
+fn sheared_weights<F: F64x4>(direction: Vector<F>, [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
     let scale = [direction.x / direction.z, direction.y / direction.z];
     let (a, b, c) = (sheared(p, scale), sheared(q, scale), sheared(r, scale));
     let (u, v, w) = (edge_function(b, c), edge_function(c, a), edge_function(a, b));
@@ -118,19 +118,19 @@ fn sheared_weights<F: F64x4>(direction: Vectors4<F>, [p, q, r]: [Vectors4<F>; 3]
 
 /// Vertices in the sheared space.
 #[inline(always)]
-fn sheared<F: F64x4>(v: Vectors4<F>, [x, y]: [F; 2]) -> Vectors4<F> {
-    Vectors4 { x: v.x - x * v.z, y: v.y - y * v.z, z: v.z }
+fn sheared<F: F64x4>(v: Vector<F>, [x, y]: [F; 2]) -> Vector<F> {
+    Vector { x: v.x - x * v.z, y: v.y - y * v.z, z: v.z }
 }
 
 /// The edge functions of edges between sheared vertices.
 #[inline(always)]
-fn edge_function<F: F64x4>(p: Vectors4<F>, q: Vectors4<F>) -> F {
+fn edge_function<F: F64x4>(p: Vector<F>, q: Vector<F>) -> F {
     p.x * q.y - p.y * q.x
 }
 
 /// The error bounds of the edge functions of vertices whose coordinates are at most so large.
 #[inline(always)]
-fn edge_error_bound<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>) -> F {
+fn edge_error_bound<F: F64x4>(Vector { x, y, z }: Vector<F>) -> F {
     let across = x + y;
     let extent = across + z;
     let splat = |number: f64| x.broadcast(number);
@@ -139,8 +139,8 @@ fn edge_error_bound<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>) -> F {
 
 /// The unit normals, and the set of those that are accurate.
 #[inline(always)]
-fn normals<F: F64x4>([a, b, c]: [Vectors4<F>; 3]) -> (Vectors4<F>, u32) {
-    let (p, q) = (b.minus(a), c.minus(a));
+fn normals<F: F64x4>([a, b, c]: [Vector<F>; 3]) -> (Vector<F>, u32) {
+    let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
     let square = normal.dot(normal);
     let splat = |number: f64| square.broadcast(number);

@@ -3,6 +3,7 @@
 use crate::math::exp::exp_of_negative;
 use crate::math::f64x4::{F64x4, Scalar};
 use crate::math::instructions::Portable;
+use crate::math::number::Number;
 use glam::DVec2;
 use serde::Serialize;
 
