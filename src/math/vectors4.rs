@@ -23,6 +23,7 @@ impl<F: F64x4> Vectors4<F> {
     }
 
     /// The same vector in all lanes.
+    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     #[inline(always)]
     pub fn splat(proof: F::Proof, v: DVec3) -> Self {
         Self { x: F::splat(proof, v.x), y: F::splat(proof, v.y), z: F::splat(proof, v.z) }
