@@ -79,6 +79,7 @@ impl<'w> Caster<'w> {
 
     /// The same caster with a grid, if it may build one and the number of rays to be cast, which is asked for only then,
     /// pays for it. It is built once for all copies of the caster.
+    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     pub(crate) fn for_rays(&self, count: impl FnOnce() -> usize) -> Self {
         let grid = self.on_demand.as_ref().and_then(|(rays, grid)| {
             let layout = Layout::chosen(self.world, Rays { camera: *rays, cast: count() });
@@ -93,6 +94,7 @@ impl<'w> Caster<'w> {
     }
 
     /// Whether a ray enters the bounds of the finite primitives, or may do so.
+    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     pub(crate) fn enters(&self, ray: &Ray) -> bool {
         let entry =
             |structure: &Arc<AccelerationStructure>| structure.ray_entry::<Scalar>(Portable, ray, ray.t_max);
