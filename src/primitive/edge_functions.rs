@@ -121,7 +121,7 @@ const fn power_of_two(exponent: i64) -> f64 {
 }
 
 /// The error bound of a t that is interpolated, in units of u times the distance of the farthest vertex over the
-/// length of the ray's direction: see [`is_interpolation_accurate`].
+/// length of the ray's direction: see `is_interpolation_accurate`.
 pub const T_ROUNDINGS: f64 = 238.0;
 
 /// The steepest triangle whose depth is interpolated.
