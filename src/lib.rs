@@ -5,7 +5,7 @@
 //! as one likes: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
-//! use raytracer::grid::choose::Structure;
+//! use raytracer::caster::choose::Structure;
 //! use raytracer::render::{Layer, Request, Tracing, Window};
 //! use raytracer::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};
@@ -53,7 +53,7 @@ pub mod stats;
 pub mod primitive;
 #[doc(hidden)]
 pub mod world;
-pub mod grid;
+pub mod caster;
 #[doc(hidden)]
 pub mod shading;
 #[doc(hidden)]

@@ -2,9 +2,9 @@
 
 use super::request::{Request, View};
 use crate::camera::Camera;
+use crate::caster::Caster;
 #[cfg(feature = "fast")]
 use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
-use crate::grid::Caster;
 use crate::math::ray::Visible;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;

@@ -2,7 +2,7 @@
 //! wants to know what a mistake looks like breaks one.
 
 use super::{Secondary, reflected};
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust::offset_origin;

@@ -4,7 +4,7 @@ use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_
 use super::objects::Objects;
 use super::ray_tree::{LightBlocker, RayNode, Recorder, Shadow, Surface};
 use crate::camera::Camera;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};

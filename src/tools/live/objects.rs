@@ -1,7 +1,7 @@
 //! Which object of the scene's text each pixel shows.
 
 use crate::camera::Camera;
-use crate::grid::choose::{Rays, Structure};
+use crate::caster::choose::{Rays, Structure};
 use crate::render::{Request, Tracing};
 use crate::renderer::Renderer;
 use crate::scene;

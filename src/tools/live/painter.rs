@@ -4,9 +4,9 @@
 
 use super::limits::PICTURE_TIME;
 use super::stage::OpenScene;
+use crate::caster::GridTooLarge;
+use crate::caster::choose::{Rays, Structure};
 use crate::cli::Options;
-use crate::grid::GridTooLarge;
-use crate::grid::choose::{Rays, Structure};
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::{Cost, Layer, Progress, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};

@@ -1,7 +1,7 @@
 //! The rays behind a pixel as lines in space, each tied to its lines in the text of `-pixel`.
 
-use crate::grid::Lattice;
-use crate::grid::dda::Dda;
+use crate::caster::grid::Lattice;
+use crate::caster::grid::dda::Dda;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::tools::explain::{Lighting, PixelTree, RayNode, SampleTree};
@@ -183,7 +183,7 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::choose::{Resolution, Structure};
+    use crate::caster::choose::{Resolution, Structure};
     use crate::render::Request;
     use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};

@@ -1,10 +1,10 @@
 //! Writes the pictures that the command line names, and no others.
 
 use super::painter::{Painter, Subject, Unpainted};
+use crate::caster::choose::Structure;
 use crate::cli::Output;
 use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
 use crate::escape::quoted;
-use crate::grid::choose::Structure;
 use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
 use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};

@@ -1,9 +1,9 @@
 //! What the page's controls say, as flags of a command line: checked as those of the program, and limited.
 
 use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
+use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
 use crate::escape::shell_word;
-use crate::grid::choose::{Resolution, Structure};
 use crate::render::Cost;
 use std::ffi::OsString;
 use std::path::Path;

@@ -127,7 +127,7 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &impl Rules, other:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::choose::Structure;
+    use crate::caster::choose::Structure;
     use crate::render::Tracing;
     use crate::renderer::Meshes;
     use crate::scene_io::load;
