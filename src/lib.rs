@@ -32,7 +32,7 @@
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
 //! PNG, PFM and OpenEXR files and reads pictures. Of the [`tools`], [`compare`](tools::compare) measures how two pictures
 //! differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for many pictures of many people,
-//! [`error_report`](tools::error_report) measures what settings cost and buy, and `live` shows a scene as a page in the
+//! [`error_report`](tools::error_report) measures what settings cost and buy. `live` shows a scene as a page in the
 //! browser.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
@@ -74,3 +74,5 @@ pub mod tools;
 pub mod cli;
 #[doc(hidden)]
 pub mod distinct_files;
+#[cfg(feature = "gui")]
+pub mod live;
