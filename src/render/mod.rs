@@ -19,7 +19,7 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
-use crate::sampling::adaptive::{Adaptive, Stratum};
+use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
@@ -116,19 +116,19 @@ pub fn render(
     Ok(counts)
 }
 
-/// The adaptive samples of the pixel in this column and row from the bottom left.
-pub fn strata(
+/// The offsets of the adaptive samples of the pixel in this column and row from the bottom left.
+pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
     settings: Adaptive,
     pixel: [usize; 2],
-) -> Vec<Stratum> {
+) -> Vec<DVec2> {
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    let strata = |unseen: Unseen| setting.strata(settings, &tracer.rows(0..0), &unseen, pixel);
-    Unseen::new(camera, caster.world, request).ok().and_then(strata).unwrap_or_default()
+    let offsets = |unseen: Unseen| setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel);
+    Unseen::new(camera, caster.world, request).ok().and_then(offsets).unwrap_or_default()
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

@@ -6,11 +6,11 @@
 
 use super::layer::Layer;
 use super::request::Request;
-use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
+use super::row::adaptive::{BYTES_PER_PIXEL, Corners, Plan, rows_of_corners};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
-use super::unseen::{Unseen, UnseenRows};
+use super::unseen::Unseen;
 use super::{Stopped, TakeRow, delivery};
 use crate::memory::{self, NoMemory};
 use crate::sampling::film::Film;
@@ -45,8 +45,8 @@ pub struct Strip<'a> {
     pub rows: Range<usize>,
 }
 
-/// The first samples of some rows, and what was counted for each.
-type FirstOfRows = (Vec<FirstSamples>, Vec<Counts>);
+/// Some rows of corners, and what was counted for each.
+type CornersOfRows = (Vec<Corners>, Vec<Counts>);
 
 /// Rows that are ready to be handed out.
 struct Finished {
@@ -91,8 +91,8 @@ impl<'a> Strip<'a> {
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
-        // The first of adaptive samples are traced in the rows beside, too.
-        let beside = usize::from(request.adaptive.is_some());
+        // What adaptive samples depend on are corners of pixels in the rows beside, too.
+        let beside = if request.adaptive.is_some() { 2 } else { 0 };
         let Range { start, end } = self.traced();
         let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
         if Self::hands_out_at_once(request) {
@@ -177,28 +177,29 @@ impl<'a> Strip<'a> {
         tally: &Tally,
     ) -> Result<Vec<Option<Row>>, NoMemory> {
         let RenderSetting { request, .. } = *self.setting;
-        let (first, counted) = match self.unseen {
-            Some(unseen) if request.traces_colors(self.setting.tracing) => {
-                match self.trace_first(&rows, tracer, unseen, tally)? {
-                    Some(first) => first,
-                    None => return memory::collected(rows.map(|_| None)),
-                }
-            }
-            _ => (vec![], vec![]),
+        let Some(unseen) = self.unseen.filter(|_| request.traces_colors(self.setting.tracing)) else {
+            return in_parallel(rows, tally, |j| self.row(self.setting.empty_row(j, None)?, tracer, None, tally));
         };
-        let unseen = self.unseen.map(|unseen| unseen.rows(rows.clone())).transpose()?;
-        let first_row = rows.start.saturating_sub(1);
-        let trace = |j| {
-            let row = self.setting.empty_row(j, None)?;
-            self.row(row, tracer, self.refinement(&first, first_row, unseen.as_ref(), j), tally)
+        let Some((corners, counted)) = self.trace_corners(&rows, tracer, unseen, tally)? else {
+            return memory::collected(rows.map(|_| None));
         };
-        let mut traced = in_parallel(rows.clone(), tally, trace)?;
-        for (row, counts) in traced.iter_mut().zip(counted.into_iter().skip(rows.start - first_row)) {
-            if let Some(row) = row {
-                row.counts = row.counts.merge(counts);
-            }
-        }
-        Ok(traced)
+        let (height, known) = (request.size[1], unseen.rows(rows.clone())?);
+        let first = *rows_of_corners(&rows, height).start();
+        let trace = |j: usize| {
+            let at = |j: Option<usize>| corners.get(j?.checked_sub(first)?);
+            let around = [at(j.checked_sub(1)), at(Some(j)), at(Some(j + 1)), at(Some(j + 2))];
+            let plan = match request.adaptive {
+                Some(settings) => self.setting.plan(settings, around, &known, j)?,
+                None => None,
+            };
+            let mut row = self.row(self.setting.empty_row(j, None)?, tracer, plan, tally)?;
+            // The uppermost corners of the picture have no pixels of their own.
+            let own = if j + 1 == height { j..=height } else { j..=j };
+            let own = own.filter_map(|j| counted.get(j - first));
+            row.counts = own.fold(row.counts, |counts, own| counts.merge(*own));
+            Ok(row)
+        };
+        in_parallel(rows.clone(), tally, trace)
     }
 
     /// Traces a row.
@@ -206,49 +207,35 @@ impl<'a> Strip<'a> {
         &self,
         empty: Row,
         tracer: &RowsTracer,
-        refinement: Option<Refinement>,
+        plan: Option<Plan>,
         tally: &Tally,
     ) -> Result<Row, NoMemory> {
         let is_shown = self.rows.contains(&empty.j);
-        let row = self.setting.row(empty, tracer.row(), is_shown, refinement);
+        let row = self.setting.row(empty, tracer.row(), is_shown, plan);
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }
         Ok(row)
     }
 
-    /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
-    fn trace_first(
+    /// Traces the corners that decide on these rows; none if the watch cancels the render.
+    fn trace_corners(
         &self,
         rows: &Range<usize>,
         tracer: &RowsTracer,
         unseen: &Unseen,
         tally: &Tally,
-    ) -> Result<Option<FirstOfRows>, NoMemory> {
-        let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(tracer.row(), unseen, j))?;
-        let (mut first, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
+    ) -> Result<Option<CornersOfRows>, NoMemory> {
+        let all = rows_of_corners(rows, self.setting.request.size[1]);
+        let all = *all.start()..all.end() + 1;
+        let traced = in_parallel(all.clone(), tally, |j| self.setting.corners(tracer.row(), unseen, j))?;
+        let (mut corners, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
         for row in traced {
-            let Some((samples, counts)) = row else { return Ok(None) };
-            first.push(samples);
+            let Some((row, counts)) = row else { return Ok(None) };
+            corners.push(row);
             counted.push(counts);
         }
-        Ok(Some((first, counted)))
-    }
-
-    /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
-    /// the first samples are all.
-    fn refinement<'f>(
-        &self,
-        first: &'f [FirstSamples],
-        first_row: usize,
-        unseen: Option<&'f UnseenRows>,
-        j: usize,
-    ) -> Option<Refinement<'f>> {
-        let row = |j: Option<usize>| first.get(j?.checked_sub(first_row)?);
-        let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        rows[1]?;
-        Some(Refinement::new(self.setting.request.adaptive?, rows, unseen?))
+        Ok(Some((corners, counted)))
     }
 }
 

@@ -12,6 +12,7 @@
 use super::request::Request;
 use crate::camera::{Camera, Eye, Projection};
 use crate::memory::{self, NoMemory};
+use crate::primitive::shape::Form;
 use crate::scene::material::{Material, Phong};
 use crate::trace::Effects;
 use crate::world::{SurfacePoint, World};
@@ -84,11 +85,8 @@ impl Unseen {
         };
         let screen = Screen::new(camera, request.size);
         unseen.add_triangles(world, &screen)?;
-        for sphere in &world.spheres {
-            unseen.add_ellipsoid(sphere.center, DMat3::from_diagonal(DVec3::splat(sphere.radius)), &screen)?;
-        }
-        for ellipsoid in &world.ellipsoids {
-            unseen.add_ellipsoid(ellipsoid.center(), ellipsoid.linear(), &screen)?;
+        for (center, linear, _) in world.shapes.iter().filter_map(Form::unit_sphere_maps) {
+            unseen.add_ellipsoid(center, linear, &screen)?;
         }
         Ok(unseen)
     }

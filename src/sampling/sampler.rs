@@ -76,12 +76,6 @@ impl Sampler {
         self.pattern == Pattern::Uniform && self.count == 1
     }
 
-    /// The random numbers for up to `most` further samples of the pixel with this index, of a picture with so many
-    /// pixels. They follow those of the samples of all pixels.
-    pub fn further(self, index: u64, pixels: u64, most: u32) -> Drand48 {
-        self.rng.jumped(2 * pixels * u64::from(self.count) + 2 * index * u64::from(most))
-    }
-
     /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
     /// course's order, column by column from the left, each from the bottom. Every sample takes two random
     /// numbers, so the generator jumps to where the preceding pixels leave it.
