@@ -53,7 +53,7 @@ impl RenderSetting<'_> {
     }
 
     /// The columns whose samples contribute to the row.
-    fn columns(&self) -> Range<usize> {
+    pub fn columns(&self) -> Range<usize> {
         let RenderSetting { request, .. } = *self;
         let (shown, support) = (request.columns(), request.support());
         shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])

@@ -6,7 +6,7 @@
 
 use super::layer::Layer;
 use super::request::Request;
-use super::row::adaptive::{BYTES_PER_PIXEL, Corners, Plan, rows_of_corners};
+use super::row::adaptive::{BYTES_PER_PIXEL, Pilot, Plan, ROWS_BESIDE};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
@@ -41,12 +41,9 @@ const ROWS_PER_SUPPORT: usize = 64;
 pub struct Strip<'a> {
     setting: &'a RenderSetting<'a>,
     /// What adaptive samples may miss, if there are any.
-    unseen: Option<&'a Unseen>,
+    unseen: Option<&'a Unseen<'a>>,
     pub rows: Range<usize>,
 }
-
-/// Some rows of corners, and what was counted for each.
-type CornersOfRows = (Vec<Corners>, Vec<Counts>);
 
 /// Rows that are ready to be handed out.
 struct Finished {
@@ -59,7 +56,7 @@ impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(
         setting: &'a RenderSetting<'a>,
-        unseen: Option<&'a Unseen>,
+        unseen: Option<&'a Unseen<'a>>,
         end: usize,
         first: usize,
     ) -> Self {
@@ -92,7 +89,7 @@ impl<'a> Strip<'a> {
     ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
         // What adaptive samples depend on are corners of pixels in the rows beside, too.
-        let beside = if request.adaptive.is_some() { 2 } else { 0 };
+        let beside = if request.adaptive.is_some() { ROWS_BESIDE } else { 0 };
         let Range { start, end } = self.traced();
         let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
         if Self::hands_out_at_once(request) {
@@ -177,29 +174,18 @@ impl<'a> Strip<'a> {
         tally: &Tally,
     ) -> Result<Vec<Option<Row>>, NoMemory> {
         let RenderSetting { request, .. } = *self.setting;
-        let Some(unseen) = self.unseen.filter(|_| request.traces_colors(self.setting.tracing)) else {
+        let adaptive = request.adaptive.filter(|_| request.traces_colors(self.setting.tracing));
+        let Some((settings, unseen)) = adaptive.zip(self.unseen) else {
             return in_parallel(rows, tally, |j| self.row(self.setting.empty_row(j, None)?, tracer, None, tally));
         };
-        let Some((corners, counted)) = self.trace_corners(&rows, tracer, unseen, tally)? else {
-            return memory::collected(rows.map(|_| None));
-        };
-        let (height, known) = (request.size[1], unseen.rows(rows.clone())?);
-        let first = *rows_of_corners(&rows, height).start();
-        let trace = |j: usize| {
-            let at = |j: Option<usize>| corners.get(j?.checked_sub(first)?);
-            let around = [at(j.checked_sub(1)), at(Some(j)), at(Some(j + 1)), at(Some(j + 2))];
-            let plan = match request.adaptive {
-                Some(settings) => self.setting.plan(settings, around, &known, j)?,
-                None => None,
-            };
-            let mut row = self.row(self.setting.empty_row(j, None)?, tracer, plan, tally)?;
-            // The uppermost corners of the picture have no pixels of their own.
-            let own = if j + 1 == height { j..=height } else { j..=j };
-            let own = own.filter_map(|j| counted.get(j - first));
-            row.counts = own.fold(row.counts, |counts, own| counts.merge(*own));
+        let columns = self.setting.columns();
+        let pilot = Pilot::new(self.setting, (tracer, unseen), settings, [columns, rows.clone()], tally)?;
+        let Some(pilot) = pilot else { return memory::collected(rows.map(|_| None)) };
+        in_parallel(rows, tally, |j| {
+            let mut row = self.row(self.setting.empty_row(j, None)?, tracer, Some(pilot.plan(j)?), tally)?;
+            row.counts = row.counts.merge(pilot.counts(j));
             Ok(row)
-        };
-        in_parallel(rows.clone(), tally, trace)
+        })
     }
 
     /// Traces a row.
@@ -216,26 +202,6 @@ impl<'a> Strip<'a> {
             tally.row_is_done(row.counts.rays());
         }
         Ok(row)
-    }
-
-    /// Traces the corners that decide on these rows; none if the watch cancels the render.
-    fn trace_corners(
-        &self,
-        rows: &Range<usize>,
-        tracer: &RowsTracer,
-        unseen: &Unseen,
-        tally: &Tally,
-    ) -> Result<Option<CornersOfRows>, NoMemory> {
-        let all = rows_of_corners(rows, self.setting.request.size[1]);
-        let all = *all.start()..all.end() + 1;
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.corners(tracer.row(), unseen, j))?;
-        let (mut corners, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
-        for row in traced {
-            let Some((row, counts)) = row else { return Ok(None) };
-            corners.push(row);
-            counted.push(counts);
-        }
-        Ok(Some((corners, counted)))
     }
 }
 

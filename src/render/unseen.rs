@@ -1,207 +1,263 @@
-//! What few samples of a pixel are likely to miss, so that adaptive sampling does not rely on them: what is known of the
-//! picture without casting a ray.
+//! What the rays through the corners of pixels are likely to miss: what is known of the picture without casting a ray.
 //!
-//! The outlines of all objects are projected onto the pixels: those edges of triangles that are not inside a surface, and
-//! those of spheres and ellipsoids. What is narrower than a pixel may be visible in a part of it that no sample has hit.
-//! The part that it covers is p at most, so that the variance of a sample is at most p (1 - p). What materials may show
-//! beside what a sample has seen, such as highlights and mirrored or refracted images, has no such bounds; there is a
-//! guess for each kind.
+//! An edge that crosses a pixel has corners of the pixel on both sides. What is smaller than a pixel, or narrower, may have
+//! none, and neither may the ends of something large. All triangles and shapes are projected onto the pixels. Where
+//! something may be that no corner of a pixel shows, samples have a variance of p (1 - p) at most, with the part p of
+//! the pixel that is covered. What materials may show beside what a ray has seen, such as highlights and mirrored or
+//! refracted images, has no such bounds; there is a guess for each kind.
 //!
-//! All of this is part of what the picture means, since it decides where samples are taken, but not of its expected value.
+//! All of this is part of what the picture means, since it decides how many samples are taken, but not of its expected
+//! value.
 
 use super::request::Request;
 use crate::camera::{Camera, Eye, Projection};
+use crate::math::aabb::Aabb;
 use crate::memory::{self, NoMemory};
 use crate::primitive::shape::Form;
+use crate::sampling::adaptive::Corner;
+use crate::scene::Light;
 use crate::scene::material::{Material, Phong};
 use crate::trace::Effects;
 use crate::world::{SurfacePoint, World};
-use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::PI;
+use glam::{DVec2, DVec3, Vec2};
 use std::ops::Range;
 
 /// What samples may miss in a picture.
-pub struct Unseen {
+pub struct Unseen<'a> {
+    world: &'a World,
+    view: View,
     width: usize,
     /// The variance that each material may hide.
-    hidden: Vec<f64>,
-    outlines: Vec<Outline>,
-    spots: Vec<Spot>,
+    hidden: Vec<f32>,
+    /// Where the vertices of the triangles are.
+    vertices: Vec<Vertex>,
 }
 
 /// The same for some rows.
 pub struct UnseenRows {
     width: usize,
     first_row: usize,
-    variances: Vec<f32>,
+    pixels: Vec<Small>,
 }
 
-/// A straight part of an outline in the picture, in pixels from its lower left corner.
-struct Outline {
-    ends: [DVec2; 2],
-    /// The width of what is beside it, if it is narrower than a pixel.
-    width: f64,
+/// The small things in a pixel.
+#[derive(Clone, Copy)]
+struct Small {
+    /// The part of the pixel that they cover.
+    part: f32,
+    /// How far ahead the nearest of them is.
+    depth: f32,
+    /// The material of all of them, or [`MIXED`].
+    material: u32,
 }
 
-/// A sphere or ellipsoid that is smaller than some pixels: its box in the picture.
-struct Spot {
-    min: DVec2,
-    max: DVec2,
+/// The material of things of several materials.
+const MIXED: u32 = u32::MAX;
+
+const NOTHING: Small = Small { part: 0.0, depth: f32::INFINITY, material: MIXED };
+
+/// A vertex in the picture.
+#[derive(Clone, Copy)]
+struct Vertex {
+    /// In pixels from the lower left corner; NaN if it is not ahead of the eye.
+    at: Vec2,
+    depth: f32,
 }
 
 /// The square of a number of levels, the steps from one byte to the next.
-const fn square_of_levels(levels: f64) -> f64 {
+const fn square_of_levels(levels: f32) -> f32 {
     (levels / 255.0) * (levels / 255.0)
 }
 
-/// The variances that are assumed where an outline is, and where a sample sees a mirror, clear glass, a highlight that is
-/// narrow, or a texture. They were chosen by `examples/sampling_marks`.
-const AT_OUTLINE: f64 = square_of_levels(16.0);
-const IN_MIRROR: f64 = square_of_levels(6.0);
-const IN_GLASS: f64 = square_of_levels(8.0);
-const IN_HIGHLIGHT: f64 = square_of_levels(4.0);
-const IN_TEXTURE: f64 = square_of_levels(6.0);
+/// The variances that are assumed where a surface is a mirror, clear glass, has a highlight that is narrow, or a texture,
+/// and where something small is of the material that all corners show. They were chosen by `examples/sampling_marks`.
+const IN_MIRROR: f32 = square_of_levels(6.0);
+const IN_GLASS: f32 = square_of_levels(8.0);
+const IN_HIGHLIGHT: f32 = square_of_levels(4.0);
+const IN_TEXTURE: f32 = square_of_levels(6.0);
+const OF_SAME_MATERIAL: f32 = square_of_levels(4.0);
 
 /// The exponent from which highlights are narrow.
 const NARROW: f64 = 40.0;
 
-/// Two triangles with an edge in common are one surface if the cosine of the angle of their normals is above this.
-const ONE_SURFACE: f64 = 0.8;
+/// The part of a pixel that the end of something large covers.
+const END: f32 = 1.0 / 64.0;
 
-/// A sphere whose diameter is smaller than this number of pixels is a spot.
-const SPOT: f64 = 2.0;
+/// What is narrower than this number of pixels is small.
+const SMALL: f32 = 1.5;
 
-/// How far an outline may be off, in pixels.
-const ERROR: f64 = 1.0 / 16.0;
+/// How far a projected vertex may be off, in pixels.
+const ERROR: f32 = 1.0 / 32.0;
 
-impl Unseen {
+impl<'a> Unseen<'a> {
     /// For the whole picture of a request.
-    pub fn new(camera: &Camera, world: &World, request: &Request) -> Result<Self, NoMemory> {
-        let mut unseen = Self {
-            width: request.size[0],
-            hidden: hidden(&world.materials, &request.effects)?,
-            outlines: vec![],
-            spots: vec![],
-        };
-        let screen = Screen::new(camera, request.size);
-        unseen.add_triangles(world, &screen)?;
-        for (center, linear, _) in world.shapes.iter().filter_map(Form::unit_sphere_maps) {
-            unseen.add_ellipsoid(center, linear, &screen)?;
-        }
-        Ok(unseen)
+    pub fn new(camera: &Camera, world: &'a World, request: &Request) -> Result<Self, NoMemory> {
+        let view = View::new(camera);
+        let mut vertices = memory::with_room(world.vertices.len())?;
+        vertices.extend(world.vertices.iter().map(|&vertex| view.project(vertex)));
+        let hidden = hidden(world, &request.effects)?;
+        Ok(Self { world, view, width: request.size[0], hidden, vertices })
     }
 
-    /// The variance that a sample may hide that sees this surface.
-    pub fn hidden_by(&self, surface: &SurfacePoint) -> f64 {
+    /// The variance that a ray may hide that sees this surface.
+    pub fn hidden_by(&self, surface: &SurfacePoint) -> f32 {
         self.hidden.get(surface.material).copied().unwrap_or(0.0)
+    }
+
+    /// How far ahead a point is.
+    pub fn depth(&self, point: DVec3) -> f32 {
+        self.view.depth(point) as f32
     }
 
     /// The same in these rows.
     pub fn rows(&self, rows: Range<usize>) -> Result<UnseenRows, NoMemory> {
-        let mut variances = memory::filled(0.0f32, self.width * rows.len())?;
-        let mut covered = |[x, y]: [usize; 2], part: f64| {
-            let place = &mut variances[(y - rows.start) * self.width + x];
-            // Covered parts are positive, and a place without any that is marked is negative.
-            *place = if part > 0.0 { place.max(0.0) + part as f32 } else if *place > 0.0 { *place } else { -1.0 };
-        };
-        for outline in &self.outlines {
-            outline.cover(self.width, &rows, &mut covered);
-        }
-        for spot in &self.spots {
-            spot.cover(self.width, &rows, &mut covered);
-        }
-        for place in &mut variances {
-            let part = f64::from(place.clamp(0.0, 0.5));
-            let least = if *place == 0.0 { 0.0 } else { AT_OUTLINE };
-            *place = (part * (1.0 - part)).max(least) as f32;
-        }
-        Ok(UnseenRows { width: self.width, first_row: rows.start, variances })
-    }
-
-    /// Adds the edges of triangles that are not inside a surface.
-    fn add_triangles(&mut self, world: &World, screen: &Screen) -> Result<(), NoMemory> {
-        let edges = Edges::new(world)?;
-        let mut facings: Vec<Facing> = memory::with_room(world.triangles.len())?;
-        facings.extend((0..world.triangles.len()).map(|triangle| Facing::new(world, triangle, screen)));
-        for triangle in 0..world.triangles.len() {
-            let is_shown = |k: usize| edges.is_outline(world, &facings, triangle, k);
-            let shown = [0, 1, 2].map(is_shown);
-            if shown == [false; 3] || !world.may_be_hit(triangle as u32) {
+        let pixels = memory::filled(NOTHING, self.width * rows.len())?;
+        let mut found = UnseenRows { width: self.width, first_row: rows.start, pixels };
+        let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
+        for (id, triangle) in self.world.triangles.iter().enumerate() {
+            let corners = triangle.map(|vertex| self.vertices[vertex as usize]);
+            let [a, b, c] = corners.map(|corner| corner.at);
+            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+            if max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
                 continue;
             }
-            let corners = world.corners(triangle);
-            let on_screen = corners.map(|corner| screen.project(corner));
-            let [Some(a), Some(b), Some(c)] = on_screen else {
-                self.add_clipped(corners, shown, screen)?;
-                continue;
-            };
-            let lengths = [(a, b), (b, c), (c, a)].map(|(a, b)| a.distance(b));
+            let material = self.world.material_of(id as u32) as u32;
+            let depth = corners.iter().fold(f32::INFINITY, |least, corner| least.min(corner.depth));
             let area = 0.5 * (b - a).perp_dot(c - a).abs();
-            let narrowness = 1.0 - 2.0 * area / lengths.into_iter().fold(0.0, f64::max);
-            let shown_length: f64 = (0..3).filter(|&k| shown[k]).map(|k| lengths[k]).sum();
-            let width = if narrowness > 0.0 { narrowness * area / shown_length } else { 0.0 };
-            for (k, ends) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
-                if shown[k] && screen.may_show(&ends) {
-                    memory::push(&mut self.outlines, Outline { ends, width })?;
-                }
+            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
+            // Where a corner is not ahead, there is no area, and the triangle is not small.
+            if 2.0 * area < SMALL * longest {
+                found.add_triangle([a, b, c], area, Small { part: 0.0, depth, material });
+            } else {
+                corners.iter().for_each(|corner| found.add_end(corner.at, Small { part: END, depth, material }));
             }
         }
-        Ok(())
-    }
-
-    /// Adds the edges of a triangle that is partly behind the eye.
-    fn add_clipped(&mut self, [a, b, c]: [DVec3; 3], shown: [bool; 3], screen: &Screen) -> Result<(), NoMemory> {
-        for (k, ends) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
-            let clipped = screen.clip(ends).filter(|ends| shown[k] && screen.may_show(ends));
-            if let Some(ends) = clipped {
-                memory::push(&mut self.outlines, Outline { ends, width: 0.0 })?;
+        for (shape, id) in self.world.shapes.iter().zip(self.world.triangles.len() as u32..) {
+            let material = self.world.material_of(id) as u32;
+            let Some((min, max, depth)) = self.view.bounds(&shape.bounds()) else { continue };
+            if max.y < band[0] || min.y > band[1] {
+                continue;
+            }
+            if (max - min).min_element() < SMALL {
+                found.add_box(min, max, Small { part: 0.8, depth, material });
+            } else {
+                let middle = 0.5 * (min + max);
+                let ends = [(min.x, middle.y), (max.x, middle.y), (middle.x, min.y), (middle.x, max.y)];
+                ends.iter().for_each(|&end| found.add_end(end.into(), Small { part: END, depth, material }));
             }
         }
-        Ok(())
-    }
-
-    /// Adds the image of the unit sphere under `p -> center + linear p`.
-    fn add_ellipsoid(&mut self, center: DVec3, linear: DMat3, screen: &Screen) -> Result<(), NoMemory> {
-        let Some([middle, right, up]) = outline_of_ellipsoid(center, linear, screen) else { return Ok(()) };
-        let at = |angle: f64| screen.project(middle + libm::cos(angle) * right + libm::sin(angle) * up);
-        let Some(seen) = screen.project(middle) else { return Ok(()) };
-        let ends = [right, -right, up, -up].map(|way| screen.project(middle + way));
-        let [Some(a), Some(b), Some(c), Some(d)] = ends else { return Ok(()) };
-        // The box of an ellipse with these conjugate half axes.
-        let half = (0.25 * ((a - b) * (a - b) + (c - d) * (c - d))).to_array().map(f64::sqrt);
-        let half = DVec2::from_array(half);
-        if 2.0 * half.min_element() < SPOT {
-            let spot = Spot { min: seen - half, max: seen + half };
-            return memory::push(&mut self.spots, spot);
-        }
-        // So many sides that they are off by the error that is allowed.
-        let sides = (PI / (2.0 * ERROR / half.max_element()).sqrt()).ceil().clamp(8.0, 1e4) as usize;
-        let corner = |side: usize| at(2.0 * PI * side as f64 / sides as f64);
-        for side in 0..sides {
-            let Some(ends) = corner(side).zip(corner(side + 1)) else { continue };
-            let ends = ends.into();
-            if screen.may_show(&ends) {
-                memory::push(&mut self.outlines, Outline { ends, width: 0.0 })?;
-            }
-        }
-        Ok(())
+        Ok(found)
     }
 }
 
 impl UnseenRows {
-    /// The variance of the samples in a pixel, for all that is known without them.
-    pub fn variance(&self, [column, row]: [usize; 2]) -> f64 {
+    /// The variance of samples in a pixel, beside what its corners show.
+    pub fn variance(&self, [column, row]: [usize; 2], corners: &[Corner; 4]) -> f32 {
         let place = row.checked_sub(self.first_row).map(|row| row * self.width + column);
-        place.and_then(|place| self.variances.get(place)).map_or(0.0, |&variance| f64::from(variance))
+        let Some(Small { part, depth, material }) = place.and_then(|place| self.pixels.get(place)) else { return 0.0 };
+        // What all corners show is nearer.
+        if *part == 0.0 || corners.iter().all(|corner| corner.depth < *depth) {
+            return 0.0;
+        }
+        if corners.iter().all(|corner| corner.material == Some(*material)) {
+            return OF_SAME_MATERIAL * part.min(1.0);
+        }
+        let part = part.min(0.5);
+        part * (1.0 - part)
+    }
+
+    /// Adds something to a pixel, if that is in the rows.
+    fn add(&mut self, [x, y]: [i64; 2], small: Small) {
+        let row = y - self.first_row as i64;
+        if row < 0 || x < 0 || x >= self.width as i64 {
+            return;
+        }
+        let Some(pixel) = self.pixels.get_mut(row as usize * self.width + x as usize) else { return };
+        let is_same = pixel.part == 0.0 || pixel.material == small.material;
+        *pixel = Small {
+            part: pixel.part + small.part,
+            depth: pixel.depth.min(small.depth),
+            material: if is_same { small.material } else { MIXED },
+        };
+    }
+
+    /// The pixels of the rows that have a part between two places.
+    fn pixels(&self, min: Vec2, max: Vec2) -> [Range<i64>; 2] {
+        let rows = [0, 1].map(|axis| {
+            let (first, end) = if axis == 0 {
+                (0, self.width)
+            } else {
+                (self.first_row, self.first_row + self.pixels.len() / self.width)
+            };
+            // Numbers that are too large or small for an integer become the nearest one.
+            let from = ((min[axis] - ERROR).floor() as i64).max(first as i64);
+            from..((max[axis] + ERROR).floor() as i64).saturating_add(1).min(end as i64)
+        });
+        rows
+    }
+
+    fn add_end(&mut self, at: Vec2, small: Small) {
+        if at.is_finite() {
+            self.add([at.x.floor() as i64, at.y.floor() as i64], small);
+        }
+    }
+
+    /// Adds something that fills a part of its box, which is given, evenly.
+    fn add_box(&mut self, min: Vec2, max: Vec2, small: Small) {
+        let [columns, rows] = self.pixels(min, max);
+        for y in rows {
+            for x in columns.clone() {
+                let corner = Vec2::new(x as f32, y as f32);
+                let inside = (max.min(corner + 1.0) - min.max(corner)).max(Vec2::ZERO);
+                let part = (small.part * inside.x * inside.y).max(END / 4.0);
+                self.add([x, y], Small { part, ..small });
+            }
+        }
+    }
+
+    /// Adds a triangle that is narrow.
+    fn add_triangle(&mut self, corners: [Vec2; 3], area: f32, small: Small) {
+        let [a, b, c] = corners;
+        let [_, rows] = self.pixels(a.min(b).min(c), a.max(b).max(c));
+        let height = a.max(b).max(c).y - a.min(b).min(c).y;
+        for y in rows {
+            // The columns that its sides pass in this row.
+            let (low, high) = (y as f32 - ERROR, (y + 1) as f32 + ERROR);
+            let (mut min, mut max) = (Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY));
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let way = to - from;
+                let at = |y: f32| from + ((y - from.y) / way.y).clamp(0.0, 1.0) * way;
+                let ends = if way.y == 0.0 { [from, to] } else { [at(low), at(high)] };
+                for end in ends.into_iter().filter(|end| end.y >= low - ERROR && end.y <= high + ERROR) {
+                    (min, max) = (min.min(end), max.max(end));
+                }
+            }
+            if min.x > max.x {
+                continue;
+            }
+            let in_row = (max.y.min(high) - min.y.max(low)).max(0.0) / height.max(ERROR);
+            let [columns, _] = self.pixels(min, max);
+            let count = (columns.end - columns.start).max(1) as f32;
+            for x in columns {
+                let part = (area * in_row / count).max(END / 4.0);
+                self.add([x, y], Small { part, ..small });
+            }
+        }
     }
 }
 
 /// The variance that each material may hide.
-fn hidden(materials: &[Material], effects: &Effects) -> Result<Vec<f64>, NoMemory> {
-    let mut hidden: Vec<f64> = memory::with_room(materials.len())?;
-    for material in materials {
+fn hidden(world: &World, effects: &Effects) -> Result<Vec<f32>, NoMemory> {
+    let light = world.ambient + world.lights.iter().map(color_of).sum::<DVec3>();
+    let brightness = |material: &Material| match material {
+        Material::Phong(phong) => (phong.diffuse * light).max_element(),
+        Material::Texture(_) => 0.0,
+    };
+    let brightest = world.materials.iter().map(brightness).fold(world.background.max_element(), f64::max);
+    let mut hidden: Vec<f32> = memory::with_room(world.materials.len())?;
+    for material in &world.materials {
         let variance = match material {
-            Material::Phong(phong) => hidden_by_phong(phong, effects),
+            Material::Phong(phong) => hidden_by_phong(phong, effects, brightest.clamp(1.0, 4.0) as f32),
             Material::Texture(texture) => {
                 texture.children.iter().filter_map(|&child| hidden.get(child)).fold(IN_TEXTURE, |a, b| a.max(*b))
             }
@@ -211,197 +267,60 @@ fn hidden(materials: &[Material], effects: &Effects) -> Result<Vec<f64>, NoMemor
     Ok(hidden)
 }
 
-fn hidden_by_phong(phong: &Phong, effects: &Effects) -> f64 {
-    let square = |color: DVec3| color.max_element().min(1.0).powi(2);
+fn color_of(light: &Light) -> DVec3 {
+    let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
+    color
+}
+
+fn hidden_by_phong(phong: &Phong, effects: &Effects, brightest: f32) -> f32 {
+    let square = |color: DVec3| (color.max_element().min(1.0) as f32).powi(2);
     let highlight = if phong.exponent >= NARROW { IN_HIGHLIGHT * square(phong.specular) } else { 0.0 };
     let secondary = IN_MIRROR * square(phong.reflective) + IN_GLASS * square(phong.transparent);
-    highlight + if effects.bounces > 0 { secondary } else { 0.0 }
+    highlight + if effects.bounces > 0 { secondary * brightest * brightest } else { 0.0 }
 }
 
 /// The picture that things are projected onto.
-struct Screen {
+struct View {
     eye: Eye,
     is_perspective: bool,
     axes: [DVec3; 2],
-    size: DVec2,
 }
 
-impl Screen {
-    fn new(camera: &Camera, size: [usize; 2]) -> Self {
+impl View {
+    fn new(camera: &Camera) -> Self {
         let (eye, is_perspective) = match camera.projection() {
             Projection::Perspective(eye) => (eye, true),
             Projection::Orthographic(eye) => (eye, false),
         };
         let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
-        Self { eye, is_perspective, axes, size: DVec2::from_array(size.map(|side| side as f64)) }
+        Self { eye, is_perspective, axes }
     }
 
-    /// Where a point is in the picture; none if it is not ahead of the eye.
-    fn project(&self, point: DVec3) -> Option<DVec2> {
-        let point = point - self.eye.center;
-        let across = DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1]));
-        let depth = if self.is_perspective { point.dot(self.eye.direction) } else { 1.0 };
-        let at = across / depth + self.eye.middle + 0.5;
-        (depth > 0.0 && at.is_finite()).then_some(at)
+    fn depth(&self, point: DVec3) -> f64 {
+        (point - self.eye.center).dot(self.eye.direction)
     }
 
-    /// The part of an edge that is ahead of the eye; none if there is none.
-    fn clip(&self, [a, b]: [DVec3; 2]) -> Option<[DVec2; 2]> {
-        let depths = [a, b].map(|point| (point - self.eye.center).dot(self.eye.direction));
-        // Something nearer than this share of the edge's extent is beside the picture.
-        let nearest = 1e-9 * (depths[0] - depths[1]).abs();
-        if depths[0].max(depths[1]) <= nearest {
-            return None;
-        }
-        let ahead = |from: usize, point: DVec3, other: DVec3| {
-            let share = (nearest - depths[from]) / (depths[1 - from] - depths[from]);
-            if depths[from] >= nearest { point } else { point + share * (other - point) }
-        };
-        let (a, b) = (ahead(0, a, b), ahead(1, b, a));
-        Some([self.project(a)?, self.project(b)?])
+    #[inline(always)]
+    fn project(&self, point: DVec3) -> Vertex {
+        let from_eye = point - self.eye.center;
+        let across = DVec2::new(from_eye.dot(self.axes[0]), from_eye.dot(self.axes[1]));
+        let depth = self.depth(point);
+        let at = if self.is_perspective { across / depth } else { across } + self.eye.middle + 0.5;
+        let at = if self.is_perspective && depth <= 0.0 { DVec2::NAN } else { at };
+        Vertex { at: at.as_vec2(), depth: depth as f32 }
     }
 
-    /// Whether a line may have a part in the picture.
-    fn may_show(&self, [a, b]: &[DVec2; 2]) -> bool {
-        let (min, max) = (a.min(*b) - ERROR, a.max(*b) + ERROR);
-        max.cmpge(DVec2::ZERO).all() && min.cmple(self.size).all()
-    }
-
-    /// The way from a point to the eye, with an eye infinitely far away in parallel views.
-    fn to_eye(&self, point: DVec3) -> DVec3 {
-        if self.is_perspective { self.eye.center - point } else { -self.eye.direction }
-    }
-}
-
-/// The outline of the image of the unit sphere as an ellipse in space: its middle and two conjugate half axes. None if
-/// the eye is inside.
-fn outline_of_ellipsoid(center: DVec3, linear: DMat3, screen: &Screen) -> Option<[DVec3; 3]> {
-    // In the space of the unit sphere the outline is a circle.
-    let to_eye = linear.inverse() * screen.to_eye(center);
-    let square = to_eye.length_squared();
-    let (middle, radius) = if screen.is_perspective {
-        if square.is_nan() || square <= 1.0 {
-            return None;
-        }
-        (to_eye / square, (1.0 - 1.0 / square).sqrt())
-    } else {
-        (DVec3::ZERO, 1.0)
-    };
-    let right = to_eye.try_normalize()?.any_orthonormal_vector();
-    let up = to_eye.normalize().cross(right);
-    Some([center + linear * middle, linear * (radius * right), linear * (radius * up)])
-}
-
-impl Outline {
-    /// Tells the pixels of the rows that the line touches, and the part of each that is covered by what is beside it.
-    fn cover(&self, width: usize, rows: &Range<usize>, covered: &mut impl FnMut([usize; 2], f64)) {
-        let [low, high] = if self.ends[0].y <= self.ends[1].y { self.ends } else { [self.ends[1], self.ends[0]] };
-        let (way, length) = (high - low, low.distance(high));
-        for y in within(low.y - ERROR, high.y + ERROR, rows) {
-            let share = |y: f64| if way.y > 0.0 { ((y - low.y) / way.y).clamp(0.0, 1.0) } else { 0.0 };
-            let (from, to) = (share(y as f64), share((y + 1) as f64));
-            let (from, to) = if way.y > 0.0 { (from, to) } else { (0.0, 1.0) };
-            let [a, b] = [low.x + from * way.x, low.x + to * way.x];
-            let (left, right) = (a.min(b), a.max(b));
-            let in_row = length * (to - from);
-            for x in within(left - ERROR, right + ERROR, &(0..width)) {
-                let inside = (right.min((x + 1) as f64) - left.max(x as f64)).max(0.0);
-                let part = if right > left { inside / (right - left) } else if inside_pixel(left, x) { 1.0 } else { 0.0 };
-                covered([x, y], self.width * in_row * part);
+    /// The box of a box in the picture, and the least depth; none if a part of it is not ahead of the eye.
+    fn bounds(&self, bounds: &Aabb) -> Option<(Vec2, Vec2, f32)> {
+        let (mut min, mut max, mut depth) = (Vec2::INFINITY, Vec2::NEG_INFINITY, f32::INFINITY);
+        for corner in bounds.corners() {
+            let vertex = self.project(corner);
+            if !vertex.at.is_finite() {
+                return None;
             }
+            (min, max, depth) = (min.min(vertex.at), max.max(vertex.at), depth.min(vertex.depth));
         }
-    }
-}
-
-fn inside_pixel(at: f64, pixel: usize) -> bool {
-    at.floor() == pixel as f64
-}
-
-/// Those of some columns or rows that have a part between two places.
-fn within(from: f64, to: f64, pixels: &Range<usize>) -> Range<usize> {
-    // Numbers that are too large or small for an integer become the nearest one.
-    let (first, last) = (from.floor() as i64, to.floor() as i64);
-    let end = usize::try_from(last.saturating_add(1)).unwrap_or(0).min(pixels.end);
-    usize::try_from(first).unwrap_or(0).max(pixels.start)..end
-}
-
-impl Spot {
-    /// Tells the pixels of the rows that its box touches, and the part of each that it covers, if it covers as much of all
-    /// parts of its box.
-    fn cover(&self, width: usize, rows: &Range<usize>, covered: &mut impl FnMut([usize; 2], f64)) {
-        let inside = |axis: usize, pixel: usize| {
-            let (from, to) = (self.min[axis].max(pixel as f64), self.max[axis].min((pixel + 1) as f64));
-            (to - from).max(0.0)
-        };
-        for y in within(self.min.y - ERROR, self.max.y + ERROR, rows) {
-            for x in within(self.min.x - ERROR, self.max.x + ERROR, &(0..width)) {
-                covered([x, y], PI / 4.0 * inside(0, x) * inside(1, y));
-            }
-        }
-    }
-}
-
-/// Whether and how a triangle faces the eye.
-struct Facing {
-    normal: DVec3,
-    is_front: bool,
-}
-
-impl Facing {
-    fn new(world: &World, triangle: usize, screen: &Screen) -> Self {
-        let [a, b, c] = world.corners(triangle);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        Self { normal, is_front: normal.dot(screen.to_eye(a)) > 0.0 }
-    }
-}
-
-/// The triangles at each edge.
-struct Edges {
-    /// For each vertex the first of the edges that begin at it, and the number of all edges.
-    starts: Vec<u32>,
-    /// The other end of each edge, and a triangle.
-    edges: Vec<(u32, u32)>,
-}
-
-/// The ends of a side of a triangle, the smaller one first.
-fn side(triangle: &[u32; 3], k: usize) -> [u32; 2] {
-    let [a, b] = [triangle[k], triangle[(k + 1) % 3]];
-    [a.min(b), a.max(b)]
-}
-
-impl Edges {
-    fn new(world: &World) -> Result<Self, NoMemory> {
-        let mut starts = memory::filled(0u32, world.vertices.len() + 1)?;
-        let sides = || world.triangles.iter().zip(0u32..).flat_map(|(t, id)| [0, 1, 2].map(|k| (side(t, k), id)));
-        for ([start, _], _) in sides() {
-            starts[start as usize + 1] += 1;
-        }
-        let mut sum = 0;
-        for start in &mut starts {
-            sum += *start;
-            *start = sum;
-        }
-        let mut edges = memory::filled((0u32, 0u32), 3 * world.triangles.len())?;
-        let mut next = memory::copied(&starts)?;
-        for ([start, end], triangle) in sides() {
-            let place = &mut next[start as usize];
-            edges[*place as usize] = (end, triangle);
-            *place += 1;
-        }
-        Ok(Self { starts, edges })
-    }
-
-    /// Whether a side of a triangle is not inside a surface: there are not just two triangles at it, or they have different
-    /// materials, or one is seen from the front and the other from behind, or they meet at an angle.
-    fn is_outline(&self, world: &World, facings: &[Facing], triangle: usize, k: usize) -> bool {
-        let [start, end] = side(&world.triangles[triangle], k);
-        let range = self.starts[start as usize] as usize..self.starts[start as usize + 1] as usize;
-        let mut others = self.edges[range].iter().filter(|edge| edge.0 == end && edge.1 != triangle as u32);
-        let (Some(&(_, other)), None) = (others.next(), others.next()) else { return true };
-        let [one, another] = [&facings[triangle], &facings[other as usize]];
-        one.is_front != another.is_front
-            || one.normal.dot(another.normal) < ONE_SURFACE
-            || world.material_of(triangle as u32) != world.material_of(other)
+        Some((min, max, depth))
     }
 }
 

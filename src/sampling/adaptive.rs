@@ -12,6 +12,7 @@
 //! where one more lessens the squared error by most, down to the same amount in all pixels.
 
 use crate::scene::Color;
+use glam::Vec3A;
 use serde::Serialize;
 
 /// How far adaptive sampling goes.
@@ -24,12 +25,16 @@ pub struct Adaptive {
 }
 
 /// What a ray through a corner of pixels sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// Its colour. No more than single precision is needed to decide.
-    color: [f32; 3],
+    pub color: Vec3A,
     /// The variance that its surface may have without showing it, such as that of highlights.
-    hidden: f32,
+    pub hidden: f32,
+    /// The material of the surface, if there is any.
+    pub material: Option<u32>,
+    /// How far ahead the surface is.
+    pub depth: f32,
 }
 
 /// The colours of four corners in a line.
@@ -43,16 +48,22 @@ pub struct Line {
     back: f32,
 }
 
-/// What is known of a pixel: the squared contrast of edges in it, the square of a steady change, and a variance.
+/// What the corners of a pixel and of those around it tell of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contents {
+    /// The squared contrast of edges in it.
     edge: f32,
+    /// The square of a steady change.
     steady: f32,
+    /// The variance of things that are no larger than a pixel.
     variance: f32,
 }
 
 /// The contrast of edges and the standard deviation of small things whose pixels get the error that is asked for.
 fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+
+/// Colours that are brighter are as bright as this.
+const BRIGHTEST: f64 = 2.0;
 
 /// The number of levels from black to white.
 const LEVELS: f64 = 255.0;
@@ -67,14 +78,17 @@ impl Adaptive {
     /// How many samples pixels need, by their contents.
     pub fn counts(self) -> impl Fn(Contents) -> u32 {
         let square = self.error * self.error / (LEVELS * LEVELS);
-        let (ce, cv, cap) = (env("CE", 160.0) / LEVELS, env("CV", 64.0) / LEVELS, env("VE", 1.4));
+        let (ce, cv, cap) = (env("CE", 160.0) / LEVELS, env("CV", 36.0) / LEVELS, env("VE", 1.4));
         // The squared error that one more sample saves.
         let least = 1.5 * square / libm::pow(ce * ce / (8.0 * square), 2.0 / 3.0);
         let of_variance = cv / (cap * cap * square);
+        let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
+        let of_variance = of_variance as f32;
         move |Contents { edge, steady, variance }| {
-            let [edge, steady, variance] = [edge, steady, variance].map(f64::from);
-            let of_edge = libm::pow(1.5 / 8.0 * edge / least, 0.4);
-            let of_steady = (0.25 * steady / least).sqrt().sqrt();
+            let root = |x: f32| x.sqrt().sqrt();
+            // About the power of 2/5.
+            let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
+            let of_steady = root(steady_unit * steady);
             // NaN for what is not finite or 0 / 0, which more samples do not make better.
             let count = of_edge.max(of_steady).max(variance.sqrt() * of_variance).ceil();
             (count as u32).clamp(1, self.most)
@@ -83,54 +97,54 @@ impl Adaptive {
 }
 
 impl Corner {
-    /// Of this colour, with the variance that it may hide.
-    pub fn new(color: Color, hidden: f64) -> Self {
-        let color = color.to_array().map(|channel| channel.clamp(0.0, 2.0) as f32);
-        Self { color, hidden: hidden as f32 }
-    }
-
     /// The one that follows two, if colours change steadily.
     fn beyond(self, before: Self) -> Self {
-        let color = [0, 1, 2].map(|k| 2.0 * self.color[k] - before.color[k]);
-        Self { color, ..self }
+        Self { color: 2.0 * self.color - before.color, ..self }
     }
+}
+
+/// The colour of a corner.
+pub fn color_of_corner(color: Color) -> Vec3A {
+    color.clamp(Color::ZERO, Color::splat(BRIGHTEST)).as_vec3a()
 }
 
 impl Line {
     /// Of four corners, the first and the last of which may be outside the picture.
     #[inline(always)]
     pub fn new(first: Option<Corner>, second: Corner, third: Corner, fourth: Option<Corner>) -> Self {
-        let first = first.unwrap_or(second.beyond(third));
-        let fourth = fourth.unwrap_or(third.beyond(second));
-        let mut line = Self::default();
-        for k in 0..3 {
-            let [a, b, c, d] = [first, second, third, fourth].map(|corner| corner.color[k]);
-            let steps = [b - a, c - b, d - c];
-            let (least, most) = (steps[0].min(steps[1]).min(steps[2]), steps[0].max(steps[1]).max(steps[2]));
-            let steady = least.max(0.0) + most.min(0.0);
-            let back = steps[0].abs() + steps[1].abs() + steps[2].abs() - (d - a).abs();
-            line.edge += (steps[1] - steady) * (steps[1] - steady) / 3.0;
-            line.steady += steady * steady / 3.0;
-            line.back += back * back / 3.0;
-        }
-        line
+        let first = first.unwrap_or(second.beyond(third)).color;
+        let fourth = fourth.unwrap_or(third.beyond(second)).color;
+        let [a, b, c] = [second.color - first, third.color - second.color, fourth - third.color];
+        let steady = a.min(b).min(c).max(Vec3A::ZERO) + a.max(b).max(c).min(Vec3A::ZERO);
+        let back = a.abs() + b.abs() + c.abs() - (fourth - first).abs();
+        let mean_square = |v: Vec3A| v.length_squared() / 3.0;
+        Self { edge: mean_square(b - steady), steady: mean_square(steady), back: mean_square(back) }
     }
 }
 
 impl Contents {
-    /// By the lines along the rows of corners around a pixel, from the one before it to the one after it, those along the
-    /// columns, its corners, and what is known without them.
+    /// By the lines along the rows of corners around a pixel, from the one before it to the one after it, and those along the
+    /// columns.
     #[inline(always)]
-    pub fn new(rows: [Line; 4], columns: [Line; 4], corners: [Corner; 4], known: f64) -> Self {
+    pub fn new(rows: [Line; 4], columns: [Line; 4]) -> Self {
         let sides = [rows[1], rows[2], columns[1], columns[2]];
         let back: f32 = rows.iter().chain(&columns).map(|line| line.back).sum();
-        let hidden = corners.iter().fold(known as f32, |most, corner| most.max(corner.hidden));
         Self {
             // An edge that crosses the pixel crosses two of its sides.
             edge: 0.5 * sides.iter().map(|line| line.edge).sum::<f32>(),
             steady: 0.5 * sides.iter().map(|line| line.steady).sum::<f32>(),
-            // Where colours are one of two by chance, the mean square is 8 variances.
-            variance: hidden.max(back / 64.0),
+            // Where colours are one of two by chance, the mean square of each of eight is 8 variances.
+            variance: back / 64.0,
         }
+    }
+
+    /// With at least this variance.
+    pub fn with_variance(self, least: f32) -> Self {
+        Self { variance: self.variance.max(least), ..self }
+    }
+
+    /// The variance of things that are no larger than a pixel.
+    pub fn variance(&self) -> f32 {
+        self.variance
     }
 }

@@ -3,18 +3,19 @@
 
 use super::{Colors, Painter, RenderSetting};
 use crate::memory::{self, NoMemory};
+use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::{RowTracer, RowsTracer};
 use crate::render::unseen::{Unseen, UnseenRows};
-use crate::sampling::adaptive::{Adaptive, Contents, Corner, Line};
+use crate::sampling::adaptive::{Adaptive, Contents, Corner, Line, color_of_corner};
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
-use crate::sampling::sample_packet::{Sample, SamplePacket};
+use crate::sampling::sample_packet::SamplePacket;
 use crate::stats::Counts;
 use glam::DVec2;
-use std::ops::{Range, RangeInclusive};
+use std::ops::{ControlFlow, Range};
 
 /// What the rays through a row of corners of pixels see.
-pub struct Corners {
+struct Corners {
     /// The column of the first corner: that of the pixel to the right.
     start: usize,
     corners: Vec<Corner>,
@@ -24,8 +25,12 @@ pub struct Corners {
     counts: Vec<Counts>,
 }
 
-/// The rows of corners below and above a row of pixels, and those before and after them; none outside the picture.
-pub type CornerRows<'a> = [Option<&'a Corners>; 4];
+/// What corners tell of a row of pixels.
+struct RowContents {
+    /// The column of the first pixel.
+    start: usize,
+    contents: Vec<Contents>,
+}
 
 /// How many samples each pixel of a row gets.
 pub struct Plan {
@@ -37,12 +42,110 @@ pub struct Plan {
     counts: Vec<Counts>,
 }
 
-/// The bytes that the corners of a row take for each pixel.
-pub const BYTES_PER_PIXEL: usize = size_of::<Corner>() + size_of::<Line>();
+/// What is known of some rows of pixels before they are sampled.
+pub struct Pilot<'a> {
+    setting: RenderSetting<'a>,
+    settings: Adaptive,
+    columns: Range<usize>,
+    /// The rows of corners from that with the second index on, with what was counted.
+    corners: (Vec<(Corners, Counts)>, usize),
+    /// The contents of the rows from that with the second index on.
+    contents: (Vec<RowContents>, usize),
+    unseen: UnseenRows,
+}
 
-/// The rows of corners that decide on some rows of pixels, in a picture of this height.
-pub fn rows_of_corners(rows: &Range<usize>, height: usize) -> RangeInclusive<usize> {
-    rows.start.saturating_sub(1)..=(rows.end + 1).min(height)
+/// The bytes that what decides on a row of pixels takes for each of them.
+pub const BYTES_PER_PIXEL: usize = size_of::<Corner>() + size_of::<Line>() + size_of::<Contents>();
+
+/// How far things that are no larger than pixels are looked for around a pixel, in pixels.
+const AROUND: usize = 4;
+
+/// The part of their variance that a pixel is assumed to have, too.
+const OF_AROUND: f32 = 1.0 / 64.0;
+
+/// The rows beside some that have to be traced for the corners that decide on them.
+pub const ROWS_BESIDE: usize = AROUND + 2;
+
+/// These and so many around them, of `count`.
+fn widened(range: &Range<usize>, by: usize, count: usize) -> Range<usize> {
+    range.start.saturating_sub(by)..(range.end + by).min(count)
+}
+
+/// The rows or columns of corners that decide on the contents of these pixels, of `count`.
+fn corners_of(pixels: &Range<usize>, count: usize) -> Range<usize> {
+    widened(&(pixels.start..pixels.end + 1), 1, count + 1)
+}
+
+impl<'a> Pilot<'a> {
+    /// Casts rays through the corners of these rows of pixels and of those around them; none if the watch cancels the
+    /// render.
+    pub fn new(
+        setting: &RenderSetting<'a>,
+        (tracer, unseen): (&RowsTracer, &Unseen),
+        settings: Adaptive,
+        [columns, rows]: [Range<usize>; 2],
+        tally: &Tally,
+    ) -> Result<Option<Self>, NoMemory> {
+        let [_, height] = setting.request.size;
+        let around = widened(&rows, AROUND, height);
+        let of_corners = corners_of(&around, height);
+        let trace = |j| setting.corners(tracer.row(), unseen, &columns, j);
+        let Some(corners) = all(in_parallel(of_corners.clone(), tally, trace)?)? else { return Ok(None) };
+        let corners = (corners, of_corners.start);
+        let look = |j| setting.contents((&corners.0, corners.1), &columns, j);
+        let Some(contents) = all(in_parallel(around.clone(), tally, look)?)? else { return Ok(None) };
+        let (contents, unseen) = ((contents, around.start), unseen.rows(rows)?);
+        Ok(Some(Self { setting: *setting, settings, columns, corners, contents, unseen }))
+    }
+
+    /// What the corners of a row of pixels have cost: those below it, and the uppermost ones of the picture, too.
+    pub fn counts(&self, j: usize) -> Counts {
+        let (corners, first) = &self.corners;
+        let last = if j + 1 == self.setting.request.size[1] { j + 1 } else { j };
+        let own = (j..=last).filter_map(|j| Some(corners.get(j.checked_sub(*first)?)?.1));
+        own.fold(Counts::default(), Counts::merge)
+    }
+
+    /// How many samples the pixels of row `j` need.
+    pub fn plan(&self, j: usize) -> Result<Plan, NoMemory> {
+        let ((corners, first_corner), (contents, first)) = (&self.corners, &self.contents);
+        let [below, above] = [j, j + 1].map(|j| &corners[j - first_corner].0);
+        let row = &contents[j - first];
+        // The largest variance of each column around.
+        let mut most: Vec<f32> = memory::filled(0.0, row.contents.len())?;
+        for row in &contents[widened(&(j - first..j - first + 1), AROUND, contents.len())] {
+            most.iter_mut().zip(&row.contents).for_each(|(most, contents)| *most = most.max(contents.variance()));
+        }
+        let count = self.settings.counts();
+        let mut plan = Plan {
+            settings: self.settings,
+            start: self.columns.start,
+            samples: memory::with_room(self.columns.len())?,
+            counts: memory::with_room(below.counts.len())?,
+        };
+        for column in self.columns.clone() {
+            let [k, index] = [column - row.start, column - below.start];
+            let largest = most[widened(&(k..k + 1), AROUND, most.len())].iter().fold(0.0, |a: f32, b| a.max(*b));
+            let corners = [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
+            let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
+            let known = self.unseen.variance([column, j], &corners).max(hidden).max(OF_AROUND * largest);
+            plan.samples.push(count(row.contents[k].with_variance(known)) as u16);
+        }
+        if !below.counts.is_empty() {
+            plan.counts.extend_from_slice(&below.counts[self.columns.start - below.start..]);
+        }
+        Ok(plan)
+    }
+}
+
+/// All results; none if one of them is missing.
+fn all<T>(results: Vec<Option<T>>) -> Result<Option<Vec<T>>, NoMemory> {
+    let mut all = memory::with_room(results.len())?;
+    for result in results {
+        let Some(result) = result else { return Ok(None) };
+        all.push(result);
+    }
+    Ok(Some(all))
 }
 
 impl Corners {
@@ -71,20 +174,16 @@ impl Plan {
 }
 
 impl RenderSetting<'_> {
-    /// Casts the rays through row `j` of corners that decide on the pixels in the row's columns.
-    pub fn corners(&self, tracer: RowTracer, unseen: &Unseen, j: usize) -> Result<(Corners, Counts), NoMemory> {
-        self.corners_around(tracer, unseen, self.columns(), j)
-    }
-
-    fn corners_around(
+    /// Casts the rays through row `j` of corners that decide on the pixels in these columns.
+    fn corners(
         &self,
         tracer: RowTracer,
         unseen: &Unseen,
-        columns: Range<usize>,
+        columns: &Range<usize>,
         j: usize,
     ) -> Result<(Corners, Counts), NoMemory> {
         let [width, height] = self.request.size;
-        let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(width) + 1;
+        let columns = corners_of(&widened(columns, AROUND, width), width);
         // Those at the upper and the right border of the picture are in the last pixel.
         let row = j.min(height - 1);
         let mut painter = self.painter(self.empty_row(row, None)?, tracer, false);
@@ -105,9 +204,12 @@ impl RenderSetting<'_> {
                 packet.push(pixel, DVec2::new((column - pixel) as f64, (j - row) as f64) - 0.5, false);
             }
             let colors = painter.colors_of(&mut packet);
-            let hidden = |sample: &Sample| sample.surface.map_or(0.0, |surface| unseen.hidden_by(&surface));
-            let seen = packet.samples().iter().zip(colors).map(|(sample, color)| Corner::new(color, hidden(sample)));
-            found.corners.extend(seen);
+            found.corners.extend(packet.samples().iter().zip(colors).map(|(sample, color)| Corner {
+                color: color_of_corner(color),
+                hidden: sample.surface.map_or(0.0, |surface| unseen.hidden_by(&surface)),
+                material: sample.surface.map(|surface| surface.material as u32),
+                depth: sample.surface.map_or(f32::INFINITY, |surface| unseen.depth(surface.position)),
+            }));
             packet.clear();
             if self.request.has_costs() {
                 found.counts.push(painter.row.counts.since(before));
@@ -120,55 +222,35 @@ impl RenderSetting<'_> {
         Ok((found, painter.row.counts))
     }
 
-    /// How many samples the pixels of row `j` need; none where corners are missing.
-    pub fn plan(
+    /// What corners tell of the pixels of row `j` in these columns and around them. The first of their rows has this index.
+    fn contents(
         &self,
-        settings: Adaptive,
-        corners: CornerRows,
-        unseen: &UnseenRows,
+        (corners, first): (&[(Corners, Counts)], usize),
+        columns: &Range<usize>,
         j: usize,
-    ) -> Result<Option<Plan>, NoMemory> {
-        self.plan_of(settings, corners, unseen, self.columns(), j)
-    }
-
-    fn plan_of(
-        &self,
-        settings: Adaptive,
-        corners: CornerRows,
-        unseen: &UnseenRows,
-        columns: Range<usize>,
-        j: usize,
-    ) -> Result<Option<Plan>, NoMemory> {
-        let [before, Some(below), Some(above), after] = corners else { return Ok(None) };
-        let along = [before.unwrap_or(below), below, above, after.unwrap_or(above)];
-        let upright = |column: Option<usize>| {
-            let at = |row: Option<&Corners>| row?.at(column);
-            Some(Line::new(at(before), below.at(column)?, above.at(column)?, at(after)))
-        };
-        let count = settings.counts();
-        let mut plan = Plan {
-            settings,
-            start: columns.start,
-            samples: memory::with_room(columns.len())?,
-            counts: memory::with_room(below.counts.len())?,
-        };
-        let first = columns.start;
-        let mut lines = [first.checked_sub(1), Some(first), Some(first + 1), None].map(upright);
-        for column in columns {
-            lines[3] = upright(Some(column + 2));
-            let [left, Some(here), Some(next), right] = lines else { return Ok(None) };
-            let across = [left.unwrap_or(here), here, next, right.unwrap_or(next)];
-            let index = column - below.start;
-            let rows = along.map(|row| row.sides[index]);
-            let corners = [below.corners[index], below.corners[index + 1], above.corners[index], above.corners[index + 1]];
-            let contents = Contents::new(rows, across, corners, unseen.variance([column, j]));
-            plan.samples.push(count(contents) as u16);
-            lines = [lines[1], lines[2], lines[3], None];
+    ) -> Result<RowContents, NoMemory> {
+        let columns = widened(columns, AROUND, self.request.size[0]);
+        let row = |j: Option<usize>| Some(&corners.get(j?.checked_sub(first)?)?.0);
+        let start = columns.start;
+        let mut contents = memory::with_room(columns.len())?;
+        let (before, after) = (row(j.checked_sub(1)), row(Some(j + 2)));
+        if let (Some(below), Some(above)) = (row(Some(j)), row(Some(j + 1))) {
+            let along = [before.unwrap_or(below), below, above, after.unwrap_or(above)];
+            let upright = |column: Option<usize>| {
+                let at = |row: Option<&Corners>| row?.at(column);
+                Some(Line::new(at(before), below.at(column)?, above.at(column)?, at(after)))
+            };
+            let mut lines = [start.checked_sub(1), Some(start), Some(start + 1), None].map(upright);
+            for column in columns {
+                lines[3] = upright(Some(column + 2));
+                let [left, here, next, right] = lines;
+                let (here, next) = (here.unwrap_or_default(), next.unwrap_or_default());
+                let across = [left.unwrap_or(here), here, next, right.unwrap_or(next)];
+                contents.push(Contents::new(along.map(|row| row.sides[column - row.start]), across));
+                lines = [lines[1], lines[2], lines[3], None];
+            }
         }
-        if !below.counts.is_empty() {
-            plan.counts.extend_from_slice(&below.counts[first - below.start..]);
-        }
-        Ok(Some(plan))
+        Ok(RowContents { start, contents })
     }
 
     /// The offsets of the samples of one pixel; none where there is no memory for what decides on them.
@@ -179,15 +261,10 @@ impl RenderSetting<'_> {
         unseen: &Unseen,
         [column, j]: [usize; 2],
     ) -> Option<Vec<DVec2>> {
-        let height = self.request.size[1];
-        let columns = column..column + 1;
-        let corners = |j: Option<usize>| {
-            Some(self.corners_around(tracer.row(), unseen, columns.clone(), j.filter(|&j| j <= height)?).ok()?.0)
-        };
-        let rows = [corners(j.checked_sub(1)), corners(Some(j)), corners(Some(j + 1)), corners(Some(j + 2))];
-        let known = unseen.rows(j..j + 1).ok()?;
-        let plan = self.plan_of(settings, rows.each_ref().map(Option::as_ref), &known, columns, j).ok()??;
-        let index = (column * height + j) as u64;
+        let window = [column..column + 1, j..j + 1];
+        let tally = Tally::new(1, &|_| ControlFlow::Continue(()));
+        let plan = Pilot::new(self, (tracer, unseen), settings, window, &tally).ok()??.plan(j).ok()?;
+        let index = (column * self.request.size[1] + j) as u64;
         let rng = self.request.sampler.rng().jumped(index * MultiJittered::draws(settings.most));
         Some(MultiJittered::new(plan.strata(column), rng).collect())
     }
