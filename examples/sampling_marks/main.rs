@@ -95,10 +95,20 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         ..base.clone()
     };
     let adaptive = |error, seed| Request {
-        sampler: Sampler::first_of_adaptive(Drand48::seeded(seed)),
+        sampler: Sampler::of_adaptive(Drand48::seeded(seed)),
         adaptive: Some(Adaptive { most, error }),
         ..base.clone()
     };
+    if let Ok(only) = std::env::var("ONLY") {
+        let error: f64 = only.parse()?;
+        let prepared = renderer.prepare_for(options.structure, &adaptive(error, 0), Tracing::Fast)?;
+        let start = ProcessTime::now();
+        for seed in 0..200 {
+            one.install(|| prepared.render(&adaptive(error, seed)))?;
+        }
+        eprintln!("{} {only}: {:?}", case.name, start.elapsed() / 200);
+        return Ok(vec![]);
+    }
     let prepared = renderer.prepare_for(options.structure, &jittered(REFERENCE, 0), Tracing::Fast)?;
     let halves = [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(REFERENCE, seed))));
     let [a, b] = halves;

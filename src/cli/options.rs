@@ -222,7 +222,7 @@ fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     Ok(match raw.read_first(&samples)? {
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
         // The first samples of each pixel.
-        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::first_of_adaptive(rng),
+        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
     })
 }

@@ -59,8 +59,12 @@ pub struct Contents {
     variance: f32,
 }
 
-/// The contrast of edges and the standard deviation of small things whose pixels get the error that is asked for.
-fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+/// Edges of this contrast, in levels, have the error that is asked for.
+const EDGE: f64 = 160.0;
+
+/// Things that are no larger than a pixel have 1.4 times the error that is asked for if this is their standard
+/// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
+const SMALL_THINGS: f64 = 36.0;
 
 /// Colours that are brighter are as bright as this.
 const BRIGHTEST: f64 = 2.0;
@@ -75,15 +79,24 @@ impl Adaptive {
     /// The number of samples above which no pixel gets any.
     pub const LIMIT: u32 = 1024;
 
+    /// About the number of samples of a pixel on average, where edges cross some of them.
+    pub fn usual(self) -> u32 {
+        (self.of_usual_edge() / 3.0).ceil().min(f64::from(self.most)) as u32
+    }
+
+    /// The number of samples of a pixel with an edge of the usual contrast.
+    fn of_usual_edge(self) -> f64 {
+        let ce = EDGE / self.error;
+        libm::pow(ce * ce / 8.0, 2.0 / 3.0)
+    }
+
     /// How many samples pixels need, by their contents.
     pub fn counts(self) -> impl Fn(Contents) -> u32 {
         let square = self.error * self.error / (LEVELS * LEVELS);
-        let (ce, cv, cap) = (env("CE", 160.0) / LEVELS, env("CV", 36.0) / LEVELS, env("VE", 1.4));
         // The squared error that one more sample saves.
-        let least = 1.5 * square / libm::pow(ce * ce / (8.0 * square), 2.0 / 3.0);
-        let of_variance = cv / (cap * cap * square);
+        let least = 1.5 * square / self.of_usual_edge();
         let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
-        let of_variance = of_variance as f32;
+        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * square)) as f32;
         move |Contents { edge, steady, variance }| {
             let root = |x: f32| x.sqrt().sqrt();
             // About the power of 2/5.
@@ -146,5 +159,92 @@ impl Contents {
     /// The variance of things that are no larger than a pixel.
     pub fn variance(&self) -> f32 {
         self.variance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner(level: f64) -> Corner {
+        let color = color_of_corner(Color::splat(level / LEVELS));
+        Corner { color, hidden: 0.0, material: None, depth: 1.0 }
+    }
+
+    /// The contents of the middle pixel of three by three, whose colours in levels depend on the place.
+    fn contents(level: impl Fn(usize, usize) -> f64) -> Contents {
+        let line = |at: &dyn Fn(usize) -> f64| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| corner(at(k)));
+            Line::new(Some(a), b, c, Some(d))
+        };
+        let rows = [0, 1, 2, 3].map(|y| line(&|x| level(x, y)));
+        let columns = [0, 1, 2, 3].map(|x| line(&|y| level(x, y)));
+        Contents::new(rows, columns)
+    }
+
+    fn in_levels(Contents { edge, steady, variance }: Contents) -> [f64; 3] {
+        [edge, steady, variance].map(|square| f64::from(square).sqrt() * LEVELS)
+    }
+
+    fn assert_near(found: [f64; 3], expected: [f64; 3]) {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn an_edge_is_in_the_pixels_that_it_crosses() {
+        let side = |is_beyond: bool| if is_beyond { 90.0 } else { 10.0 };
+        assert_near(in_levels(contents(|x, _| side(x > 1))), [80.0, 0.0, 0.0]);
+        // It cuts a corner off.
+        assert_near(in_levels(contents(|x, y| side(x + y > 3))), [80.0, 0.0, 0.0]);
+        assert_near(in_levels(contents(|x, _| side(x > 2))), [0.0; 3]);
+        assert_near(in_levels(contents(|x, y| side(x + y > 4))), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_steady_change_is_no_edge() {
+        let slope = contents(|x, y| 50.0 + 3.0 * x as f64 - 4.0 * y as f64);
+        assert_near(in_levels(slope), [0.0, 5.0, 0.0]);
+        let with_edge = contents(|x, _| 50.0 + 3.0 * x as f64 + if x > 1 { 60.0 } else { 0.0 });
+        assert_near(in_levels(with_edge), [60.0, 3.0, 0.0]);
+        // At the border of the picture it is assumed to go on.
+        let [a, b, c] = [1.0, 3.0, 5.0].map(corner);
+        let line = Line::new(None, a, b, Some(c));
+        assert!(line.edge < 1e-9 && (f64::from(line.steady).sqrt() * LEVELS - 2.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn colours_by_chance_have_their_variance() {
+        let mut rng = crate::sampling::drand48::Drand48::seeded(3);
+        let mut sum = 0.0;
+        for _ in 0..4000 {
+            let levels: [[f64; 4]; 4] = std::array::from_fn(|_| {
+                std::array::from_fn(|_| if rand::RngExt::random::<f64>(&mut rng) < 0.5 { 0.0 } else { 100.0 })
+            });
+            sum += in_levels(contents(|x, y| levels[y][x]))[2].powi(2);
+        }
+        assert!((sum / 4000.0 / 2500.0 - 1.0).abs() < 0.05, "{}", sum / 4000.0);
+    }
+
+    #[test]
+    fn less_error_and_more_contrast_take_more_samples() {
+        let count = |most, error, level: f64| {
+            let square = (level / LEVELS).powi(2) as f32;
+            let count = Adaptive { most, error }.counts();
+            let all = [
+                Contents { edge: square, ..Contents::default() },
+                Contents { steady: square, ..Contents::default() },
+                Contents { variance: square, ..Contents::default() },
+            ];
+            all.map(count)
+        };
+        assert_eq!(count(1024, 1.0, 0.0), [1; 3]);
+        assert_eq!(count(1024, 0.0, 1.0), [1024; 3]);
+        assert_eq!(count(1024, 0.0, 0.0), [1; 3]);
+        assert_eq!(count(64, 1e-9, 1.0), [64; 3]);
+        assert_eq!(count(64, 1.0, f64::NAN), [1; 3]);
+        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| count(1024, e, c));
+        assert!(counts.windows(2).all(|pair| (0..3).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
+        let usual = [16.0, 4.0, 1.0, 0.0].map(|error| Adaptive { most: 512, error }.usual());
+        assert!(usual[0] >= 1 && usual.is_sorted() && usual[3] == 512, "{usual:?}");
     }
 }

@@ -46,9 +46,14 @@ impl Sampler {
         Self { pattern, count, columns: count / rows, rng }
     }
 
-    /// The first samples of adaptive sampling: one in each quarter of a pixel.
-    pub const fn first_of_adaptive(rng: Drand48) -> Self {
+    /// Stands for adaptive samples, which have its random numbers.
+    pub const fn of_adaptive(rng: Drand48) -> Self {
         Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
+    }
+
+    /// The same with other random numbers.
+    pub fn with_rng(self, rng: Drand48) -> Self {
+        Self { rng, ..self }
     }
 
     /// How the samples are distributed.

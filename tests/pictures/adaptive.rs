@@ -80,7 +80,7 @@ fn jittered(size: usize, count: u32, seed: u32) -> Request {
 }
 
 fn adaptive(size: usize, (most, error): (u32, f64), seed: u32) -> Request {
-    let sampler = Sampler::first_of_adaptive(Drand48::seeded(seed));
+    let sampler = Sampler::of_adaptive(Drand48::seeded(seed));
     Request { sampler, adaptive: Some(Adaptive { most, error }), ..Request::new([size; 2]) }
 }
 

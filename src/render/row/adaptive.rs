@@ -38,7 +38,7 @@ pub struct Plan {
     /// The column of the first pixel.
     start: usize,
     samples: Vec<u16>,
-    /// What the corner at the lower left of each pixel has cost, if that is asked for.
+    /// What the corners of each pixel have cost, each counted once, if that is asked for.
     counts: Vec<Counts>,
 }
 
@@ -121,7 +121,7 @@ impl<'a> Pilot<'a> {
             settings: self.settings,
             start: self.columns.start,
             samples: memory::with_room(self.columns.len())?,
-            counts: memory::with_room(below.counts.len())?,
+            counts: memory::with_room(if below.counts.is_empty() { 0 } else { self.columns.len() })?,
         };
         for column in self.columns.clone() {
             let [k, index] = [column - row.start, column - below.start];
@@ -130,9 +130,14 @@ impl<'a> Pilot<'a> {
             let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
             let known = self.unseen.variance([column, j], &corners).max(hidden).max(OF_AROUND * largest);
             plan.samples.push(count(row.contents[k].with_variance(known)) as u16);
-        }
-        if !below.counts.is_empty() {
-            plan.counts.extend_from_slice(&below.counts[self.columns.start - below.start..]);
+            if !below.counts.is_empty() {
+                // The corners at the upper and the right border of the picture are the last pixels', too.
+                let [width, height] = self.setting.request.size;
+                let rows = [below, above].into_iter().take(if j + 1 == height { 2 } else { 1 });
+                let own = index..index + if column + 1 == width { 2 } else { 1 };
+                let counts = rows.flat_map(|row| &row.counts[own.clone()]);
+                plan.counts.push(counts.fold(Counts::default(), |sum, counts| sum.merge(*counts)));
+            }
         }
         Ok(plan)
     }
@@ -167,7 +172,7 @@ impl Plan {
         MultiJittered::strata(u32::from(samples), self.settings.most)
     }
 
-    /// What the ray through the lower left corner of a pixel has cost.
+    /// What the corners of a pixel have cost.
     pub fn corner_counts(&self, column: usize) -> Counts {
         column.checked_sub(self.start).and_then(|k| self.counts.get(k)).copied().unwrap_or_default()
     }
