@@ -59,7 +59,7 @@ pub struct Request {
     pub effects: Effects,
     /// The positions of the samples of a pixel.
     pub sampler: Sampler,
-    /// Whether a pixel gets further samples where those of the sampler, which are four then, disagree.
+    /// Whether each pixel gets as many samples as it needs. The sampler has their random numbers then.
     pub adaptive: Option<Adaptive>,
     /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
