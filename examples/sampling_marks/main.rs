@@ -1,7 +1,8 @@
 //! Measures adaptive samples by their marks: without bias, as exact as they are asked to be, and no slower than jittered
 //! samples at the same error.
 //!
-//! `cargo run --release --example sampling_marks -- [-size side] [-seeds count] [-most samples] [scene ...]`
+//! `cargo run --release --example sampling_marks -- [-size side] [-seeds count] [-most samples]
+//! [-reference samples] [scene ...]`
 //!
 //! *bias* is the mean error of the picture's colours over all seeds with its standard error, in levels. *RMSE* is that of
 //! the picture as it is shown. *speed-up* is the time that jittered samples take to the same error, interpolated, over the
@@ -30,8 +31,6 @@ const ERRORS: [f64; 6] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5];
 const BIASED: [f64; 2] = [2.0, 16.0];
 /// The numbers of jittered samples.
 const COUNTS: [u32; 8] = [1, 2, 4, 8, 16, 64, 256, 1024];
-/// The samples of each half of the reference.
-const REFERENCE: u32 = 2048;
 /// The seeds over which errors are averaged.
 const ERROR_SEEDS: u32 = 4;
 
@@ -39,11 +38,13 @@ struct Settings {
     side: usize,
     seeds: u32,
     most: u32,
+    /// The samples of each half of the reference.
+    reference: u32,
     names: Vec<String>,
 }
 
 fn settings() -> Result<Settings, Box<dyn Error>> {
-    let mut settings = Settings { side: 60, seeds: 40, most: 1024, names: vec![] };
+    let mut settings = Settings { side: 60, seeds: 40, most: 1024, reference: 2048, names: vec![] };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number =
@@ -52,6 +53,7 @@ fn settings() -> Result<Settings, Box<dyn Error>> {
             "-size" => settings.side = number()? as usize,
             "-seeds" => settings.seeds = number()?,
             "-most" => settings.most = number()?,
+            "-reference" => settings.reference = number()?,
             _ => settings.names.push(word),
         }
     }
@@ -99,23 +101,13 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         adaptive: Some(Adaptive { most, error }),
         ..base.clone()
     };
-    if let Ok(only) = std::env::var("ONLY") {
-        let error: f64 = only.parse()?;
-        let prepared = renderer.prepare_for(options.structure, &adaptive(error, 0), Tracing::Fast)?;
-        let start = ProcessTime::now();
-        for seed in 0..200 {
-            one.install(|| prepared.render(&adaptive(error, seed)))?;
-        }
-        eprintln!("{} {only}: {:?}", case.name, start.elapsed() / 200);
-        return Ok(vec![]);
-    }
-    let prepared = renderer.prepare_for(options.structure, &jittered(REFERENCE, 0), Tracing::Fast)?;
-    let halves = [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(REFERENCE, seed))));
+    let prepared = renderer.prepare_for(options.structure, &jittered(settings.reference, 0), Tracing::Fast)?;
+    let halves = [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
     let [a, b] = halves;
     let halves = [a?.remove(0), b?.remove(0)];
 
     let mut curve = vec![];
-    for count in COUNTS {
+    for count in COUNTS.into_iter().filter(|&count| count <= settings.reference) {
         let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| jittered(count, seed)).collect();
         curve.push(time_and_error(&prepared, &one, &requests, &halves)?);
     }

@@ -19,7 +19,7 @@ use crate::scene::Light;
 use crate::scene::material::{Material, Phong};
 use crate::trace::Effects;
 use crate::world::{SurfacePoint, World};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2, Vec3A};
 use std::ops::Range;
 
 /// What samples may miss in a picture.
@@ -27,8 +27,8 @@ pub struct Unseen<'a> {
     world: &'a World,
     view: View,
     width: usize,
-    /// The variance that each material may hide.
-    hidden: Vec<f32>,
+    /// For each material the variance that it may hide, and about its colour.
+    materials: Vec<(f32, Option<Vec3A>)>,
     /// Where the vertices of the triangles are.
     vertices: Vec<Vertex>,
 }
@@ -77,6 +77,9 @@ const IN_HIGHLIGHT: f32 = square_of_levels(4.0);
 const IN_TEXTURE: f32 = square_of_levels(6.0);
 const OF_SAME_MATERIAL: f32 = square_of_levels(4.0);
 
+/// The square of the contrast that small things have at least.
+const LEAST_CONTRAST: f32 = square_of_levels(32.0);
+
 /// The exponent from which highlights are narrow.
 const NARROW: f64 = 40.0;
 
@@ -95,13 +98,13 @@ impl<'a> Unseen<'a> {
         let view = View::new(camera);
         let mut vertices = memory::with_room(world.vertices.len())?;
         vertices.extend(world.vertices.iter().map(|&vertex| view.project(vertex)));
-        let hidden = hidden(world, &request.effects)?;
-        Ok(Self { world, view, width: request.size[0], hidden, vertices })
+        let materials = materials(world, &request.effects)?;
+        Ok(Self { world, view, width: request.size[0], materials, vertices })
     }
 
     /// The variance that a ray may hide that sees this surface.
     pub fn hidden_by(&self, surface: &SurfacePoint) -> f32 {
-        self.hidden.get(surface.material).copied().unwrap_or(0.0)
+        self.materials.get(surface.material).map_or(0.0, |material| material.0)
     }
 
     /// How far ahead a point is.
@@ -126,7 +129,9 @@ impl<'a> Unseen<'a> {
             let area = 0.5 * (b - a).perp_dot(c - a).abs();
             let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
             // Where a corner is not ahead, there is no area, and the triangle is not small.
-            if 2.0 * area < SMALL * longest {
+            if longest < SMALL {
+                found.add_evenly(min, max, area, Small { part: 0.0, depth, material });
+            } else if 2.0 * area < SMALL * longest {
                 found.add_triangle([a, b, c], area, Small { part: 0.0, depth, material });
             } else {
                 corners.iter().for_each(|corner| found.add_end(corner.at, Small { part: END, depth, material }));
@@ -152,7 +157,7 @@ impl<'a> Unseen<'a> {
 
 impl UnseenRows {
     /// The variance of samples in a pixel, beside what its corners show.
-    pub fn variance(&self, [column, row]: [usize; 2], corners: &[Corner; 4]) -> f32 {
+    pub fn variance(&self, unseen: &Unseen, [column, row]: [usize; 2], corners: &[Corner; 4]) -> f32 {
         let place = row.checked_sub(self.first_row).map(|row| row * self.width + column);
         let Some(Small { part, depth, material }) = place.and_then(|place| self.pixels.get(place)) else { return 0.0 };
         // What all corners show is nearer.
@@ -163,7 +168,12 @@ impl UnseenRows {
             return OF_SAME_MATERIAL * part.min(1.0);
         }
         let part = part.min(0.5);
-        part * (1.0 - part)
+        let color = unseen.materials.get(*material as usize).and_then(|material| material.1);
+        let contrast = color.map_or(1.0, |color| {
+            let squares = corners.iter().map(|corner| corner.color.distance_squared(color));
+            (squares.sum::<f32>() / 12.0).clamp(LEAST_CONTRAST, 1.0)
+        });
+        part * (1.0 - part) * contrast
     }
 
     /// Adds something to a pixel, if that is in the rows.
@@ -189,11 +199,21 @@ impl UnseenRows {
             } else {
                 (self.first_row, self.first_row + self.pixels.len() / self.width)
             };
-            // Numbers that are too large or small for an integer become the nearest one.
-            let from = ((min[axis] - ERROR).floor() as i64).max(first as i64);
-            from..((max[axis] + ERROR).floor() as i64).saturating_add(1).min(end as i64)
+            // Numbers that are too large or small for an integer become the nearest one, and those below zero zero.
+            let from = ((min[axis] - ERROR).max(0.0) as i64).max(first as i64);
+            let end = if max[axis] < -ERROR { 0 } else { end };
+            from..((max[axis] + ERROR) as i64).saturating_add(1).min(end as i64)
         });
         rows
+    }
+
+    /// Adds something that covers this area of its box, in which it may be anywhere.
+    fn add_evenly(&mut self, min: Vec2, max: Vec2, area: f32, small: Small) {
+        let [columns, rows] = self.pixels(min, max);
+        let part = (area / (columns.clone().count() * rows.clone().count()) as f32).max(END / 4.0);
+        for y in rows {
+            columns.clone().for_each(|x| self.add([x, y], Small { part, ..small }));
+        }
     }
 
     fn add_end(&mut self, at: Vec2, small: Small) {
@@ -246,25 +266,30 @@ impl UnseenRows {
     }
 }
 
-/// The variance that each material may hide.
-fn hidden(world: &World, effects: &Effects) -> Result<Vec<f32>, NoMemory> {
+/// For each material the variance that it may hide, and about its colour, if it has one.
+fn materials(world: &World, effects: &Effects) -> Result<Vec<(f32, Option<Vec3A>)>, NoMemory> {
     let light = world.ambient + world.lights.iter().map(color_of).sum::<DVec3>();
     let brightness = |material: &Material| match material {
         Material::Phong(phong) => (phong.diffuse * light).max_element(),
         Material::Texture(_) => 0.0,
     };
     let brightest = world.materials.iter().map(brightness).fold(world.background.max_element(), f64::max);
-    let mut hidden: Vec<f32> = memory::with_room(world.materials.len())?;
+    let mut materials: Vec<(f32, Option<Vec3A>)> = memory::with_room(world.materials.len())?;
     for material in &world.materials {
-        let variance = match material {
-            Material::Phong(phong) => hidden_by_phong(phong, effects, brightest.clamp(1.0, 4.0) as f32),
-            Material::Texture(texture) => {
-                texture.children.iter().filter_map(|&child| hidden.get(child)).fold(IN_TEXTURE, |a, b| a.max(*b))
+        materials.push(match material {
+            Material::Phong(phong) => {
+                let half = (phong.diffuse * 0.5 * (world.ambient + light)).min(DVec3::ONE);
+                let is_dull = !material.has_secondary_rays() || effects.bounces == 0;
+                let hidden = hidden_by_phong(phong, effects, brightest.clamp(1.0, 4.0) as f32);
+                (hidden, is_dull.then(|| half.as_vec3a()))
             }
-        };
-        hidden.push(variance);
+            Material::Texture(texture) => {
+                let children = texture.children.iter().filter_map(|&child| materials.get(child));
+                (children.fold(IN_TEXTURE, |a, b| a.max(b.0)), None)
+            }
+        });
     }
-    Ok(hidden)
+    Ok(materials)
 }
 
 fn color_of(light: &Light) -> DVec3 {

@@ -45,6 +45,7 @@ pub struct Plan {
 /// What is known of some rows of pixels before they are sampled.
 pub struct Pilot<'a> {
     setting: RenderSetting<'a>,
+    of_picture: &'a Unseen<'a>,
     settings: Adaptive,
     columns: Range<usize>,
     /// The rows of corners from that with the second index on, with what was counted.
@@ -81,7 +82,7 @@ impl<'a> Pilot<'a> {
     /// render.
     pub fn new(
         setting: &RenderSetting<'a>,
-        (tracer, unseen): (&RowsTracer, &Unseen),
+        (tracer, of_picture): (&RowsTracer, &'a Unseen<'a>),
         settings: Adaptive,
         [columns, rows]: [Range<usize>; 2],
         tally: &Tally,
@@ -89,13 +90,13 @@ impl<'a> Pilot<'a> {
         let [_, height] = setting.request.size;
         let around = widened(&rows, AROUND, height);
         let of_corners = corners_of(&around, height);
-        let trace = |j| setting.corners(tracer.row(), unseen, &columns, j);
+        let trace = |j| setting.corners(tracer.row(), of_picture, &columns, j);
         let Some(corners) = all(in_parallel(of_corners.clone(), tally, trace)?)? else { return Ok(None) };
         let corners = (corners, of_corners.start);
         let look = |j| setting.contents((&corners.0, corners.1), &columns, j);
         let Some(contents) = all(in_parallel(around.clone(), tally, look)?)? else { return Ok(None) };
-        let (contents, unseen) = ((contents, around.start), unseen.rows(rows)?);
-        Ok(Some(Self { setting: *setting, settings, columns, corners, contents, unseen }))
+        let (contents, unseen) = ((contents, around.start), of_picture.rows(rows)?);
+        Ok(Some(Self { setting: *setting, of_picture, settings, columns, corners, contents, unseen }))
     }
 
     /// What the corners of a row of pixels have cost: those below it, and the uppermost ones of the picture, too.
@@ -128,7 +129,7 @@ impl<'a> Pilot<'a> {
             let largest = most[widened(&(k..k + 1), AROUND, most.len())].iter().fold(0.0, |a: f32, b| a.max(*b));
             let corners = [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
             let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
-            let known = self.unseen.variance([column, j], &corners).max(hidden).max(OF_AROUND * largest);
+            let known = self.unseen.variance(self.of_picture, [column, j], &corners).max(hidden).max(OF_AROUND * largest);
             plan.samples.push(count(row.contents[k].with_variance(known)) as u16);
             if !below.counts.is_empty() {
                 // The corners at the upper and the right border of the picture are the last pixels', too.

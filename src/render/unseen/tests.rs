@@ -26,7 +26,7 @@ fn variances(camera: &str, objects: &[&str], seen: Option<(u32, f32)>) -> Vec<[f
     let unseen = Unseen::new(&Camera::new(&scene.camera, SIZE), &world, &request).unwrap();
     let rows = |rows: Range<usize>| {
         let known = unseen.rows(rows.clone()).unwrap();
-        let variance = |row| std::array::from_fn(|column| known.variance([column, row], &[corner(seen); 4]));
+        let variance = |row| std::array::from_fn(|column| known.variance(&unseen, [column, row], &[corner(seen); 4]));
         rows.map(variance).collect::<Vec<[f32; 8]>>()
     };
     let all = rows(0..8);
@@ -111,7 +111,7 @@ fn materials_hide_what_they_may_show() {
             "{ABOVE} Materials {{ numMaterials 2 Material {{ }} {material} }} Group {{ numObjects 0 }}"
         );
         let effects = Effects { bounces, ..Effects::default() };
-        hidden(&World::new(&parse(&text).unwrap(), &[]).unwrap(), &effects).unwrap()[1]
+        materials(&World::new(&parse(&text).unwrap(), &[]).unwrap(), &effects).unwrap()[1].0
     };
     assert_eq!(of("Material { diffuseColor 1 1 1 }", 9), 0.0);
     let mirror = "Material { reflectiveColor 0.5 0.5 0.5 }";
