@@ -221,7 +221,6 @@ fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     let samples = [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::JITTERED_SAMPLES];
     Ok(match raw.read_first(&samples)? {
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
-        // The first samples of each pixel.
         None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
     })

@@ -39,7 +39,7 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The rays that have been cast for them. Those of the first samples of adaptive sampling are not among them.
+    /// The rays that have been cast for them. Those through the corners of pixels, for adaptive samples, are not among them.
     pub rays: u64,
 }
 
