@@ -1,9 +1,30 @@
-//! Lists that ask for their memory, so that too little of it is an error and not the end of the program.
+//! Asking for memory beforehand, so that too little of it is an error and not the end of the program.
 //!
-//! Rust's own lists end the program when the system refuses them memory. Every list that grows with the input
-//! grows by one of these functions instead.
+//! Where it is known before some work how much memory the work takes, and it may be much (a picture, the cells of a
+//! grid, a mesh by its file), the work asks for it once, and a refusal is an error that says how much is needed.
+//! Everything else simply allocates: the application's allocator ends the program with one line when the system refuses
+//! a block, unless the thread is asking.
 
+use std::cell::Cell;
 use std::{fmt, io};
+
+thread_local! {
+    static IS_ASKING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is asking for memory, so that a refusal is an answer. An allocator that ends the program when the
+/// system refuses a block must not do so then, but return null.
+pub fn is_asking() -> bool {
+    IS_ASKING.get()
+}
+
+/// Reserves memory for a list, which the system may refuse.
+fn asking<R>(reserve: impl FnOnce() -> R) -> R {
+    IS_ASKING.set(true);
+    let answer = reserve();
+    IS_ASKING.set(false);
+    answer
+}
 
 /// The system refuses memory. The error is displayed as a part of a line that says how much was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,8 +73,11 @@ impl fmt::Display for Bytes {
 #[inline]
 pub fn make_room<T>(list: &mut Vec<T>, more: usize) -> Result<(), NoMemory> {
     let (length, capacity) = (list.len(), list.capacity());
+    if more <= capacity - length {
+        return Ok(());
+    }
     let refused = |_| NoMemory::for_list::<T>(length.saturating_add(more).max(capacity.saturating_mul(2)));
-    list.try_reserve(more).map_err(refused)
+    asking(|| list.try_reserve(more)).map_err(refused)
 }
 
 /// Appends an element.
@@ -67,7 +91,7 @@ pub fn push<T>(list: &mut Vec<T>, element: T) -> Result<(), NoMemory> {
 /// An empty list with room for exactly `count` elements.
 pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
     let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<T>(count))?;
+    asking(|| list.try_reserve_exact(count)).map_err(|_| NoMemory::for_list::<T>(count))?;
     Ok(list)
 }
 

@@ -2,6 +2,7 @@
 //! and `super::allowance` says how large the budget of an automatic grid is.
 
 use super::error::GridTooLarge;
+use crate::memory;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The cost of inserting a shape into a cell, relative to testing a cell: a reference takes memory and is
@@ -64,7 +65,7 @@ impl<'a> TouchedCells<'a> {
     #[inline(always)]
     pub fn reserve(&mut self, cells: u32) -> Result<(), GridTooLarge> {
         self.pay(cells as usize)?;
-        self.indices.try_reserve(cells as usize).map_err(|_| GridTooLarge)
+        memory::make_room(&mut self.indices, cells as usize).map_err(|_| GridTooLarge)
     }
 
     /// Adds a cell that the shape touches, for which memory has been reserved.
