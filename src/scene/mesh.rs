@@ -5,6 +5,7 @@
 use super::excerpt::line_with_caret;
 pub use super::foreign_format::ForeignFormat;
 pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
+pub use super::plain_obj::memory_for;
 use super::{Position, obj_lines, obj_reader, plain_obj};
 use crate::memory::{self, NoMemory};
 use crate::shortcut::Shortcut;
@@ -40,7 +41,7 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
 pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
-        && let Some((vertices, triangles)) = plain_obj::parse(text)?
+        && let Some((vertices, triangles)) = plain_obj::parse(text)
     {
         return Ok((Mesh { vertices, triangles }, vec![]));
     }

@@ -5,7 +5,6 @@ use super::reader::{Parsed, Reader};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{ObjectId, Position};
 use crate::math::rounded_affine::RoundedAffine;
-use crate::memory::{self, NoMemory};
 
 /// The keywords of objects.
 pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
@@ -22,12 +21,11 @@ impl Open {
         *at
     }
 
-    pub fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
+    pub fn add_child(&mut self, id: ObjectId) {
         match self {
-            Self::Group { children, .. } => memory::push(children, id)?,
+            Self::Group { children, .. } => children.push(id),
             Self::Transform { child, .. } => *child = Some(id),
         }
-        Ok(())
     }
 }
 
