@@ -23,6 +23,11 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The size of its lists, in bytes.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.vertices.as_slice()) + size_of_val(self.triangles.as_slice())) as u64
+    }
+
     /// A copy.
     pub fn copied(&self) -> Result<Self, NoMemory> {
         Ok(Self { vertices: memory::copied(&self.vertices)?, triangles: memory::copied(&self.triangles)? })

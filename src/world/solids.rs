@@ -25,7 +25,7 @@
 use super::{Primitive, World};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
-use crate::memory::{self, NoMemory};
+use crate::memory::NoMemory;
 use crate::primitive::triangle::{self, Shear};
 use crate::scene::material::Material;
 use crate::scene::{Color, Light};
@@ -64,24 +64,24 @@ const MARGIN: f64 = 1.0 / (1 << 20) as f64;
 impl Solids {
     /// The solids of a world whose primitives have their ids, given which materials are transparent, and the ids of the
     /// triangles of each mesh that is.
-    pub fn of(world: &World, transparent: &[bool], meshes: &[Range<u32>]) -> Result<Self, NoMemory> {
+    pub fn of(world: &World, transparent: &[bool], meshes: &[Range<u32>]) -> Self {
         let mut solids = Self::default();
         let mut comparisons = MAX_COMPARISONS;
         for mesh in meshes {
-            match star_shaped(world, mesh)? {
-                Some(solid) => solids.add_mesh(world, &solid, &mut comparisons)?,
-                None => memory::push(&mut solids.undecided, mesh.clone())?,
+            match star_shaped(world, mesh) {
+                Some(solid) => solids.add_mesh(world, &solid, &mut comparisons),
+                None => solids.undecided.push(mesh.clone()),
             }
         }
         let first = world.triangles.len() as u32;
         let mut comparisons = MAX_COMPARISONS;
         for (run, material) in world.material_runs() {
-            let mut round = clipped(&run, first..world.first_plane());
+            let round = clipped(&run, first..world.first_plane());
             if transparent.get(material) == Some(&true) {
-                round.try_for_each(|id| solids.add_round(world, id, &mut comparisons))?;
+                round.for_each(|id| solids.add_round(world, id, &mut comparisons));
             }
         }
-        Ok(solids)
+        solids
     }
 
     /// The number of triangles of which [`with_embedded`](Self::with_embedded) would find out whether they bound
@@ -92,17 +92,11 @@ impl Solids {
 
     /// The same with all meshes that are embedded. Finding them takes about as long as a ray for each triangle.
     pub fn with_embedded(&self, world: &World) -> Result<Self, NoMemory> {
-        let copied = |ranges: &[Range<u32>]| memory::collected(ranges.iter().cloned());
-        let mut solids = Self {
-            dark: copied(&self.dark)?,
-            lone: memory::copied(&self.lone)?,
-            empty: copied(&self.empty)?,
-            undecided: vec![],
-        };
+        let mut solids = Self { undecided: vec![], ..self.clone() };
         let mut comparisons = MAX_COMPARISONS.max(4 * world.finite_count());
         for mesh in &self.undecided {
-            if let Some(solid) = embedded(world, mesh)? {
-                solids.add_mesh(world, &solid, &mut comparisons)?;
+            if let Some(solid) = embedded(world, mesh) {
+                solids.add_mesh(world, &solid, &mut comparisons);
             }
         }
         solids.dark.sort_unstable_by_key(|ids| ids.start);
@@ -130,35 +124,33 @@ impl Solids {
     }
 
     /// Adds what is known about a closed surface.
-    fn add(&mut self, world: &World, solid: &Solid, stands_alone: bool) -> Result<(), NoMemory> {
+    fn add(&mut self, world: &World, solid: &Solid, stands_alone: bool) {
         let Solid { ids, bounds, is_simple } = solid;
         if world.lights.iter().all(|light| is_outside(light, bounds, world)) {
-            append(&mut self.dark, ids)?;
+            append(&mut self.dark, ids);
         }
         if *is_simple && stands_alone && is_plain(world, ids.start) && is_clear_of_planes(bounds, world) {
-            append(&mut self.empty, ids)?;
+            append(&mut self.empty, ids);
         }
-        Ok(())
     }
 
     /// Adds what is known about a mesh.
-    fn add_mesh(&mut self, world: &World, solid: &Solid, comparisons: &mut usize) -> Result<(), NoMemory> {
+    fn add_mesh(&mut self, world: &World, solid: &Solid, comparisons: &mut usize) {
         let stands_alone = solid.is_simple && solid.stands_alone(world, comparisons);
-        self.add(world, solid, stands_alone)
+        self.add(world, solid, stands_alone);
     }
 
     /// Adds what is known about a sphere or an ellipsoid.
-    fn add_round(&mut self, world: &World, id: u32, comparisons: &mut usize) -> Result<(), NoMemory> {
+    fn add_round(&mut self, world: &World, id: u32, comparisons: &mut usize) {
         let solid = Solid { ids: id..id + 1, bounds: world.box_of(id), is_simple: true };
         let stands_alone = solid.stands_alone(world, comparisons);
         if stands_alone {
-            memory::push(&mut self.lone, id)?;
+            self.lone.push(id);
         }
-        match world.primitive(id) {
-            Primitive::Sphere(i) if world.spheres[i].radius > MARGIN * world.max_abs_coord => {
-                self.add(world, &solid, stands_alone)
-            }
-            _ => Ok(()),
+        if let Primitive::Sphere(i) = world.primitive(id)
+            && world.spheres[i].radius > MARGIN * world.max_abs_coord
+        {
+            self.add(world, &solid, stands_alone);
         }
     }
 }
@@ -190,13 +182,10 @@ fn contains(ranges: &[Range<u32>], primitive: u32) -> bool {
 }
 
 /// Adds a range behind the others, and joins it to the last one if it can.
-fn append(ranges: &mut Vec<Range<u32>>, ids: &Range<u32>) -> Result<(), NoMemory> {
+fn append(ranges: &mut Vec<Range<u32>>, ids: &Range<u32>) {
     match ranges.last_mut() {
-        Some(last) if last.end == ids.start => {
-            last.end = ids.end;
-            Ok(())
-        }
-        _ => memory::push(ranges, ids.clone()),
+        Some(last) if last.end == ids.start => last.end = ids.end,
+        _ => ranges.push(ids.clone()),
     }
 }
 
@@ -207,8 +196,8 @@ fn clipped(ids: &Range<u32>, to: Range<u32>) -> Range<u32> {
 
 /// For each material, whether rays are refracted anywhere on a surface of it. Textures follow the materials that they
 /// mix.
-pub(super) fn transparent(materials: &[Material]) -> Result<Vec<bool>, NoMemory> {
-    let mut transparent = memory::with_room(materials.len())?;
+pub(super) fn transparent(materials: &[Material]) -> Vec<bool> {
+    let mut transparent = Vec::with_capacity(materials.len());
     for material in materials {
         transparent.push(match material {
             Material::Phong(phong) => phong.transparent != Color::ZERO,
@@ -217,14 +206,14 @@ pub(super) fn transparent(materials: &[Material]) -> Result<Vec<bool>, NoMemory>
             }
         });
     }
-    Ok(transparent)
+    transparent
 }
 
 /// The solid that the triangles of a mesh bound, if all of them are seen from behind from one point.
-fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemory> {
+fn star_shaped(world: &World, mesh: &Range<u32>) -> Option<Solid> {
     let triangles = &world.triangles[mesh.start as usize..mesh.end as usize];
     if triangles.len() > MAX_TRIANGLES {
-        return Ok(None);
+        return None;
     }
     let corners = |face: &[u32; 3]| face.map(|i| world.vertices[i as usize]);
     // It is inside of every convex mesh.
@@ -234,8 +223,8 @@ fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemo
         let [a, b, c] = corners(face);
         triangle::normal([a, b, c]).dot(a - center) > depth
     };
-    if !triangles.iter().all(is_behind) || !has_balanced_edges(&sorted_edges(triangles)?) {
-        return Ok(None);
+    if !triangles.iter().all(is_behind) || !has_balanced_edges(&sorted_edges(triangles)) {
+        return None;
     }
     // The ray leaves by every face that it crosses.
     let ray = Ray::new(center, DVec3::X);
@@ -244,13 +233,13 @@ fn star_shaped(world: &World, mesh: &Range<u32>) -> Result<Option<Solid>, NoMemo
         |id: &u32| shear.intersect(world.corners_in_place(*id as usize)).is_some_and(|t| t > 0.0);
     let winding_number = mesh.clone().filter(is_crossed).count();
     let bounds = Aabb::around(triangles.iter().flat_map(corners));
-    Ok(Some(Solid { ids: mesh.clone(), bounds, is_simple: winding_number == 1 }))
+    Some(Solid { ids: mesh.clone(), bounds, is_simple: winding_number == 1 })
 }
 
 /// The edges of the triangles, each with its face: the vertices in order, and twice the face, plus one where the face
 /// has them in this order. Equal edges follow each other.
-fn sorted_edges(triangles: &[[u32; 3]]) -> Result<Vec<(u64, u32)>, NoMemory> {
-    let mut edges = memory::with_room(3 * triangles.len())?;
+fn sorted_edges(triangles: &[[u32; 3]]) -> Vec<(u64, u32)> {
+    let mut edges = Vec::with_capacity(3 * triangles.len());
     for (&[a, b, c], face) in triangles.iter().zip(0..) {
         edges
             .extend([[a, b], [b, c], [c, a]].map(|[p, q]| {
@@ -258,7 +247,7 @@ fn sorted_edges(triangles: &[[u32; 3]]) -> Result<Vec<(u64, u32)>, NoMemory> {
             }));
     }
     edges.sort_unstable();
-    Ok(edges)
+    edges
 }
 
 /// Whether each of these edges is used as often in one direction as in the other.

@@ -44,6 +44,7 @@ const STAGES: &[(&str, &str)] = &[
     ("materials", "-input materials.txt -output o.tga"),
     ("transforms in transforms", "-input deep.txt -output o.tga"),
     ("groups in groups", "-input groups.txt -output o.tga"),
+    ("copies of a mesh", "-input copies.txt -grid none -size 5 5 -output o.tga"),
     ("a plain mesh", "-input plain.txt -grid none -size 9 9 -output o.tga"),
     ("a mesh with normals", "-input normals.txt -grid none -size 9 9 -output o.tga"),
     ("an automatic grid", "-input spheres.txt -grid auto -output o.png"),
@@ -79,6 +80,8 @@ fn folder() -> Folder {
     folder.write("plain.obj", strip(30_000, ""));
     folder.write("normals.txt", mesh("normals.obj"));
     folder.write("normals.obj", strip(30_000, "//1"));
+    folder.write("copies.txt", scene(1001, &"TriangleMesh { obj_file short.obj }\n".repeat(1001)));
+    folder.write("short.obj", strip(300, ""));
     folder.run("-input one.txt -size 700 500 -output a.png").ok();
     folder.run("-input one.txt -size 700 500 -shade_back -grid 2 2 2 -normals b.tga").ok();
     folder
@@ -137,7 +140,8 @@ fn every_stage_ends_well_with_any_amount_of_memory() {
 fn a_refusal_says_how_much_would_be_needed() {
     let folder = folder();
     for (line, expected) in [
-        ("-input plain.txt", "plain.txt: error: not enough memory: at least "),
+        ("-input plain.txt", "plain.txt: error: not enough memory: at least 3.1 MB are needed"),
+        ("-input copies.txt", "copies.txt: error: not enough memory: at least 10.8 MB are needed"),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
         ("-input one.txt -threads 4096", "error: `-threads`: the system does not start 4095 more"),
     ] {

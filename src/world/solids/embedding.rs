@@ -7,7 +7,6 @@ use super::{MARGIN, Solid, has_balanced_edges, sorted_edges};
 use crate::math::aabb::Aabb;
 use crate::math::predicate::projected_area;
 use crate::math::ray::Ray;
-use crate::memory::{self, NoMemory};
 use crate::primitive::triangle::{self, Shear};
 use crate::world::World;
 use glam::DVec3;
@@ -19,34 +18,31 @@ const MAX_VISITS: usize = 1 << 24;
 
 /// The solid that a mesh bounds, if its triangles meet only at the vertices and the edges that they share, and its
 /// winding number is one behind and zero before each of them.
-pub fn embedded(world: &World, ids: &Range<u32>) -> Result<Option<Solid>, NoMemory> {
+pub fn embedded(world: &World, ids: &Range<u32>) -> Option<Solid> {
     let triangles = &world.triangles[ids.start as usize..ids.end as usize];
     if triangles.is_empty() || triangles.len() > MAX_TRIANGLES {
-        return Ok(None);
+        return None;
     }
-    let edges = sorted_edges(triangles)?;
-    let mesh = Mesh::new(world, triangles)?;
+    let edges = sorted_edges(triangles);
+    let mesh = Mesh::new(world, triangles);
     let is_embedded = has_balanced_edges(&edges)
         && mesh.faces().all(|face| face.axis().is_some())
-        && all_overlapping(&mesh.boxes, |i, j| meet_properly(&mesh.face(i), &mesh.face(j)))?
-        && mesh.is_around_its_inside(&components(triangles.len(), &edges)?);
+        && all_overlapping(&mesh.boxes, |i, j| meet_properly(&mesh.face(i), &mesh.face(j)))
+        && mesh.is_around_its_inside(&components(triangles.len(), &edges));
     let bounds = mesh.boxes.iter().fold(Aabb::EMPTY, |all, &bounds| all.union(bounds));
-    Ok(is_embedded.then(|| Solid { ids: ids.clone(), bounds, is_simple: true }))
+    is_embedded.then(|| Solid { ids: ids.clone(), bounds, is_simple: true })
 }
 
 /// One face of each component. Faces of a component are connected by edges that only two faces have.
-fn components(count: usize, edges: &[(u64, u32)]) -> Result<Vec<u32>, NoMemory> {
-    let mut parents = memory::with_room(count)?;
-    parents.extend(0..count as u32);
+fn components(count: usize, edges: &[(u64, u32)]) -> Vec<u32> {
+    let mut parents: Vec<u32> = (0..count as u32).collect();
     for uses in edges.chunk_by(|one, other| one.0 == other.0) {
         if let [one, other] = uses {
             let [one, other] = [one, other].map(|edge| root(&mut parents, edge.1 >> 1));
             parents[one as usize] = other;
         }
     }
-    let mut roots = memory::with_room(count)?;
-    roots.extend((0..count as u32).filter(|&face| parents[face as usize] == face));
-    Ok(roots)
+    (0..count as u32).filter(|&face| parents[face as usize] == face).collect()
 }
 
 /// The face that stands for a face's component so far. The way to it is halved.
@@ -67,10 +63,10 @@ struct Mesh<'w> {
 }
 
 impl<'w> Mesh<'w> {
-    fn new(world: &'w World, triangles: &'w [[u32; 3]]) -> Result<Self, NoMemory> {
+    fn new(world: &'w World, triangles: &'w [[u32; 3]]) -> Self {
         let corners = |face: &[u32; 3]| face.map(|i| world.vertices[i as usize]);
-        let boxes = memory::collected(triangles.iter().map(|face| Aabb::around(corners(face))))?;
-        Ok(Self { world, triangles, boxes })
+        let boxes = triangles.iter().map(|face| Aabb::around(corners(face))).collect();
+        Self { world, triangles, boxes }
     }
 
     #[inline]

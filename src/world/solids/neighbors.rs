@@ -1,7 +1,6 @@
 //! Finds the boxes that overlap, by a uniform grid.
 
 use crate::math::aabb::Aabb;
-use crate::memory::{self, NoMemory};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -10,23 +9,20 @@ const MAX_CELLS: f64 = 4.0;
 const MAX_REFERENCES: usize = 32;
 
 /// Whether a condition holds for all pairs of boxes that overlap. Also false if the boxes would be listed too often.
-pub fn all_overlapping(
-    boxes: &[Aabb],
-    mut holds: impl FnMut(usize, usize) -> bool,
-) -> Result<bool, NoMemory> {
+pub fn all_overlapping(boxes: &[Aabb], mut holds: impl FnMut(usize, usize) -> bool) -> bool {
     let grid = Grid::around(boxes);
     let cells = grid.cells.iter().product::<usize>();
-    let mut ends: Vec<u32> = memory::filled(0, cells + 1)?;
+    let mut ends: Vec<u32> = vec![0; cells + 1];
     let mut references = 0;
     for cell in boxes.iter().flat_map(|bounds| grid.cells_of(bounds)) {
         ends[cell + 1] += 1;
         references += 1;
         if references > MAX_REFERENCES * boxes.len() {
-            return Ok(false);
+            return false;
         }
     }
     (0..cells).for_each(|cell| ends[cell + 1] += ends[cell]);
-    let mut listed: Vec<u32> = memory::filled(0, references)?;
+    let mut listed: Vec<u32> = vec![0; references];
     for (bounds, id) in boxes.iter().zip(0..) {
         for cell in grid.cells_of(bounds) {
             listed[ends[cell] as usize] = id;
@@ -35,7 +31,7 @@ pub fn all_overlapping(
     }
     // Now each entry is the end of its cell's list.
     let list = |cell: usize| if cell == 0 { 0 } else { ends[cell - 1] as usize }..ends[cell] as usize;
-    Ok((0..cells).all(|cell| all_in_cell(&grid, boxes, (cell, &listed[list(cell)]), &mut holds)))
+    (0..cells).all(|cell| all_in_cell(&grid, boxes, (cell, &listed[list(cell)]), &mut holds))
 }
 
 /// The same for the pairs of one cell's list. A pair counts in the cell of the first corner of what its boxes share.
@@ -122,7 +118,7 @@ mod tests {
                     found.push((i.min(j), i.max(j)));
                     true
                 }),
-                Ok(true)
+                true
             );
             found.sort_unstable();
             let expected: Vec<_> = (0..count)
@@ -130,7 +126,7 @@ mod tests {
                 .filter(|&(i, j)| overlap(i, j))
                 .collect();
             assert_eq!(found, expected, "{count} {size}");
-            assert_eq!(all_overlapping(&boxes, |_, _| false), Ok(expected.is_empty()));
+            assert_eq!(all_overlapping(&boxes, |_, _| false), expected.is_empty());
         }
     }
 
@@ -141,8 +137,8 @@ mod tests {
             let whole = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
             (0..1000).map(|k| if k < large { whole } else { speck(k as f64 / 1e3) }).collect()
         };
-        assert_eq!(all_overlapping(&boxes(0), |_, _| true), Ok(true));
-        assert_eq!(all_overlapping(&boxes(1), |_, _| true), Ok(true));
-        assert_eq!(all_overlapping(&boxes(40), |_, _| true), Ok(false));
+        assert_eq!(all_overlapping(&boxes(0), |_, _| true), true);
+        assert_eq!(all_overlapping(&boxes(1), |_, _| true), true);
+        assert_eq!(all_overlapping(&boxes(40), |_, _| true), false);
     }
 }
