@@ -1,15 +1,23 @@
 //! Runs with little memory: each stage of a run ends with its result or with one line, never by a signal.
 #![cfg(target_os = "linux")]
 
-use crate::support::{CAMERA, Folder, Run, finish, scene};
+use crate::live_server::{Server, view};
+use crate::support::{CAMERA, Folder, Run, finish, scene, sphere};
+use serde_json::json;
 use std::fmt::Write;
+use std::fs::File;
 use std::process::Command;
 
-/// A run of the program that may take this number of kilobytes of address space.
-fn run_within(folder: &Folder, kilobytes: usize, line: &str) -> Run {
+/// The program, which may take this number of kilobytes of address space.
+fn program_within(folder: &Folder, kilobytes: usize, line: &str) -> Command {
     let limited = format!("ulimit -c 0; ulimit -v {kilobytes}; exec \"$0\" {line}");
-    let program = env!("CARGO_BIN_EXE_raytracer");
-    finish(Command::new("sh").args(["-c", &limited, program]).current_dir(folder.path()))
+    let mut command = Command::new("sh");
+    command.args(["-c", &limited, env!("CARGO_BIN_EXE_raytracer")]).current_dir(folder.path());
+    command
+}
+
+fn run_within(folder: &Folder, kilobytes: usize, line: &str) -> Run {
+    finish(&mut program_within(folder, kilobytes, line))
 }
 
 /// The least memory, in kilobytes, with which the system loads the program.
@@ -150,6 +158,30 @@ fn a_refusal_says_how_much_would_be_needed() {
         let errors: Vec<&str> = errors.collect();
         assert!(errors.len() == 1 && errors[0].starts_with(expected), "{line}\n{message}");
     }
+}
+
+#[test]
+fn the_live_page_refuses_beforehand_and_goes_on() {
+    let folder = Folder::with_scene(&sphere());
+    folder.write("m.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(30_000)));
+    // It is not read.
+    File::create(folder.path().join("large.obj")).and_then(|file| file.set_len(1 << 27)).expect("a file");
+    let line = "-input s.txt -gui -port 0 -no_browser -threads 2";
+    let server = Server::of(program_within(&folder, 200_000, line));
+    let picture = |words: &str| {
+        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        server.ask("/picture", &question).map(drop)
+    };
+    let typed = |count: usize, file: &str| {
+        let text = scene(count, &format!("TriangleMesh {{ obj_file {file} }}\n").repeat(count));
+        let said = server.ask("/scene", &json!({ "text": text })).expect("an answer").0;
+        said["errors"][0]["problem"].as_str().map(str::to_owned)
+    };
+    let refused = |size: &str| format!("not enough memory: at least {size} are needed");
+    assert_eq!(picture("-size 2000 2000").unwrap_err().1.trim_end(), refused("256.0 MB"));
+    assert_eq!(typed(1, "large.obj"), Some(refused("349.0 MB")));
+    assert_eq!(typed(50, "m.obj"), Some(refused("384.0 MB")));
+    assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
 }
 
 /// The variable that the library of threads reads has no effect: `-threads` alone decides.
