@@ -124,29 +124,6 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     Ok(())
 }
 
-/// Text under construction, which asks for its memory.
-#[derive(Debug, Default)]
-pub struct Text(Vec<u8>);
-
-impl Text {
-    /// The finished text. Bytes that are no text are an error.
-    pub fn into_string(self) -> io::Result<String> {
-        String::from_utf8(self.0).map_err(io::Error::other)
-    }
-}
-
-impl io::Write for Text {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        make_room(&mut self.0, bytes.len())?;
-        self.0.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 impl From<NoMemory> for io::Error {
     fn from(refused: NoMemory) -> Self {
         Self::new(io::ErrorKind::OutOfMemory, refused)
@@ -156,7 +133,6 @@ impl From<NoMemory> for io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
 
     #[test]
     fn a_refusal_says_how_much_was_asked_for() {
@@ -180,9 +156,6 @@ mod tests {
             (Ok(vec![7, 7]), Ok(list), Ok(vec![2, 3]))
         );
         assert_eq!(ask(1 << 20), Ok(()));
-        let mut text = Text::default();
-        write!(text, "{} and {}", 1, 2).unwrap();
-        assert_eq!(text.into_string().unwrap(), "1 and 2");
     }
 
     #[test]
