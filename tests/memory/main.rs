@@ -72,7 +72,7 @@ unsafe impl GlobalAlloc for Refusing {
 
 /// What is done while blocks are refused.
 enum Work {
-    Render(Structure, Request),
+    Render(Structure, Box<Request>),
     Compare,
 }
 
@@ -88,14 +88,15 @@ fn works() -> Vec<(&'static str, &'static str, Work)> {
     let adaptive = Request { adaptive, sampler, layers: vec![Layer::Color], ..Request::new([700, 3]) };
     let grid = |structure| Structure::Grid(structure);
     let (auto, cells) = (grid(Resolution::Auto), grid(Resolution::Cells([20, 20, 10])));
+    let render = |structure, request| Work::Render(structure, Box::new(request));
     vec![
-        ("a list", "mixed", Work::Render(Structure::List, colors.clone())),
-        ("cells", "mixed", Work::Render(cells, colors.clone())),
-        ("an automatic grid", "mixed", Work::Render(auto, colors.clone())),
-        ("a mesh", "mesh", Work::Render(Structure::Any, colors)),
-        ("a mesh in a grid", "mesh", Work::Render(auto, filtered)),
-        ("layers", "mesh", Work::Render(cells, measured)),
-        ("adaptive samples", "mesh", Work::Render(cells, adaptive)),
+        ("a list", "mixed", render(Structure::List, colors.clone())),
+        ("cells", "mixed", render(cells, colors.clone())),
+        ("an automatic grid", "mixed", render(auto, colors.clone())),
+        ("a mesh", "mesh", render(Structure::Any, colors)),
+        ("a mesh in a grid", "mesh", render(auto, filtered)),
+        ("layers", "mesh", render(cells, measured)),
+        ("adaptive samples", "mesh", render(cells, adaptive)),
         ("a comparison", "mixed", Work::Compare),
     ]
 }
