@@ -3,27 +3,35 @@
 //! Where it is known before some work how much memory the work takes, and it may be much (a picture, the cells of a
 //! grid, a mesh by its file), the work asks for it once, and a refusal is an error that says how much is needed.
 //! Everything else simply allocates: the application's allocator ends the program with one line when the system refuses
-//! a block, unless the thread is asking.
+//! a block, unless the block is asked for.
 
-use std::cell::Cell;
+use bytemuck::Zeroable;
+use bytemuck::allocation::zeroed_vec;
+use std::alloc::Layout;
+use std::hint::black_box;
 use std::{fmt, io};
 
-thread_local! {
-    static IS_ASKING: Cell<bool> = const { Cell::new(false) };
+/// What is asked for, in units of an alignment that nothing else has.
+#[repr(align(2048))]
+struct Asked {
+    _bytes: [u8; 2048],
 }
 
-/// Whether this thread is asking for memory, so that a refusal is an answer. An allocator that ends the program when the
-/// system refuses a block must not do so then, but return null.
-pub fn is_asking() -> bool {
-    IS_ASKING.get()
+/// Whether a block is asked for, so that a refusal is an answer. An allocator that ends the program when the system
+/// refuses a block must not do so for this one, but return null.
+pub fn is_asked_for(block: Layout) -> bool {
+    block.align() == align_of::<Asked>()
 }
 
-/// Reserves memory for a list, which the system may refuse.
-fn asking<R>(reserve: impl FnOnce() -> R) -> R {
-    IS_ASKING.set(true);
-    let answer = reserve();
-    IS_ASKING.set(false);
-    answer
+/// Asks for memory and gives it back: what follows is about to take as much.
+pub fn ask(bytes: u64) -> Result<(), NoMemory> {
+    let refused = NoMemory { bytes };
+    let count = usize::try_from(bytes.div_ceil(size_of::<Asked>() as u64)).map_err(|_| refused)?;
+    let mut asked: Vec<Asked> = vec![];
+    asked.try_reserve_exact(count).map_err(|_| refused)?;
+    // The compiler leaves out an allocation that it knows not to be used.
+    black_box(asked);
+    Ok(())
 }
 
 /// The system refuses memory. The error is displayed as a part of a line that says how much was asked for.
@@ -33,11 +41,9 @@ pub struct NoMemory {
     pub bytes: u64,
 }
 
-impl NoMemory {
-    /// The error for a list of this number of elements.
-    pub fn for_list<T>(count: usize) -> Self {
-        Self { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }
-    }
+/// The size of a list of this number of elements, in bytes.
+fn bytes_of<T>(count: usize) -> u64 {
+    (count as u64).saturating_mul(size_of::<T>() as u64)
 }
 
 impl fmt::Display for NoMemory {
@@ -76,8 +82,9 @@ pub fn make_room<T>(list: &mut Vec<T>, more: usize) -> Result<(), NoMemory> {
     if more <= capacity - length {
         return Ok(());
     }
-    let refused = |_| NoMemory::for_list::<T>(length.saturating_add(more).max(capacity.saturating_mul(2)));
-    asking(|| list.try_reserve(more)).map_err(refused)
+    ask(bytes_of::<T>(length.saturating_add(more).max(capacity.saturating_mul(2))))?;
+    list.reserve(more);
+    Ok(())
 }
 
 /// Appends an element.
@@ -90,9 +97,14 @@ pub fn push<T>(list: &mut Vec<T>, element: T) -> Result<(), NoMemory> {
 
 /// An empty list with room for exactly `count` elements.
 pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
-    let mut list = Vec::new();
-    asking(|| list.try_reserve_exact(count)).map_err(|_| NoMemory::for_list::<T>(count))?;
-    Ok(list)
+    ask(bytes_of::<T>(count))?;
+    Ok(Vec::with_capacity(count))
+}
+
+/// A list of `count` zeros.
+pub fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>, NoMemory> {
+    ask(bytes_of::<T>(count))?;
+    Ok(zeroed_vec(count))
 }
 
 /// A list of `count` copies of a value.
@@ -114,14 +126,6 @@ pub fn collected<T>(elements: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>
     let mut list = with_room(elements.len())?;
     list.extend(elements);
     Ok(list)
-}
-
-/// Asks for memory and gives it back: what follows is about to take as much without asking.
-pub fn ask(bytes: u64) -> Result<(), NoMemory> {
-    let count = usize::try_from(bytes).map_err(|_| NoMemory { bytes })?;
-    // The test hides from the compiler that the memory is not used, since it leaves out such allocations.
-    std::hint::black_box(with_room::<u8>(count)?);
-    Ok(())
 }
 
 impl From<NoMemory> for io::Error {

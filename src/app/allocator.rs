@@ -36,7 +36,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static ALLOCATOR: LargePages = LargePages;
 
 /// Allocates large blocks in large pages, and all others with the system's allocator. Ends the program if the system has
-/// no memory, unless the thread is asking whether it has.
+/// no memory, unless the block is asked for.
 struct LargePages;
 
 /// The size in bytes of the system's large pages on most machines. On others only the speed differs.
@@ -52,11 +52,11 @@ const FAILURE: i32 = 1;
 /// Whether a thread is ending the program for want of memory.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// What a block is that the system refuses: null for a thread that is asking, and otherwise the end of the program.
-/// Nothing here allocates.
+/// What a block is that the system refuses: null if it is asked for, and otherwise the end of the program. Nothing here
+/// allocates.
 #[cold]
 fn refused(layout: Layout) -> *mut u8 {
-    if memory::is_asking() {
+    if memory::is_asked_for(layout) {
         return ptr::null_mut();
     }
     while IS_ENDING.swap(true, Ordering::Relaxed) {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_block_that_is_too_large_is_an_error_if_it_is_asked_for() {
         for bytes in [isize::MAX as usize, isize::MAX as usize / 2] {
-            assert!(memory::with_room::<u8>(bytes).is_err());
+            assert!(memory::ask(bytes as u64).is_err());
         }
     }
 }

@@ -17,8 +17,8 @@ use super::reach::max_origin_distance;
 use super::trees::Trees;
 use super::triangle8::{Block, Frame};
 use crate::math::aabb::Aabb;
+use crate::memory;
 use crate::world::World;
-use bytemuck::allocation::try_zeroed_vec;
 
 /// The acceleration structure of some primitives: a grid, or a single list.
 #[derive(Debug)]
@@ -57,7 +57,7 @@ impl AccelerationStructure {
     /// The structure of all finite primitives of a world. An error when it does not fit into memory.
     pub fn new(world: &World, options: GridOptions) -> Result<Self, GridTooLarge> {
         let mut structure = Self::without_blocks(world, options)?;
-        structure.blocks = try_zeroed_vec(structure.cells.block_count()).map_err(|()| GridTooLarge)?;
+        structure.blocks = memory::zeroed(structure.cells.block_count()).map_err(|_| GridTooLarge)?;
         structure.cells.fill(world, &mut structure.blocks);
         Ok(structure)
     }

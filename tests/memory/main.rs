@@ -1,5 +1,5 @@
-//! A program whose allocator refuses one block: for a thread that asks for memory this is an error, or makes no
-//! difference, and otherwise the program ends, as the application does. No file is left half written or behind.
+//! A program whose allocator refuses one block: if it is asked for this is an error, or makes no difference, and
+//! otherwise the program ends, as the application does. No file is left half written or behind.
 //!
 //! Small blocks are not refused: they are many, and end the program as others do.
 
@@ -30,7 +30,8 @@ use tempfile::TempDir;
 #[global_allocator]
 static ALLOCATOR: Refusing = Refusing;
 
-/// The system's allocator, except that one block is refused. This ends the program, unless the thread asks for memory.
+/// The system's allocator, except that one block is refused. This ends the program, unless the block is asked
+/// for.
 struct Refusing;
 
 /// The exit status of a program that its allocator has ended. No other has it.
@@ -51,7 +52,7 @@ fn is_refused(layout: Layout) -> bool {
     }
     let left = LEFT.get();
     LEFT.set(left.and_then(|left| left.checked_sub(1)));
-    if left == Some(0) && !memory::is_asking() {
+    if left == Some(0) && !memory::is_asked_for(layout) {
         exit(ENDED);
     }
     left == Some(0)

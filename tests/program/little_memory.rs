@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::live_server::{Server, view};
-use crate::support::{CAMERA, Folder, Run, finish, scene, sphere};
+use crate::support::{CAMERA, Folder, Run, finish, only_line, scene, sphere};
 use serde_json::json;
 use std::fmt::Write;
 use std::fs::File;
@@ -158,6 +158,25 @@ fn a_refusal_says_how_much_would_be_needed() {
         let errors: Vec<&str> = errors.collect();
         assert!(errors.len() == 1 && errors[0].starts_with(expected), "{line}\n{message}");
     }
+}
+
+/// The blocks of a grid take many times as much as its cells.
+#[test]
+fn the_blocks_of_a_grid_are_asked_for() {
+    let folder = Folder::new();
+    let triangle = |k: usize| {
+        let [x, y] = [k as f64 / 40.0, 1.0 - k as f64 / 40.0];
+        format!("Triangle {{ vertex0 {x} -1 {y} vertex1 -{y} {x} -1 vertex2 1 {y} {x} }}\n")
+    };
+    folder.write("s.txt", scene(40, &(0..40).map(triangle).collect::<String>()));
+    let kilobytes = least(&folder) + 10_000;
+    let grid = |cells: usize| {
+        let line = format!("-input s.txt -size 5 5 -output o.tga -threads 1 -grid {cells} {cells} {cells}");
+        run_within(&folder, kilobytes, &line)
+    };
+    grid(10).ok();
+    let message = grid(60).message(1);
+    assert!(only_line(&message).starts_with("error: the grid does not fit into memory"), "{message}");
 }
 
 #[test]
