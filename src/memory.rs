@@ -23,8 +23,15 @@ pub fn is_asked_for(block: Layout) -> bool {
     block.align() == align_of::<Asked>()
 }
 
-/// Asks for memory and gives it back: what follows is about to take as much.
+/// Less than this number of bytes is not asked for. Such blocks are parts of a heap, and those that come and go leave
+/// gaps in it, which the program keeps.
+const WORTH_ASKING: u64 = 1 << 20;
+
+/// Asks for memory and gives it back: what follows is about to take as much. Little memory is not asked for.
 pub fn ask(bytes: u64) -> Result<(), NoMemory> {
+    if bytes < WORTH_ASKING {
+        return Ok(());
+    }
     let refused = NoMemory { bytes };
     let count = usize::try_from(bytes.div_ceil(size_of::<Asked>() as u64)).map_err(|_| refused)?;
     let mut asked: Vec<Asked> = vec![];
