@@ -11,8 +11,8 @@ use super::reach::max_origin_distance;
 use super::tree::Tree;
 use super::triangle8::{Block, Frame};
 use crate::math::aabb::Aabb;
+use crate::memory;
 use crate::world::World;
-use bytemuck::allocation::try_zeroed_vec;
 
 /// The acceleration structure of the finite primitives.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl AccelerationStructure {
             Layout::Course(None) => Self::list(world, &bounds, false),
             Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, CellRule::Course),
         }?;
-        structure.blocks = try_zeroed_vec(structure.cells.block_count()).map_err(|()| GridTooLarge)?;
+        structure.blocks = memory::zeroed(structure.cells.block_count()).map_err(|_| GridTooLarge)?;
         structure.cells.fill(world, &mut structure.blocks);
         Ok(structure)
     }

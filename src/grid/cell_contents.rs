@@ -11,7 +11,6 @@ use super::tree::Leaves;
 use super::triangle8::{Block, BlockIndex, Frame, LANES, NONE};
 use crate::memory;
 use crate::world::World;
-use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -249,7 +248,7 @@ fn counts(
     triangles: usize,
     non_triangles: Range<usize>,
 ) -> Result<Vec<u32>, GridTooLarge> {
-    let mut counts: Vec<u32> = try_zeroed_vec(lattice.index_count()).map_err(|()| GridTooLarge)?;
+    let mut counts: Vec<u32> = memory::zeroed(lattice.index_count()).map_err(|_| GridTooLarge)?;
     for &cell in cell_lists.cells_below(triangles).flatten() {
         counts[cell as usize] += 1;
     }

@@ -4,6 +4,7 @@ use super::error::GridTooLarge;
 use super::lattice::Lattice;
 use super::touched_cells::TouchedCells;
 use crate::math::aabb::Aabb;
+use crate::memory;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -90,9 +91,7 @@ pub fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLa
 
 /// An empty vector with capacity for exactly `count` elements, or an error when there is not enough memory.
 pub fn with_room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    Ok(list)
+    memory::with_room(count).map_err(|_| GridTooLarge)
 }
 
 /// A slightly larger box, which contains all hits in spite of rounding and has a positive extent along every

@@ -1,6 +1,6 @@
 //! The transforms around the primitives, which the world has applied to them.
 
-use crate::memory::{self, NoMemory};
+use crate::memory::NoMemory;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
 use crate::world::{Placement, Primitive, World, placements};
@@ -25,7 +25,7 @@ impl<'a> ObjectSpaces<'a> {
         for placement in placements(scene) {
             let placement = placement?;
             let Some((kind, count)) = primitives(&placement, meshes) else { continue };
-            memory::push(&mut spaces.runs[kind], (counts[kind], placement.matrix.matrix3))?;
+            spaces.runs[kind].push((counts[kind], placement.matrix.matrix3));
             counts[kind] += count;
         }
         Ok(spaces)
