@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::grid::choose::Layout;
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};

@@ -2,8 +2,8 @@
 //! of times.
 
 use crate::camera::Camera;
-use crate::grid::choose::{Layout, Rays, Resolution, Structure};
-use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
+use crate::caster::choose::{Layout, Rays, Resolution, Structure};
+use crate::caster::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;

@@ -1,9 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::grid::choose::{Layout, Rays};
-use raytracer::grid::packet::{PACKET_SIZE, PacketRay};
-use raytracer::grid::{Caster, GridTooLarge, Instructions};
+use raytracer::caster::choose::{Layout, Rays};
+use raytracer::caster::packet::{PACKET_SIZE, PacketRay};
+use raytracer::caster::{Caster, GridTooLarge, Instructions};
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::stats::Quiet;
 use raytracer::world::World;

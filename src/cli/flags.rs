@@ -7,7 +7,7 @@ use super::options::JsonTarget;
 use super::outputs::Output;
 use super::section::Section;
 use super::values::Values;
-use crate::grid::choose::{Resolution, Structure};
+use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Cost, Layer, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;

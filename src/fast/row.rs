@@ -5,8 +5,8 @@
 use super::FastRow;
 use super::raster::{Seen, VisibilityBuffer};
 use crate::camera::Camera;
-use crate::grid::Caster;
-use crate::grid::packet::PacketRay;
+use crate::caster::Caster;
+use crate::caster::packet::PacketRay;
 #[cfg(target_arch = "x86_64")]
 use crate::math::avx::Avx;
 use crate::math::f64x4::{F64x4, LANES, Scalar};

@@ -5,7 +5,7 @@
 //! rays, so that its colour is the same sum as by itself.
 
 use super::shading::{Memory, Shading};
-use crate::grid::packet::PacketRay;
+use crate::caster::packet::PacketRay;
 use crate::math::f64x4::F64x4;
 use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
@@ -99,8 +99,8 @@ impl Shading<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::choose::Layout;
-    use crate::grid::{Caster, Instructions};
+    use crate::caster::choose::Layout;
+    use crate::caster::{Caster, Instructions};
     use crate::sampling::sample_packet::SamplePacket;
     use crate::scene::parser::parse;
     use crate::stats::{Counts, Quiet};

@@ -4,10 +4,11 @@
 //! by a coarser rule and has a tolerance at the faces of cells. So the primitives of each cell are counted
 //! here.
 
-use crate::grid::cell_lists::filled_with;
-use crate::grid::dda::Dda;
-use crate::grid::touched_cells::TouchedCells;
-use crate::grid::{GridTooLarge, Lattice, voxelize};
+use crate::caster::GridTooLarge;
+use crate::caster::grid::cell_lists::filled_with;
+use crate::caster::grid::dda::Dda;
+use crate::caster::grid::touched_cells::TouchedCells;
+use crate::caster::grid::{Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};

@@ -33,7 +33,7 @@ impl<R: Rules> Tracer<'_, R> {
             return self.filtered(ray, index, starts_within, observer);
         }
         // The course's program looks for the nearest hit, even where any hit would do.
-        let is_blocked = self.rules.first_hit(&ray, leaves, observer).is_some();
+        let is_blocked = self.rules.nearest(&ray, leaves, observer).is_some();
         // A ray to a light that lies on a triangle ends there, so that roundings would decide whether it is blocked.
         let is_at_rest = !self.world().triangles_at_light(index).is_empty();
         if is_blocked || is_at_rest { Color::ZERO } else { Color::ONE }
@@ -64,8 +64,8 @@ impl<R: Rules> Tracer<'_, R> {
         let mut is_within = starts_within;
         // The way since the last surface, up to where the ray starts now.
         let mut way = 0.0;
-        while let Some(hit) = self.rules.first_hit(&ray, None, observer) {
-            let surface = self.rules.surface(&ray, &hit);
+        while let Some(visible) = self.rules.nearest(&ray, None, observer) {
+            let (hit, surface) = (self.rules.hit(&ray, visible), self.rules.surface(&ray, visible));
             if at_light.contains(&hit.primitive) {
                 way += hit.t;
                 ray = self.behind(&surface, ray.direction, ray.t_max - hit.t);

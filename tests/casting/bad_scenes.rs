@@ -3,8 +3,8 @@
 
 use super::support::{automatic, random, world};
 use glam::DVec3;
-use raytracer::grid::choose::{Layout, Rays, Resolution, Structure};
-use raytracer::grid::{Caster, Instructions, StructureSize};
+use raytracer::caster::choose::{Layout, Rays, Resolution, Structure};
+use raytracer::caster::{Caster, Instructions, StructureSize};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -96,7 +96,7 @@ fn sizes() -> impl Iterator<Item = usize> {
 /// The numbers of rays for a small picture and for a large one.
 const RAYS: [usize; 2] = [10_000, 100_000_000];
 
-/// The limit that `src/grid/choose.rs` states.
+/// The limit that `src/caster/choose.rs` states.
 fn most_entries(count: usize) -> usize {
     (16 * count).max(65536)
 }

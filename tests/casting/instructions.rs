@@ -3,9 +3,9 @@
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
-use raytracer::grid::choose::Layout;
-use raytracer::grid::packet::PacketRay;
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::packet::PacketRay;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray, Visible};
 use raytracer::stats::{Counts, Quiet};
 

@@ -1,7 +1,7 @@
 //! What the tests share: worlds, casters and random numbers.
 
-use raytracer::grid::choose::Layout;
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
 use raytracer::world::World;

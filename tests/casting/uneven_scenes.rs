@@ -4,8 +4,8 @@
 use super::support::{rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::grid::choose::{Layout, Rays, cubic};
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::{Layout, Rays, cubic};
+use raytracer::caster::{Caster, Instructions};
 use raytracer::math::ray::Ray;
 use raytracer::scene_io::load;
 use raytracer::stats::{Counts, Quiet};

@@ -10,7 +10,7 @@ use crate::transforms::{ROUNDING, length, nested, rotation};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
 use raytracer::primitive::shape::Form;

@@ -9,7 +9,7 @@ use crate::support::secondary::secondary;
 use crate::support::spheres::{nearest, tangency, textbook32, textbook64};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::primitive::shape::Form;

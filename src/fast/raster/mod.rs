@@ -25,8 +25,8 @@ mod tests;
 mod worst_cases;
 
 use crate::camera::{Camera, Eye, Projection};
-use crate::grid::Caster;
-use crate::grid::cell_lists::widened;
+use crate::caster::Caster;
+use crate::caster::grid::cell_lists::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::memory;

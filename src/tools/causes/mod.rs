@@ -26,7 +26,7 @@ pub use rules::Rule;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use scenes::SceneChange;
 
-use crate::grid::choose::{Rays, Structure};
+use crate::caster::choose::{Rays, Structure};
 use crate::picture::{FloatPicture, Picture};
 use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};

@@ -208,7 +208,7 @@ fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::choose::Structure;
+    use crate::caster::choose::Structure;
     use crate::render::{Request, Window};
     use crate::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, filter::Filter, sampler};

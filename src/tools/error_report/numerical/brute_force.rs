@@ -1,6 +1,6 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
-use crate::math::ray::{Hit, Ray, Visible};
+use crate::math::ray::{Ray, Visible};
 use crate::primitive::shape::Form;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
@@ -31,7 +31,7 @@ impl Rules for BruteForce<'_> {
         self.world
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Hit> {
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Visible> {
         let exclude = leaves.filter(|&id| self.world.is_triangle(id));
         let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
         let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
@@ -41,6 +41,6 @@ impl Rules for BruteForce<'_> {
             if self.world.comes_first(other.1, best.1) { other } else { best }
         };
         let (t, primitive) = coincident.reduce(first)?;
-        Some(self.world.hit(ray, Visible { primitive, t_bound: t }))
+        Some(Visible { primitive, t_bound: t })
     }
 }

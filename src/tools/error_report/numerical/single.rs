@@ -1,7 +1,7 @@
 //! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Hit, Ray, Visible};
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::sphere::Sphere;
 use crate::stats::Probe;
@@ -99,19 +99,23 @@ impl Rules for SinglePrecision<'_> {
         self.world
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Hit> {
+    fn nearest<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Visible> {
         let ray = SingleRay::new(ray);
         let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
-        Some(Hit { t: t.into(), primitive, weights: None })
+        Some(Visible { primitive, t_bound: t.into() })
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let position = SingleRay::new(ray).at(hit.t as f32);
+    fn hit(&self, _: &Ray, Visible { primitive, t_bound: t }: Visible) -> Hit {
+        Hit { t, primitive, weights: None }
+    }
+
+    fn surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
+        let position = SingleRay::new(ray).at(t as f32);
         SurfacePoint {
             position: position.as_dvec3(),
-            normal: self.normal(position, hit.primitive).as_dvec3(),
-            material: self.world.material_of(hit.primitive),
+            normal: self.normal(position, primitive).as_dvec3(),
+            material: self.world.material_of(primitive),
             primitive: None,
             triangle: None,
         }
