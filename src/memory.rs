@@ -5,8 +5,6 @@
 //! Everything else simply allocates: the application's allocator ends the program with one line when the system refuses
 //! a block, unless the block is asked for.
 
-use bytemuck::Zeroable;
-use bytemuck::allocation::zeroed_vec;
 use std::alloc::Layout;
 use std::hint::black_box;
 use std::{fmt, io};
@@ -48,11 +46,6 @@ pub struct NoMemory {
     pub bytes: u64,
 }
 
-/// The size of a list of this number of elements, in bytes.
-fn bytes_of<T>(count: usize) -> u64 {
-    (count as u64).saturating_mul(size_of::<T>() as u64)
-}
-
 impl fmt::Display for NoMemory {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "not enough memory: at least {} are needed", Bytes(self.bytes))
@@ -81,58 +74,10 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// Makes room for `more` elements after those of the list. A list that is grown often takes twice its memory
-/// each time, as lists do.
-#[inline]
-pub fn make_room<T>(list: &mut Vec<T>, more: usize) -> Result<(), NoMemory> {
-    let (length, capacity) = (list.len(), list.capacity());
-    if more <= capacity - length {
-        return Ok(());
-    }
-    ask(bytes_of::<T>(length.saturating_add(more).max(capacity.saturating_mul(2))))?;
-    list.reserve(more);
-    Ok(())
-}
-
-/// Appends an element.
-#[inline]
-pub fn push<T>(list: &mut Vec<T>, element: T) -> Result<(), NoMemory> {
-    make_room(list, 1)?;
-    list.push(element);
-    Ok(())
-}
-
 /// An empty list with room for exactly `count` elements.
 pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
-    ask(bytes_of::<T>(count))?;
+    ask((count as u64).saturating_mul(size_of::<T>() as u64))?;
     Ok(Vec::with_capacity(count))
-}
-
-/// A list of `count` zeros.
-pub fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>, NoMemory> {
-    ask(bytes_of::<T>(count))?;
-    Ok(zeroed_vec(count))
-}
-
-/// A list of `count` copies of a value.
-pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, NoMemory> {
-    let mut list = with_room(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
-/// A copy of a list.
-pub fn copied<T: Clone>(list: &[T]) -> Result<Vec<T>, NoMemory> {
-    let mut copy = with_room(list.len())?;
-    copy.extend_from_slice(list);
-    Ok(copy)
-}
-
-/// The elements of an iterator that tells their number.
-pub fn collected<T>(elements: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, NoMemory> {
-    let mut list = with_room(elements.len())?;
-    list.extend(elements);
-    Ok(list)
 }
 
 impl From<NoMemory> for io::Error {
@@ -151,21 +96,12 @@ mod tests {
         let most = isize::MAX as usize;
         assert_eq!(message(ask(most as u64)), "not enough memory: at least 9.2 EB are needed");
         assert_eq!(with_room::<u64>(most / 8), Err(NoMemory { bytes: most as u64 - 7 }));
-        assert_eq!(filled(1u16, most).unwrap_err().bytes, 2 * most as u64);
-        assert_eq!(make_room(&mut vec![0u8; 3], most - 3).unwrap_err().bytes, most as u64);
         assert_eq!(ask(u64::MAX).unwrap_err().bytes, u64::MAX);
     }
 
     #[test]
-    fn lists_hold_what_they_are_given() {
-        let mut list = with_room(2).unwrap();
-        assert_eq!(list.capacity(), 2);
-        (0..5).try_for_each(|k| push(&mut list, k)).unwrap();
-        assert_eq!(list, [0, 1, 2, 3, 4]);
-        assert_eq!(
-            (filled(7, 2), copied(&list), collected(2..4)),
-            (Ok(vec![7, 7]), Ok(list), Ok(vec![2, 3]))
-        );
+    fn what_is_given_has_room_for_all() {
+        assert_eq!(with_room::<u16>(1 << 20).unwrap().capacity(), 1 << 20);
         assert_eq!(ask(1 << 20), Ok(()));
     }
 

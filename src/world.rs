@@ -98,7 +98,7 @@ impl World {
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
         limits::check(scene)?;
         let mut builder = Builder::new(Self::without_objects(scene), scene, meshes)?;
-        placements(scene).try_for_each(|placement| builder.place(&placement?))?;
+        placements(scene).try_for_each(|placement| builder.place(&placement))?;
         Ok(builder.finish())
     }
 

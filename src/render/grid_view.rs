@@ -5,7 +5,6 @@
 //! here.
 
 use crate::caster::GridTooLarge;
-use crate::caster::grid::cell_lists::filled_with;
 use crate::caster::grid::dda::Dda;
 use crate::caster::grid::touched_cells::TouchedCells;
 use crate::caster::grid::{Lattice, voxelize};
@@ -49,8 +48,8 @@ impl Occupancy {
         cells: [usize; 3],
     ) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
-        lattice.fits()?;
-        let mut counts = filled_with(BORDER, lattice.index_count())?;
+        lattice.ask_for_entries()?;
+        let mut counts = vec![BORDER; lattice.index_count()];
         let [nx, ny, nz] = cells;
         for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
             counts[lattice.index([0, j, k])..][..nx].fill(0);
@@ -58,39 +57,43 @@ impl Occupancy {
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
             let mut touched = TouchedCells::default();
-            for placement in placements(scene) {
-                occupancy.insert(&placement.map_err(|_| GridTooLarge)?, meshes, &mut touched)?;
-            }
+            placements(scene).for_each(|placement| occupancy.insert(&placement, meshes, &mut touched));
         }
         Ok(occupancy)
     }
 
-    fn insert(
-        &mut self,
-        placement: &Placement,
-        meshes: &[Mesh],
-        touched: &mut TouchedCells,
-    ) -> Result<(), GridTooLarge> {
+    fn insert(&mut self, placement: &Placement, meshes: &[Mesh], touched: &mut TouchedCells) {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut insert_box = |bounds: Aabb| voxelize::of_box(&self.lattice, &bounds, TOUCH, touched);
+        let mut insert_box = |bounds| self.insert_box(bounds, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
+                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched);
+                self.count(touched);
             }
             Object::Triangle { vertices, .. } => insert_box(Aabb::around(vertices.map(map))),
             Object::Box { min, max, .. } => insert_box(Aabb::around(Aabb { min, max }.corners().map(map))),
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
                 let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-                triangles.iter().try_for_each(|triangle| insert_box(Aabb::around(corners(triangle))))
+                triangles.iter().for_each(|triangle| insert_box(Aabb::around(corners(triangle))));
             }
             _ => placement
                 .object
                 .shape_box()
-                .map_or(Ok(()), |of_object| insert_box(placement.course_box(of_object))),
-        }?;
+                .map(|bounds| placement.course_box(bounds))
+                .into_iter()
+                .for_each(insert_box),
+        }
+    }
+
+    fn insert_box(&mut self, bounds: Aabb, touched: &mut TouchedCells) {
+        voxelize::of_box(&self.lattice, &bounds, TOUCH, touched);
+        self.count(touched);
+    }
+
+    /// Counts a primitive in these cells, and empties their list.
+    fn count(&mut self, touched: &mut TouchedCells) {
         touched.indices.drain(..).for_each(|index| self.counts[index as usize] += 1);
-        Ok(())
     }
 
     /// The face of the first occupied cell along the ray.

@@ -7,7 +7,6 @@ pub use super::foreign_format::ForeignFormat;
 pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
 pub use super::plain_obj::memory_for;
 use super::{Position, obj_lines, obj_reader, plain_obj};
-use crate::memory::{self, NoMemory};
 use crate::shortcut::Shortcut;
 use glam::DVec3;
 
@@ -26,11 +25,6 @@ impl Mesh {
     /// The size of its lists, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(self.vertices.as_slice()) + size_of_val(self.triangles.as_slice())) as u64
-    }
-
-    /// A copy.
-    pub fn copied(&self) -> Result<Self, NoMemory> {
-        Ok(Self { vertices: memory::copied(&self.vertices)?, triangles: memory::copied(&self.triangles)? })
     }
 }
 

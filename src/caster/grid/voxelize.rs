@@ -3,7 +3,6 @@
 
 mod triangle;
 
-use crate::caster::error::GridTooLarge;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::grid::touched_cells::TouchedCells;
 use crate::math::aabb::Aabb;
@@ -12,12 +11,7 @@ use glam::DVec3;
 pub use triangle::of_triangle;
 
 /// Appends the index of every cell that a box touches, where each cell is padded by `padding` cells.
-pub fn of_box(
-    lattice: &Lattice,
-    bounds: &Aabb,
-    padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+pub fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64, out: &mut TouchedCells) {
     let range = CellRange::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
     range.push_if(lattice, out, |_| true)
 }
@@ -37,7 +31,7 @@ pub fn of_ball_by_centers(
     radius: f64,
     padding: f64,
     out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+) {
     let size = lattice.cell_size;
     let max_distance = radius + (0.5 + padding) * size.length();
     let range = CellRange::new(
@@ -54,13 +48,7 @@ pub fn of_ball_by_centers(
 
 /// Appends the index of every cell that the surface of a sphere touches, where each cell is padded by
 /// `padding` cells. Cells in the interior of the sphere are left out, since no ray hits the sphere there.
-pub fn of_sphere(
-    lattice: &Lattice,
-    center: DVec3,
-    radius: f64,
-    padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, padding: f64, out: &mut TouchedCells) {
     let (center_in_cells, size) = (lattice.to_cells(center), lattice.cell_size);
     let range = CellRange::new(
         lattice,
@@ -118,30 +106,24 @@ impl CellRange {
 
     /// Appends all cells of a range that extends along one axis only.
     #[inline(always)]
-    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) -> Result<(), GridTooLarge> {
+    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) {
         let mut index = self.first(lattice);
-        out.reserve(self.end[axis] - self.start[axis])?;
+        out.reserve(self.end[axis] - self.start[axis]);
         for _ in self.start[axis]..self.end[axis] {
             out.push(index);
             index += lattice.tables.strides[axis];
         }
-        Ok(())
     }
 
     /// Appends the cells for which `is_touched` holds; its argument is the cell's lower corner in units of
     /// cells.
     #[inline(always)]
-    fn push_if(
-        &self,
-        lattice: &Lattice,
-        out: &mut TouchedCells,
-        is_touched: impl Fn(DVec3) -> bool,
-    ) -> Result<(), GridTooLarge> {
+    fn push_if(&self, lattice: &Lattice, out: &mut TouchedCells, is_touched: impl Fn(DVec3) -> bool) {
         let [x0, y0, z0] = self.start;
         for z in z0..self.end[2] {
             for y in y0..self.end[1] {
                 let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
-                out.reserve(self.end[0] - x0)?;
+                out.reserve(self.end[0] - x0);
                 for (x, index) in (x0..self.end[0]).zip(start..) {
                     if is_touched(DVec3::new(x.into(), y.into(), z.into())) {
                         out.push(index);
@@ -149,7 +131,6 @@ impl CellRange {
                 }
             }
         }
-        Ok(())
     }
 }
 
@@ -165,9 +146,9 @@ mod tests {
     }
 
     /// The cells that `insert` appends to an empty list.
-    pub fn cells_of(insert: impl Fn(&mut TouchedCells) -> Result<(), GridTooLarge>) -> Vec<u32> {
+    pub fn cells_of(insert: impl Fn(&mut TouchedCells)) -> Vec<u32> {
         let mut out = TouchedCells::default();
-        insert(&mut out).unwrap();
+        insert(&mut out);
         out.indices
     }
 
@@ -224,8 +205,8 @@ mod tests {
         let l = lattice();
         let far = DVec3::splat(100.0);
         let cells = cells_of(|out| {
-            of_box(&l, &Aabb { min: far, max: far }, 0.0, out)
-                .and_then(|()| of_triangle(&l, [-far; 3], 0.0, out))
+            of_box(&l, &Aabb { min: far, max: far }, 0.0, out);
+            of_triangle(&l, [-far; 3], 0.0, out);
         });
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
@@ -273,8 +254,8 @@ mod tests {
         ] {
             let (low, high) = (corner([5.5, 4.5, 3.5]), corner(high));
             let [mut triangle, mut all] = [0; 2].map(|_| TouchedCells::default());
-            of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle).unwrap();
-            of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all).unwrap();
+            of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle);
+            of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all);
             let counted = count_of_box(&l, &Aabb { min: low, max: high }, 1e-6);
             assert_eq!((all.indices.len(), counted), (tested, tested as u64), "{high}");
             if tested < 6 {
