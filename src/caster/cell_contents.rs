@@ -44,6 +44,8 @@ impl CellContents {
     pub fn new(world: &World, lattice: &Lattice, cell_lists: &CellLists) -> Result<Self, GridTooLarge> {
         let triangles = world.triangles.len();
         let non_triangles = triangles..world.finite_count();
+        // The lists of the cells have taken some memory since.
+        lattice.ask_for_entries()?;
         // What `entries` holds changes with each step: lane counts, ends of lanes, starts of lanes, entries.
         let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone());
         let blocks = to_ends(lattice, &mut entries)? / LANES;

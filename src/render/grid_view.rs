@@ -56,44 +56,40 @@ impl Occupancy {
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            let mut touched = TouchedCells::default();
-            placements(scene).for_each(|placement| occupancy.insert(&placement, meshes, &mut touched));
+            placements(scene).for_each(|placement| occupancy.insert(&placement, meshes));
         }
         Ok(occupancy)
     }
 
-    fn insert(&mut self, placement: &Placement, meshes: &[Mesh], touched: &mut TouchedCells) {
+    fn insert(&mut self, placement: &Placement, meshes: &[Mesh]) {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut insert_box = |bounds| self.insert_box(bounds, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched);
-                self.count(touched);
+                let mut touched = TouchedCells::default();
+                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
+                touched.indices.iter().for_each(|&index| self.counts[index as usize] += 1);
             }
-            Object::Triangle { vertices, .. } => insert_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => insert_box(Aabb::around(Aabb { min, max }.corners().map(map))),
+            Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
+            Object::Box { min, max, .. } => {
+                self.insert_box(Aabb::around(Aabb { min, max }.corners().map(map)));
+            }
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
                 let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-                triangles.iter().for_each(|triangle| insert_box(Aabb::around(corners(triangle))));
+                triangles.iter().for_each(|triangle| self.insert_box(Aabb::around(corners(triangle))));
             }
-            _ => placement
-                .object
-                .shape_box()
-                .map(|bounds| placement.course_box(bounds))
-                .into_iter()
-                .for_each(insert_box),
+            _ => {
+                if let Some(of_object) = placement.object.shape_box() {
+                    self.insert_box(placement.course_box(of_object));
+                }
+            }
         }
     }
 
-    fn insert_box(&mut self, bounds: Aabb, touched: &mut TouchedCells) {
-        voxelize::of_box(&self.lattice, &bounds, TOUCH, touched);
-        self.count(touched);
-    }
-
-    /// Counts a primitive in these cells, and empties their list.
-    fn count(&mut self, touched: &mut TouchedCells) {
-        touched.indices.drain(..).for_each(|index| self.counts[index as usize] += 1);
+    fn insert_box(&mut self, bounds: Aabb) {
+        for run in voxelize::runs_of_box(&self.lattice, &bounds, TOUCH) {
+            self.counts[run].iter_mut().for_each(|count| *count += 1);
+        }
     }
 
     /// The face of the first occupied cell along the ray.

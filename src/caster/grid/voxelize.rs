@@ -16,6 +16,21 @@ pub fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64, out: &mut TouchedC
     range.push_if(lattice, out, |_| true)
 }
 
+/// The same cells, as runs of indices along x.
+pub fn runs_of_box(
+    lattice: &Lattice,
+    bounds: &Aabb,
+    padding: f64,
+) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let range = CellRange::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
+    let CellRange { start: [x0, y0, z0], end: [x1, y1, z1] } = range;
+    let run = move |y: u32, z: u32| {
+        let first = lattice.index([x0, y, z].map(|i| i as usize));
+        first..first + (x1 - x0) as usize
+    };
+    (z0..z1).flat_map(move |z| (y0..y1).map(move |y| run(y, z)))
+}
+
 /// The number of cells that a box touches, where each cell is padded by `padding` cells.
 pub fn count_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> u64 {
     let range = CellRange::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
@@ -258,6 +273,9 @@ mod tests {
             of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all);
             let counted = count_of_box(&l, &Aabb { min: low, max: high }, 1e-6);
             assert_eq!((all.indices.len(), counted), (tested, tested as u64), "{high}");
+            let bounds = Aabb { min: low, max: high };
+            let in_runs = runs_of_box(&l, &bounds, 1e-6).flatten();
+            assert!(in_runs.eq(all.indices.iter().map(|&index| index as usize)), "{high}");
             if tested < 6 {
                 assert_eq!(triangle.indices, all.indices, "{high}");
             }
