@@ -61,7 +61,7 @@ pub enum Stopped {
     },
     /// The callback that takes the rows ended it.
     Output,
-    /// The system has too little memory for the rows in progress.
+    /// The system has too little memory for the rows that are in memory at the same time.
     Memory(NoMemory),
 }
 
@@ -101,11 +101,13 @@ pub fn render(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
+    // No strip takes more than the first.
+    memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let tally = Tally::new(rows.len(), watch);
-    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request)).transpose()?;
+    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let mut counts = Counts::default();
     let mut end = rows.end;
     while end > rows.start {
@@ -127,8 +129,8 @@ pub fn adaptive_offsets(
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    let offsets = |unseen: Unseen| setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel);
-    Unseen::new(camera, caster.world, request).ok().and_then(offsets).unwrap_or_default()
+    let unseen = Unseen::new(camera, caster.world, request);
+    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
@@ -182,7 +184,7 @@ fn render_filter(
                 0.5 * Color::Z
             }
         };
-        if take_row(&memory::collected((0..width * zoom + 1).map(color))?).is_break() {
+        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
             return Err(Stopped::Output);
         }
     }

@@ -12,7 +12,6 @@
 use super::request::Request;
 use crate::camera::{Camera, Eye, Projection};
 use crate::math::aabb::Aabb;
-use crate::memory::{self, NoMemory};
 use crate::primitive::shape::Form;
 use crate::sampling::adaptive::Corner;
 use crate::scene::Light;
@@ -94,12 +93,11 @@ const ERROR: f32 = 1.0 / 32.0;
 
 impl<'a> Unseen<'a> {
     /// For the whole picture of a request.
-    pub fn new(camera: &Camera, world: &'a World, request: &Request) -> Result<Self, NoMemory> {
+    pub fn new(camera: &Camera, world: &'a World, request: &Request) -> Self {
         let view = View::new(camera);
-        let mut vertices = memory::with_room(world.vertices.len())?;
-        vertices.extend(world.vertices.iter().map(|&vertex| view.project(vertex)));
-        let materials = materials(world, &request.effects)?;
-        Ok(Self { world, view, width: request.size[0], materials, vertices })
+        let vertices = world.vertices.iter().map(|&vertex| view.project(vertex)).collect();
+        let materials = materials(world, &request.effects);
+        Self { world, view, width: request.size[0], materials, vertices }
     }
 
     /// The variance that a ray may hide that sees this surface.
@@ -113,8 +111,8 @@ impl<'a> Unseen<'a> {
     }
 
     /// The same in these rows.
-    pub fn rows(&self, rows: Range<usize>) -> Result<UnseenRows, NoMemory> {
-        let pixels = memory::filled(NOTHING, self.width * rows.len())?;
+    pub fn rows(&self, rows: Range<usize>) -> UnseenRows {
+        let pixels = vec![NOTHING; self.width * rows.len()];
         let mut found = UnseenRows { width: self.width, first_row: rows.start, pixels };
         let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
         for (id, triangle) in self.world.triangles.iter().enumerate() {
@@ -151,7 +149,7 @@ impl<'a> Unseen<'a> {
                 ends.iter().for_each(|&end| found.add_end(end.into(), Small { part: END, depth, material }));
             }
         }
-        Ok(found)
+        found
     }
 }
 
@@ -267,14 +265,14 @@ impl UnseenRows {
 }
 
 /// For each material the variance that it may hide, and about its colour, if it has one.
-fn materials(world: &World, effects: &Effects) -> Result<Vec<(f32, Option<Vec3A>)>, NoMemory> {
+fn materials(world: &World, effects: &Effects) -> Vec<(f32, Option<Vec3A>)> {
     let light = world.ambient + world.lights.iter().map(color_of).sum::<DVec3>();
     let brightness = |material: &Material| match material {
         Material::Phong(phong) => (phong.diffuse * light).max_element(),
         Material::Texture(_) => 0.0,
     };
     let brightest = world.materials.iter().map(brightness).fold(world.background.max_element(), f64::max);
-    let mut materials: Vec<(f32, Option<Vec3A>)> = memory::with_room(world.materials.len())?;
+    let mut materials: Vec<(f32, Option<Vec3A>)> = Vec::with_capacity(world.materials.len());
     for material in &world.materials {
         materials.push(match material {
             Material::Phong(phong) => {
@@ -289,7 +287,7 @@ fn materials(world: &World, effects: &Effects) -> Result<Vec<(f32, Option<Vec3A>
             }
         });
     }
-    Ok(materials)
+    materials
 }
 
 fn color_of(light: &Light) -> DVec3 {

@@ -2,7 +2,6 @@
 //! needs by what they see.
 
 use super::{Colors, Painter, RenderSetting};
-use crate::memory::{self, NoMemory};
 use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::{RowTracer, RowsTracer};
 use crate::render::unseen::{Unseen, UnseenRows};
@@ -86,17 +85,17 @@ impl<'a> Pilot<'a> {
         settings: Adaptive,
         [columns, rows]: [Range<usize>; 2],
         tally: &Tally,
-    ) -> Result<Option<Self>, NoMemory> {
+    ) -> Option<Self> {
         let [_, height] = setting.request.size;
         let around = widened(&rows, AROUND, height);
         let of_corners = corners_of(&around, height);
         let trace = |j| setting.corners(tracer.row(), of_picture, &columns, j);
-        let Some(corners) = all(in_parallel(of_corners.clone(), tally, trace)?)? else { return Ok(None) };
-        let corners = (corners, of_corners.start);
+        let corners: Option<Vec<_>> = in_parallel(of_corners.clone(), tally, trace).into_iter().collect();
+        let corners = (corners?, of_corners.start);
         let look = |j| setting.contents((&corners.0, corners.1), &columns, j);
-        let Some(contents) = all(in_parallel(around.clone(), tally, look)?)? else { return Ok(None) };
-        let (contents, unseen) = ((contents, around.start), of_picture.rows(rows)?);
-        Ok(Some(Self { setting: *setting, of_picture, settings, columns, corners, contents, unseen }))
+        let contents: Option<Vec<_>> = in_parallel(around.clone(), tally, look).into_iter().collect();
+        let (contents, unseen) = ((contents?, around.start), of_picture.rows(rows));
+        Some(Self { setting: *setting, of_picture, settings, columns, corners, contents, unseen })
     }
 
     /// What the corners of a row of pixels have cost: those below it, and the uppermost ones of the picture, too.
@@ -108,12 +107,12 @@ impl<'a> Pilot<'a> {
     }
 
     /// How many samples the pixels of row `j` need.
-    pub fn plan(&self, j: usize) -> Result<Plan, NoMemory> {
+    pub fn plan(&self, j: usize) -> Plan {
         let ((corners, first_corner), (contents, first)) = (&self.corners, &self.contents);
         let [below, above] = [j, j + 1].map(|j| &corners[j - first_corner].0);
         let row = &contents[j - first];
         // The largest variance of each column around.
-        let mut most: Vec<f32> = memory::filled(0.0, row.contents.len())?;
+        let mut most = vec![0.0f32; row.contents.len()];
         for row in &contents[widened(&(j - first..j - first + 1), AROUND, contents.len())] {
             most.iter_mut().zip(&row.contents).for_each(|(most, contents)| *most = most.max(contents.variance()));
         }
@@ -121,8 +120,8 @@ impl<'a> Pilot<'a> {
         let mut plan = Plan {
             settings: self.settings,
             start: self.columns.start,
-            samples: memory::with_room(self.columns.len())?,
-            counts: memory::with_room(if below.counts.is_empty() { 0 } else { self.columns.len() })?,
+            samples: Vec::with_capacity(self.columns.len()),
+            counts: vec![],
         };
         for column in self.columns.clone() {
             let [k, index] = [column - row.start, column - below.start];
@@ -140,18 +139,8 @@ impl<'a> Pilot<'a> {
                 plan.counts.push(counts.fold(Counts::default(), |sum, counts| sum.merge(*counts)));
             }
         }
-        Ok(plan)
+        plan
     }
-}
-
-/// All results; none if one of them is missing.
-fn all<T>(results: Vec<Option<T>>) -> Result<Option<Vec<T>>, NoMemory> {
-    let mut all = memory::with_room(results.len())?;
-    for result in results {
-        let Some(result) = result else { return Ok(None) };
-        all.push(result);
-    }
-    Ok(Some(all))
 }
 
 impl Corners {
@@ -187,20 +176,19 @@ impl RenderSetting<'_> {
         unseen: &Unseen,
         columns: &Range<usize>,
         j: usize,
-    ) -> Result<(Corners, Counts), NoMemory> {
+    ) -> (Corners, Counts) {
         let [width, height] = self.request.size;
         let columns = corners_of(&widened(columns, AROUND, width), width);
         // Those at the upper and the right border of the picture are in the last pixel.
         let row = j.min(height - 1);
-        let mut painter = self.painter(self.empty_row(row, None)?, tracer, false);
+        let mut painter = self.painter(self.empty_row(row, None), tracer, false);
         painter.row.colors = Colors::Unwanted;
         let mut packet = SamplePacket::default();
-        let counted = if self.request.has_costs() { columns.len() } else { 0 };
         let mut found = Corners {
             start: columns.start,
-            corners: memory::with_room(columns.len())?,
-            sides: memory::with_room(columns.len())?,
-            counts: memory::with_room(counted)?,
+            corners: Vec::with_capacity(columns.len()),
+            sides: Vec::with_capacity(columns.len()),
+            counts: vec![],
         };
         let at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE };
         for first in columns.clone().step_by(at_once) {
@@ -225,7 +213,7 @@ impl RenderSetting<'_> {
         found.sides.extend(found.corners.windows(2).enumerate().map(|(k, pair)| {
             Line::new(corner(k.checked_sub(1)), pair[0], pair[1], corner(Some(k + 2)))
         }));
-        Ok((found, painter.row.counts))
+        (found, painter.row.counts)
     }
 
     /// What corners tell of the pixels of row `j` in these columns and around them. The first of their rows has this index.
@@ -234,11 +222,11 @@ impl RenderSetting<'_> {
         (corners, first): (&[(Corners, Counts)], usize),
         columns: &Range<usize>,
         j: usize,
-    ) -> Result<RowContents, NoMemory> {
+    ) -> RowContents {
         let columns = widened(columns, AROUND, self.request.size[0]);
         let row = |j: Option<usize>| Some(&corners.get(j?.checked_sub(first)?)?.0);
         let start = columns.start;
-        let mut contents = memory::with_room(columns.len())?;
+        let mut contents = Vec::with_capacity(columns.len());
         let (before, after) = (row(j.checked_sub(1)), row(Some(j + 2)));
         if let (Some(below), Some(above)) = (row(Some(j)), row(Some(j + 1))) {
             let along = [before.unwrap_or(below), below, above, after.unwrap_or(above)];
@@ -256,23 +244,23 @@ impl RenderSetting<'_> {
                 lines = [lines[1], lines[2], lines[3], None];
             }
         }
-        Ok(RowContents { start, contents })
+        RowContents { start, contents }
     }
 
-    /// The offsets of the samples of one pixel; none where there is no memory for what decides on them.
+    /// The offsets of the samples of one pixel.
     pub fn adaptive_offsets(
         &self,
         settings: Adaptive,
         tracer: &RowsTracer,
         unseen: &Unseen,
         [column, j]: [usize; 2],
-    ) -> Option<Vec<DVec2>> {
+    ) -> Vec<DVec2> {
         let window = [column..column + 1, j..j + 1];
         let tally = Tally::new(1, &|_| ControlFlow::Continue(()));
-        let plan = Pilot::new(self, (tracer, unseen), settings, window, &tally).ok()??.plan(j).ok()?;
+        let Some(pilot) = Pilot::new(self, (tracer, unseen), settings, window, &tally) else { return vec![] };
         let index = (column * self.request.size[1] + j) as u64;
         let rng = self.request.sampler.rng().jumped(index * MultiJittered::draws(settings.most));
-        Some(MultiJittered::new(plan.strata(column), rng).collect())
+        MultiJittered::new(pilot.plan(j).strata(column), rng).collect()
     }
 }
 

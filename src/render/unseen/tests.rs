@@ -23,9 +23,9 @@ fn variances(camera: &str, objects: &[&str], seen: Option<(u32, f32)>) -> Vec<[f
     let scene = parse(&text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let request = Request::new(SIZE);
-    let unseen = Unseen::new(&Camera::new(&scene.camera, SIZE), &world, &request).unwrap();
+    let unseen = Unseen::new(&Camera::new(&scene.camera, SIZE), &world, &request);
     let rows = |rows: Range<usize>| {
-        let known = unseen.rows(rows.clone()).unwrap();
+        let known = unseen.rows(rows.clone());
         let variance = |row| std::array::from_fn(|column| known.variance(&unseen, [column, row], &[corner(seen); 4]));
         rows.map(variance).collect::<Vec<[f32; 8]>>()
     };
@@ -111,7 +111,7 @@ fn materials_hide_what_they_may_show() {
             "{ABOVE} Materials {{ numMaterials 2 Material {{ }} {material} }} Group {{ numObjects 0 }}"
         );
         let effects = Effects { bounces, ..Effects::default() };
-        materials(&World::new(&parse(&text).unwrap(), &[]).unwrap(), &effects).unwrap()[1].0
+        materials(&World::new(&parse(&text).unwrap(), &[]).unwrap(), &effects)[1].0
     };
     assert_eq!(of("Material { diffuseColor 1 1 1 }", 9), 0.0);
     let mirror = "Material { reflectiveColor 0.5 0.5 0.5 }";
