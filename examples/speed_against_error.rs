@@ -72,13 +72,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_held_out(name: &str, group: &MeasuredFilter) {
     let errors: Vec<String> =
         group.curve(SamplingKind::Adaptive).map(|one| format!("{:.2}", one.error)).collect();
-    let slopes = [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered].map(|kind| {
-        group.slope(kind).map_or("-".into(), |slope| format!("{slope:.2}"))
-    });
+    let slopes = [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered]
+        .map(|kind| group.slope(kind).map_or("-".into(), |slope| format!("{slope:.2}")));
     let ratio = time_over_jittered(group).map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let center = group.curve(SamplingKind::Uniform).next().map_or(0.0, |one| one.error);
     let changed: u64 = group.measurements.iter().filter_map(|one| one.changed).sum();
-    println!("| {name} | {center:.1} | {} | {ratio} | {} | {changed} |", errors.join(", "), slopes.join(", "));
+    println!(
+        "| {name} | {center:.1} | {} | {ratio} | {} | {changed} |",
+        errors.join(", "),
+        slopes.join(", ")
+    );
 }
 
 /// The time of adaptive samples over that of jittered ones with the same error, interpolated: the geometric mean of those

@@ -236,7 +236,9 @@ RAY TRACING STATISTICS
     fn the_standard_error_stands_below_the_times() {
         assert!(report().to_string().ends_with("  threads                    2\n"));
         let text = Report { standard_error: Some(0.12345), ..report() }.to_string();
-        assert!(text.ends_with("  threads                    2\n  standard error             0.123 levels\n"));
+        assert!(
+            text.ends_with("  threads                    2\n  standard error             0.123 levels\n")
+        );
     }
 
     #[test]

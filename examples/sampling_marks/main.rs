@@ -101,8 +101,10 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         adaptive: Some(Adaptive { most, error }),
         ..base.clone()
     };
-    let prepared = renderer.prepare_for(options.structure, &jittered(settings.reference, 0), Tracing::Fast)?;
-    let halves = [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
+    let prepared =
+        renderer.prepare_for(options.structure, &jittered(settings.reference, 0), Tracing::Fast)?;
+    let halves =
+        [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
     let [a, b] = halves;
     let halves = [a?.remove(0), b?.remove(0)];
 

@@ -170,7 +170,8 @@ pub fn render(
     };
     if options.stats && has_standard_error(&request) {
         files.before_waiting(signals)?;
-        report.standard_error = standard_error(&prepared, &request, &|_| ControlFlow::Continue(())).map_err(failed)?;
+        report.standard_error =
+            standard_error(&prepared, &request, &|_| ControlFlow::Continue(())).map_err(failed)?;
     }
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {

@@ -189,7 +189,9 @@ impl<'a> Strip<'a> {
         let RenderSetting { request, .. } = *self.setting;
         let adaptive = request.adaptive.filter(|_| request.traces_colors(self.setting.tracing));
         let Some((settings, unseen)) = adaptive.zip(self.unseen) else {
-            return in_parallel(rows, tally, |j| self.row(self.setting.empty_row(j, None), tracer, None, tally));
+            return in_parallel(rows, tally, |j| {
+                self.row(self.setting.empty_row(j, None), tracer, None, tally)
+            });
         };
         let columns = self.setting.columns();
         let pilot = Pilot::new(self.setting, (tracer, unseen), settings, [columns, rows.clone()], tally);

@@ -50,6 +50,9 @@ struct Small {
     material: u32,
 }
 
+/// The bytes that a pixel takes.
+pub const BYTES_PER_PIXEL: usize = size_of::<Small>();
+
 /// The material of things of several materials.
 const MIXED: u32 = u32::MAX;
 
@@ -132,7 +135,9 @@ impl<'a> Unseen<'a> {
             } else if 2.0 * area < SMALL * longest {
                 found.add_triangle([a, b, c], area, Small { part: 0.0, depth, material });
             } else {
-                corners.iter().for_each(|corner| found.add_end(corner.at, Small { part: END, depth, material }));
+                corners
+                    .iter()
+                    .for_each(|corner| found.add_end(corner.at, Small { part: END, depth, material }));
             }
         }
         for (shape, id) in self.world.shapes.iter().zip(self.world.triangles.len() as u32..) {
@@ -157,7 +162,9 @@ impl UnseenRows {
     /// The variance of samples in a pixel, beside what its corners show.
     pub fn variance(&self, unseen: &Unseen, [column, row]: [usize; 2], corners: &[Corner; 4]) -> f32 {
         let place = row.checked_sub(self.first_row).map(|row| row * self.width + column);
-        let Some(Small { part, depth, material }) = place.and_then(|place| self.pixels.get(place)) else { return 0.0 };
+        let Some(Small { part, depth, material }) = place.and_then(|place| self.pixels.get(place)) else {
+            return 0.0;
+        };
         // What all corners show is nearer.
         if *part == 0.0 || corners.iter().all(|corner| corner.depth < *depth) {
             return 0.0;
@@ -191,7 +198,7 @@ impl UnseenRows {
 
     /// The pixels of the rows that have a part between two places.
     fn pixels(&self, min: Vec2, max: Vec2) -> [Range<i64>; 2] {
-        let rows = [0, 1].map(|axis| {
+        [0, 1].map(|axis| {
             let (first, end) = if axis == 0 {
                 (0, self.width)
             } else {
@@ -201,8 +208,7 @@ impl UnseenRows {
             let from = ((min[axis] - ERROR).max(0.0) as i64).max(first as i64);
             let end = if max[axis] < -ERROR { 0 } else { end };
             from..((max[axis] + ERROR) as i64).saturating_add(1).min(end as i64)
-        });
-        rows
+        })
     }
 
     /// Adds something that covers this area of its box, in which it may be anywhere.

@@ -97,10 +97,14 @@ mod tests {
     #[test]
     fn each_stratum_column_and_row_has_one() {
         for samples in 1..=1024 {
-            let offsets: Vec<DVec2> = MultiJittered::new(MultiJittered::strata(samples, 1024), Drand48::seeded(samples)).collect();
+            let offsets: Vec<DVec2> =
+                MultiJittered::new(MultiJittered::strata(samples, 1024), Drand48::seeded(samples)).collect();
             let count = offsets.len();
             let rows = samples.isqrt() as usize;
-            assert!(count >= samples as usize && count < samples as usize + rows.max(1) || count == 1024 , "{samples} {count}");
+            assert!(
+                count >= samples as usize && count < samples as usize + rows.max(1) || count == 1024,
+                "{samples} {count}"
+            );
             let columns = count / rows;
             let distinct = |cells: [usize; 2]| {
                 let cell = |offset: &DVec2| {
@@ -119,7 +123,10 @@ mod tests {
         for most in 1..=1024 {
             for samples in [1, most / 2, most, 2000] {
                 let count = MultiJittered::strata(samples, most).into_iter().product::<u32>() as usize;
-                assert!((1..=most as usize).contains(&count) && count >= (samples.min(most) as usize).saturating_sub(32));
+                assert!(
+                    (1..=most as usize).contains(&count)
+                        && count >= (samples.min(most) as usize).saturating_sub(32)
+                );
             }
         }
     }

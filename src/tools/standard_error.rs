@@ -56,11 +56,9 @@ pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> R
 
 /// The rows that are looked at, of so many.
 fn bands(rows: usize) -> Vec<Range<usize>> {
-    if rows <= BANDS * BAND_HEIGHT {
-        return vec![0..rows];
-    }
-    let middles = (0..BANDS).map(|band| (2 * band + 1) * rows / (2 * BANDS));
-    middles.map(|at| at - BAND_HEIGHT / 2..at + BAND_HEIGHT / 2).collect()
+    let (count, height) = if rows <= BANDS * BAND_HEIGHT { (1, rows) } else { (BANDS, BAND_HEIGHT) };
+    let starts = (0..count).map(|band| (2 * band + 1) * rows / (2 * count) - height / 2);
+    starts.map(|start| start..start + height).collect()
 }
 
 /// The colours in these rows of the window, counted from the top, as a picture shows them; none if the watch has ended it.

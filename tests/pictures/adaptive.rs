@@ -169,7 +169,10 @@ fn no_light_is_lost_or_won() {
         for (most, error) in [(64, 2.0), (256, 8.0)] {
             let [found, own_variance] = means(&|seed| adaptive(30, (most, error), 1000 + seed));
             let deviations = (found - expected) / (variance + own_variance).sqrt();
-            assert!(deviations.abs() < 3.5, "{name} {most} {error}: {found} for {expected}, {deviations} standard errors");
+            assert!(
+                deviations.abs() < 3.5,
+                "{name} {most} {error}: {found} for {expected}, {deviations} standard errors"
+            );
         }
     }
 }

@@ -60,7 +60,10 @@ fn it_is_that_against_converged_pictures() {
                 let estimated = estimated.expect("memory").expect("not cancelled");
                 let found = error(&prepared, &request, &references, 4);
                 let ratio = estimated / found;
-                assert!((0.8..1.2).contains(&ratio), "{scene} {sampler:?} {adaptive:?}: {estimated} for {found}");
+                assert!(
+                    (0.8..1.2).contains(&ratio),
+                    "{scene} {sampler:?} {adaptive:?}: {estimated} for {found}"
+                );
             }
         }
         assert!(!has_standard_error(&Request { effects, ..Request::new([4, 4]) }));
@@ -71,7 +74,8 @@ fn it_is_that_against_converged_pictures() {
 #[test]
 fn that_of_bands_is_about_that_of_all_rows() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_10_nested_transformations.txt");
-    let renderer = Renderer::new(raytracer::scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
+    let renderer =
+        Renderer::new(raytracer::scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
     let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
     let request = |count, seed| {
         let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));

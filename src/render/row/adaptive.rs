@@ -4,7 +4,7 @@
 use super::{Colors, Painter, RenderSetting};
 use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::{RowTracer, RowsTracer};
-use crate::render::unseen::{Unseen, UnseenRows};
+use crate::render::unseen::{self, Unseen, UnseenRows};
 use crate::sampling::adaptive::{Adaptive, Contents, Corner, Line, color_of_corner};
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
@@ -55,7 +55,8 @@ pub struct Pilot<'a> {
 }
 
 /// The bytes that what decides on a row of pixels takes for each of them.
-pub const BYTES_PER_PIXEL: usize = size_of::<Corner>() + size_of::<Line>() + size_of::<Contents>();
+pub const BYTES_PER_PIXEL: usize =
+    size_of::<Corner>() + size_of::<Line>() + size_of::<Contents>() + unseen::BYTES_PER_PIXEL;
 
 /// How far things that are no larger than pixels are looked for around a pixel, in pixels.
 const AROUND: usize = 4;
@@ -114,7 +115,9 @@ impl<'a> Pilot<'a> {
         // The largest variance of each column around.
         let mut most = vec![0.0f32; row.contents.len()];
         for row in &contents[widened(&(j - first..j - first + 1), AROUND, contents.len())] {
-            most.iter_mut().zip(&row.contents).for_each(|(most, contents)| *most = most.max(contents.variance()));
+            most.iter_mut()
+                .zip(&row.contents)
+                .for_each(|(most, contents)| *most = most.max(contents.variance()));
         }
         let count = self.settings.counts();
         let mut plan = Plan {
@@ -125,10 +128,16 @@ impl<'a> Pilot<'a> {
         };
         for column in self.columns.clone() {
             let [k, index] = [column - row.start, column - below.start];
-            let largest = most[widened(&(k..k + 1), AROUND, most.len())].iter().fold(0.0, |a: f32, b| a.max(*b));
-            let corners = [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
+            let largest =
+                most[widened(&(k..k + 1), AROUND, most.len())].iter().fold(0.0, |a: f32, b| a.max(*b));
+            let corners =
+                [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
             let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
-            let known = self.unseen.variance(self.of_picture, [column, j], &corners).max(hidden).max(OF_AROUND * largest);
+            let known = self
+                .unseen
+                .variance(self.of_picture, [column, j], &corners)
+                .max(hidden)
+                .max(OF_AROUND * largest);
             plan.samples.push(count(row.contents[k].with_variance(known)) as u16);
             if !below.counts.is_empty() {
                 // The corners at the upper and the right border of the picture are the last pixels', too.
@@ -210,9 +219,13 @@ impl RenderSetting<'_> {
             }
         }
         let corner = |k: Option<usize>| found.corners.get(k?).copied();
-        found.sides.extend(found.corners.windows(2).enumerate().map(|(k, pair)| {
-            Line::new(corner(k.checked_sub(1)), pair[0], pair[1], corner(Some(k + 2)))
-        }));
+        found.sides.extend(
+            found
+                .corners
+                .windows(2)
+                .enumerate()
+                .map(|(k, pair)| Line::new(corner(k.checked_sub(1)), pair[0], pair[1], corner(Some(k + 2)))),
+        );
         (found, painter.row.counts)
     }
 

@@ -26,7 +26,8 @@ fn variances(camera: &str, objects: &[&str], seen: Option<(u32, f32)>) -> Vec<[f
     let unseen = Unseen::new(&Camera::new(&scene.camera, SIZE), &world, &request);
     let rows = |rows: Range<usize>| {
         let known = unseen.rows(rows.clone());
-        let variance = |row| std::array::from_fn(|column| known.variance(&unseen, [column, row], &[corner(seen); 4]));
+        let variance =
+            |row| std::array::from_fn(|column| known.variance(&unseen, [column, row], &[corner(seen); 4]));
         rows.map(variance).collect::<Vec<[f32; 8]>>()
     };
     let all = rows(0..8);
@@ -52,7 +53,8 @@ fn a_small_thing_has_the_variance_of_what_it_covers() {
     for camera in [ABOVE, AHEAD] {
         let found = variances(camera, &SMALL_THINGS, None);
         assert_eq!(marked(&found), [[5, 2], [1, 6], [6, 6]], "{camera}");
-        let parts = [([5, 2], std::f32::consts::PI * 0.01), ([1, 6], std::f32::consts::PI * 0.02), ([6, 6], 0.02)];
+        let parts =
+            [([5, 2], std::f32::consts::PI * 0.01), ([1, 6], std::f32::consts::PI * 0.02), ([6, 6], 0.02)];
         for ([column, row], part) in parts {
             let ratio = found[row][column] / (part * (1.0 - part));
             assert!((ratio - 1.0).abs() < 0.1, "{camera} {column} {row} {ratio}");
@@ -67,7 +69,9 @@ fn what_corners_show_in_front_hides_small_things() {
     assert_eq!(before, variances(ABOVE, &SMALL_THINGS, None));
     // What is of the same material is likely to have the same colour.
     let same = variances(ABOVE, &SMALL_THINGS, Some((0, 6.0)));
-    assert!(same.iter().flatten().zip(before.iter().flatten()).all(|(a, b)| a <= b && (*a > 0.0) == (*b > 0.0)));
+    assert!(
+        same.iter().flatten().zip(before.iter().flatten()).all(|(a, b)| a <= b && (*a > 0.0) == (*b > 0.0))
+    );
 }
 
 #[test]
@@ -97,7 +101,8 @@ fn of_large_things_only_the_ends_are_marked() {
 
 #[test]
 fn what_is_behind_the_eye_is_not_marked() {
-    let behind = ["Triangle { vertex0 -1 0 9 vertex1 1 0 9 vertex2 0 0.01 9 }", "Sphere { center 0 0 9 radius 0.01 }"];
+    let behind =
+        ["Triangle { vertex0 -1 0 9 vertex1 1 0 9 vertex2 0 0.01 9 }", "Sphere { center 0 0 9 radius 0.01 }"];
     assert_eq!(marked(&variances(AHEAD, &behind, None)), [[0; 2]; 0]);
     let partly = "Triangle { vertex0 -100 -1 100 vertex1 100 -1 100 vertex2 0 -1 -4.1 }";
     // Its tip is at depth 8.1, an eighth of the picture's height below the middle.
