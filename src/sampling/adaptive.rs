@@ -66,6 +66,9 @@ const EDGE: f64 = 160.0;
 /// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
 const SMALL_THINGS: f64 = 36.0;
 
+/// The part of the square of an edge's contrast that is taken for a variance around it.
+const BESIDE_EDGES: f32 = 1.0 / 4096.0;
+
 /// Colours that are brighter are as bright as this.
 const BRIGHTEST: f64 = 2.0;
 
@@ -156,9 +159,10 @@ impl Contents {
         Self { variance: self.variance.max(least), ..self }
     }
 
-    /// The variance of things that are no larger than a pixel.
-    pub fn variance(&self) -> f32 {
-        self.variance
+    /// The variance that tells that there may be small things around: that of those in the pixel, and a little where edges
+    /// are, which may leave a gap between them.
+    pub fn telling(&self) -> f32 {
+        self.variance.max(self.edge * BESIDE_EDGES)
     }
 }
 

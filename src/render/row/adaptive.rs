@@ -117,7 +117,7 @@ impl<'a> Pilot<'a> {
         for row in &contents[widened(&(j - first..j - first + 1), AROUND, contents.len())] {
             most.iter_mut()
                 .zip(&row.contents)
-                .for_each(|(most, contents)| *most = most.max(contents.variance()));
+                .for_each(|(most, contents)| *most = most.max(contents.telling()));
         }
         let count = self.settings.counts();
         let mut plan = Plan {
