@@ -19,7 +19,7 @@ use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Report, Timings};
+use raytracer::stats::{Repeats, Report, Timings};
 use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
@@ -45,6 +45,8 @@ const PATIENCE: Duration = Duration::from_millis(3);
 pub struct Rendered {
     pub renderer: Renderer,
     pub report: Report,
+    /// The times of all renderings, if there are several.
+    pub repeats: Option<Repeats>,
     /// What the pixels of a cost map have cost, if one is drawn.
     pub costs: Option<CostReport>,
     /// What is behind the pixel in question, if there is one.
@@ -167,20 +169,25 @@ pub fn render(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
     };
+    let repeats = match options.repeat {
+        Some(count) => Repeats::of(repeated(count, rendering, &prepared, &request, options, signals)?),
+        None => None,
+    };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
         files.before_waiting(signals)?;
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
-    Ok(Rendered { renderer, report, costs, pixel, picture: finished.kept, files })
+    Ok(Rendered { renderer, report, repeats, costs, pixel, picture: finished.kept, files })
 }
 
 impl Rendered {
     /// What there is to print.
     pub fn text(&self, options: &Options) -> io::Result<String> {
-        let blocks: [Option<&dyn Display>; 3] = [
+        let blocks: [Option<&dyn Display>; 4] = [
             options.stats.then_some(&self.report),
+            self.repeats.as_ref().map(|repeats| repeats as _),
             self.costs.as_ref().map(|costs| costs as _),
             self.pixel.as_ref().map(|pixel| pixel as _),
         ];
@@ -188,6 +195,35 @@ impl Rendered {
         blocks.into_iter().flatten().try_for_each(|block| write!(text, "{block}"))?;
         text.into_string()
     }
+}
+
+/// The times of `count` renderings, of which the first has taken this time. The others leave nothing behind, and a
+/// signal ends them.
+fn repeated(
+    count: u32,
+    first: Duration,
+    prepared: &Prepared,
+    request: &Request,
+    options: &Options,
+    signals: &Signals,
+) -> Result<Vec<Duration>, String> {
+    let progress = ProgressLine::new(options.progress);
+    let mut times = vec![first];
+    for number in 2..=count {
+        let doing = format!("rendering {number} of {count}");
+        let watch = |rows| {
+            progress.show(|passed| rows_text(&doing, rows, passed));
+            if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let start = Instant::now();
+        match prepared.render_rows(request, &watch, &mut |_, _| ControlFlow::Continue(())) {
+            Err(Stopped::Cancelled { .. }) => break,
+            rendered => rendered.map_err(failed)?,
+        };
+        times.push(start.elapsed());
+    }
+    progress.end();
+    Ok(times)
 }
 
 /// Checks that a picture can be written.

@@ -1,6 +1,6 @@
 //! The errors of the command line, and their messages.
 
-use super::flag::Offer;
+use super::flag::{Flag, Offer};
 use super::flags;
 use crate::escape::quoted;
 use std::ffi::OsString;
@@ -211,7 +211,7 @@ impl CliError {
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
-            Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
+            Self::InputNeeded => "no scene: `-input file` is required (`-h` lists the usual flags)".into(),
             Self::ComparisonNeeded { flag } => {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
@@ -231,7 +231,12 @@ impl std::error::Error for CliError {}
 fn unknown_flag(flag: &str, nearest: Option<&str>) -> String {
     let shown = quoted(format!("-{flag}"));
     match nearest {
-        Some(nearest) => format!("unknown flag {shown}; did you mean `-{nearest}`?"),
+        Some(nearest) => {
+            // Who knows it by another name may not know its values.
+            let meant = flags::meant(&flag.to_lowercase()).map(Flag::usage);
+            let meant = meant.unwrap_or_else(|| format!("-{nearest}"));
+            format!("unknown flag {shown}; did you mean `{meant}`?")
+        }
         None => format!("unknown flag {shown} (`-help` lists every flag)"),
     }
 }

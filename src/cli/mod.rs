@@ -58,12 +58,13 @@ pub enum Command {
 
 /// Parses a command line. The first word of `argv` is the program's name.
 ///
-/// No file is accessed. `-help` and `-version` take precedence over errors later in the line. Errors: the
+/// No file is accessed. `-h`, `-help` and `-version` take precedence over errors later in the line. Errors: the
 /// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => command(&raw),
         Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
+        Err(Stop::Usual) => Ok(Command::Help(help::usual())),
         Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),

@@ -19,6 +19,13 @@ pub enum ImageError {
         /// The path of the file.
         path: PathBuf,
     },
+    /// An output in a folder that does not exist.
+    NoFolder {
+        /// The path of the file.
+        path: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The system failed to read or write a file.
     Io {
         /// The operation that failed, such as "open".
@@ -146,6 +153,9 @@ impl fmt::Display for ImageError {
         match self {
             Self::Ending { path } => write!(f, "{} ends in none of .tga, .png, .pfm and .exr", shown(path)),
             Self::Folder { path } => write!(f, "cannot write {}: it is a folder", shown(path)),
+            Self::NoFolder { path, folder } => {
+                write!(f, "cannot write {}: there is no folder {}", shown(path), shown(folder))
+            }
             Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
             Self::Coding { action, path, error } => {
                 write!(f, "cannot {action} {}: {}", shown(path), escape(&error.to_string()))

@@ -116,7 +116,7 @@ fn unwritable_targets_are_reported_before_rendering() {
     fs::write(folder.path().join("file"), "").unwrap();
     let rows = [
         ("folder.tga", "cannot write `F/folder.tga`: it is a folder"),
-        ("missing/a.tga", "cannot write `F/missing/a.tga`: No such file or directory (os error 2)"),
+        ("missing/a.tga", "cannot write `F/missing/a.tga`: there is no folder `F/missing`"),
         ("file/a.tga", "cannot write `F/file/a.tga`: Not a directory (os error 20)"),
         ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .pfm and .exr"),
     ];

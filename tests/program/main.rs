@@ -52,5 +52,7 @@ mod signals;
 mod special_scenes;
 mod statistics;
 mod support;
+#[cfg(unix)]
+mod terminal;
 mod waits;
 mod warnings;

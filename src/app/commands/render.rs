@@ -7,7 +7,7 @@ use crate::app::pictures::{Rendered, render};
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::Crew;
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
@@ -74,7 +74,8 @@ pub fn run(
     };
     files.finish(signals)?;
     signals.end_at_once()?;
-    Ok(Outcome { text, passes })
+    let written = told_files(options.progress, options.written().map(Path::to_owned));
+    Ok(Outcome { text, written, passes })
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.

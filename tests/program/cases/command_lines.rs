@@ -49,10 +49,10 @@ pub const CASES: &[Case] = &[
     ("r -commands c.txt", 2, "error: `-commands` needs `-grade folder`"),
     ("r -report p.html", 2, "error: `-report` needs `-grade folder`"),
     ("r -grade class -commands c.txt -report p.txt", 2, "error: `-report`: `p.txt` does not end in .html"),
-    ("r -error_report rep", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    ("r -error_report rep", 2, "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
     ("r -input s.txt -target 2", 2, "error: `-target` needs `-error_report folder`"),
     ("r -input s.txt -error_report rep -target none", 2, "error: `-target`: `none` is not a finite number"),
-    ("r -reference b.tga", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    ("r -reference b.tga", 2, "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
     (
         "r -compare b.tga -reference b.tga -tolerance 0",
         2,
