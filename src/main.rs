@@ -2,7 +2,7 @@
 
 mod app;
 
-use app::commands::{self, grade, merge, report_errors};
+use app::commands::{self, convert, grade, merge, report_errors};
 use app::{End, Interrupted, Outcome, Signals, failed, tell};
 use raytracer::cli::{self, Command, Options};
 use std::ffi::OsString;
@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Ok(Command::Render(options)) => render(start, &options, &argv, &mut signals),
         Ok(Command::Grade(options)) => report(start, grade::run(&options, &signals, &tell)),
         Ok(Command::Merge(options)) => report(start, merge::run(&options, &signals)),
+        Ok(Command::Convert(options)) => report(start, convert::run(&options, &signals, &tell)),
         Ok(Command::ReportErrors(options)) => report(start, report_errors::run(&options, &signals, &tell)),
         Err(error) => {
             tell(&failed(error));

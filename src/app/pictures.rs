@@ -11,8 +11,9 @@ use crate::app::{End, failed};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Comparison, Options, Output};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::escape::quoted;
 use raytracer::fingerprint;
-use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
+use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile, read_clamped_picture};
 use raytracer::memory::{Bytes, Text};
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
@@ -232,6 +233,16 @@ pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
         true => Ok(OutputFile::standard_output(output.format)),
         false => OutputFile::prepare_as(&output.file, output.format),
     }
+}
+
+/// Reads a picture. A note says how many of its pixels are `done`, which is what is done with them, clamped.
+pub fn read_picture(path: &Path, done: &str, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    if clamped > 0 {
+        let shown = quoted(path);
+        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"));
+    }
+    Ok(picture)
 }
 
 /// What is to be said of pixels that the files do not show as they are.

@@ -143,6 +143,8 @@ pub enum Problem {
     NotPicture,
     /// It does not have the file extension of a picture of bytes.
     NotBytes,
+    /// It does not have the file extension of a picture that may be a part.
+    NotPart,
     /// It is not the name of a format.
     NotFormat,
     /// It is standard output, and no format follows.
@@ -171,9 +173,10 @@ impl fmt::Display for Problem {
             Self::NotJson => f.write_str("is neither - nor ends in .json"),
             Self::NotAlone => f.write_str("stands alone, in place of the three numbers"),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
-            Self::NotPicture => f.write_str("ends in none of .tga, .png, .pfm and .exr"),
-            Self::NotBytes => f.write_str("ends in neither .tga nor .png"),
-            Self::NotFormat => f.write_str("is none of the formats tga, png, pfm and exr"),
+            Self::NotPicture => f.write_str("ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+            Self::NotBytes => f.write_str("ends in none of .tga, .png, .bmp and .ppm"),
+            Self::NotPart => f.write_str("ends in neither .tga nor .png, as parts do"),
+            Self::NotFormat => f.write_str("is none of the formats tga, png, bmp, ppm, pfm and exr"),
             Self::NoFormat => f.write_str("needs its format as the next word, as in `- png`"),
         }
     }

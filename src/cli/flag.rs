@@ -43,6 +43,7 @@ pub(super) struct Flag {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Run {
     Merge,
+    Convert,
     Grade,
     ErrorReport,
     /// The live page, whose pictures the flag shapes.

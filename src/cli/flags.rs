@@ -36,9 +36,10 @@ macro_rules! flags {
     };
 }
 
-/// The endings of pictures of bytes, and those of all pictures.
-const BYTES: &[&str] = &["tga", "png"];
-const PICTURES: &[&str] = &["tga", "png", "pfm", "exr"];
+/// The endings of pictures that may be parts, of pictures of bytes, and of all pictures.
+const PARTS: &[&str] = &["tga", "png"];
+const BYTES: &[&str] = &["tga", "png", "bmp", "ppm"];
+const PICTURES: &[&str] = &["tga", "png", "bmp", "ppm", "pfm", "exr"];
 
 /// The runs for which a flag is that shapes the colour picture.
 const SHAPING: &[Run] = &[Run::ErrorReport, Run::Page];
@@ -78,11 +79,11 @@ flags! {
         .usual()
         .elsewhere(&["o", "out", "outfile", "image", "format"])
         .default("none")
-        .help("Writes the picture as .tga, .png or, in floating point, .pfm or .exr. Here - png writes it to standard output.")
+        .help("Writes the picture as .tga, .png, .bmp, .ppm or, in floating point, .pfm or .exr. Here - png writes it to standard output.")
         .details("The file appears under its name when it is complete.")
         .example("-output picture.png")
         .after("-input scene.txt")
-        .runs(&[Run::Merge])
+        .runs(&[Run::Merge, Run::Convert])
         .read(|values| picture(values, [Layer::Color; 2]));
 
     SIZE: [usize; 2] = Flag::new(Section::Pictures, "size")
@@ -107,12 +108,22 @@ flags! {
         .read(region);
 
     MERGE: Vec<PathBuf> = Flag::new(Section::Pictures, "merge")
-        .values(&[file("files...", BYTES)])
+        .values(&[file("files...", PARTS)])
         .help("Puts these parts of a picture together in -output. They come from -region, in any order.")
         .example("-merge top.png bottom.png")
         .after("-output whole.png")
         .runs(&[Run::Merge])
-        .read(|values| values.words.iter().map(|word| values.byte_picture(word)).collect());
+        .read(|values| values.words.iter().map(|word| values.part(word)).collect());
+
+    CONVERT: PathBuf = Flag::new(Section::Pictures, "convert")
+        .values(&[file("file", PICTURES)])
+        .help("Writes this picture in the format of -output, which is one of bytes. No scene is needed.")
+        .details("Its pixels stay the same. Numbers of .pfm and .exr become bytes as colours of a scene do; a line says how many are clamped.")
+        .example("-convert mine.tga")
+        .before("-output mine.png")
+        .excludes(&[&MERGE.flag])
+        .runs(&[Run::Convert])
+        .read(|values| values.picture());
 
     DEPTH: Output = Flag::new(Section::Pictures, "depth")
         .values(&[number("t0"), number("t1"), output(PICTURES)])
@@ -444,7 +455,7 @@ flags! {
     QUIET: () = Flag::new(Section::Other, "quiet")
         .elsewhere(&["q", "silent"])
         .help("Tells neither how far the run has come nor, on a terminal, what it wrote.")
-        .runs(&[Run::Merge, Run::Grade, Run::ErrorReport])
+        .runs(&[Run::Merge, Run::Convert, Run::Grade, Run::ErrorReport])
         .switch();
 
     STRICT: () = Flag::new(Section::Other, "strict")

@@ -8,6 +8,7 @@
 
 mod commands;
 mod comparison;
+mod conversion;
 pub mod completions;
 mod error;
 mod error_report;
@@ -28,6 +29,7 @@ mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
 pub use comparison::Comparison;
+pub use conversion::Converting;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
@@ -48,6 +50,8 @@ pub enum Command {
     Grade(Grading),
     /// Put parts of a picture together with these options.
     Merge(Merging),
+    /// Write a picture in another format.
+    Convert(Converting),
     /// Measure speed against error with these options.
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -77,6 +81,9 @@ fn command(raw: &Raw) -> Result<Command, CliError> {
     }
     if let Some(merging) = Merging::from_raw(raw)? {
         return Ok(Command::Merge(merging));
+    }
+    if let Some(converting) = Converting::from_raw(raw)? {
+        return Ok(Command::Convert(converting));
     }
     match ErrorReporting::from_raw(raw)? {
         Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),
