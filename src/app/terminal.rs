@@ -53,7 +53,8 @@ pub fn finished(written: &[impl AsRef<Path>], took: Duration) -> String {
 fn time(time: Duration) -> String {
     let seconds = time.as_secs();
     match seconds {
-        0 => format!("{} ms", time.as_millis()),
+        // No run takes no time.
+        0 => format!("{:.0} ms", (time.as_secs_f64() * 1e3).ceil()),
         1..60 => format!("{:.1} s", time.as_secs_f64()),
         60..3600 => format!("{} min {} s", seconds / 60, seconds % 60),
         _ => format!("{} h {} min", seconds / 3600, seconds / 60 % 60),
@@ -81,6 +82,6 @@ mod tests {
     fn times_have_the_unit_in_which_people_read_them() {
         let shown = [12, 1_500, 61_000, 3_723_000].map(|ms| time(Duration::from_millis(ms)));
         assert_eq!(shown, ["12 ms", "1.5 s", "1 min 1 s", "1 h 2 min"]);
-        assert_eq!(finished(&["a.png", "b c"], Duration::ZERO), "wrote `a.png`, `b c` in 0 ms");
+        assert_eq!(finished(&["a.png", "b c"], Duration::from_micros(7)), "wrote `a.png`, `b c` in 1 ms");
     }
 }

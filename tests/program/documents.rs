@@ -1,6 +1,6 @@
 //! The commands of all documents run in the order of each document, print what it shows and draw its pictures.
 //!
-//! The working directory looks like the project's folder. A block under a line that starts with `*Not run by the
+//! The working directory looks like the project's folder. A block under a comment that starts with `<!-- Not run by the
 //! tests:` is left out, and `NOT_RUN_BLOCKS` counts these. A block whose fence names a file becomes that file.
 
 use crate::markdown::{Block, Command, anchor, blocks, links};
@@ -144,6 +144,29 @@ fn every_command_of_every_document_does_what_it_shows() {
         compare_pictures(&folder, &document, &text);
     }
     assert!(commands > 50, "{commands}");
+}
+
+/// The lengths of the paragraphs of a text in words, each with its start. Lines of tables, headings and code are none.
+fn paragraphs(text: &str) -> Vec<(usize, String)> {
+    let code = blocks(text).iter().flat_map(|block| block.lines.clone()).collect::<Vec<_>>();
+    let is_text = |line: &&str| !line.starts_with(['|', '#', '`']) && !code.contains(&line.trim_start());
+    let lines = text.lines().map(|line| if is_text(&line) { line } else { "" });
+    // An item of a list is a paragraph too.
+    let text = lines
+        .map(|line| line.replacen("* ", "\n\n", usize::from(line.starts_with("* "))))
+        .collect::<Vec<_>>()
+        .join("\n");
+    let paragraphs = text.split("\n\n").filter(|paragraph| !paragraph.trim().is_empty());
+    let start = |paragraph: &str| paragraph.split_whitespace().take(6).collect::<Vec<_>>().join(" ");
+    paragraphs.map(|paragraph| (paragraph.split_whitespace().count(), start(paragraph))).collect()
+}
+
+#[test]
+fn no_paragraph_about_the_command_line_is_long() {
+    const MOST_WORDS: usize = 80;
+    let found = paragraphs(&read("docs/command-line.md"));
+    let long: Vec<_> = found.iter().filter(|(words, _)| *words > MOST_WORDS).collect();
+    assert!(found.len() > 50 && long.is_empty(), "{} paragraphs, too long: {long:#?}", found.len());
 }
 
 #[test]

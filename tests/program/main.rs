@@ -7,6 +7,7 @@ mod causes;
 mod check_your_own;
 mod coincident_surfaces;
 mod command_line;
+mod convert;
 mod comparison;
 mod cost_map;
 mod command_line_errors;
