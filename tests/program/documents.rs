@@ -148,17 +148,24 @@ fn every_command_of_every_document_does_what_it_shows() {
 
 /// The lengths of the paragraphs of a text in words, each with its start. Lines of tables, headings and code are none.
 fn paragraphs(text: &str) -> Vec<(usize, String)> {
-    let code = blocks(text).iter().flat_map(|block| block.lines.clone()).collect::<Vec<_>>();
-    let is_text = |line: &&str| !line.starts_with(['|', '#', '`']) && !code.contains(&line.trim_start());
-    let lines = text.lines().map(|line| if is_text(&line) { line } else { "" });
-    // An item of a list is a paragraph too.
-    let text = lines
-        .map(|line| line.replacen("* ", "\n\n", usize::from(line.starts_with("* "))))
-        .collect::<Vec<_>>()
-        .join("\n");
-    let paragraphs = text.split("\n\n").filter(|paragraph| !paragraph.trim().is_empty());
+    let code: Vec<&str> = blocks(text).into_iter().flat_map(|block| block.lines).map(str::trim).collect();
+    let is_text = |line: &str| {
+        !line.starts_with(['|', '#']) && !line.starts_with("```") && !code.contains(&line.trim())
+    };
+    let mut all = vec![String::new()];
+    for line in text.lines() {
+        match all.last_mut() {
+            Some(last) if is_text(line) && !line.is_empty() && !line.starts_with("* ") => {
+                last.push_str(line);
+                last.push(' ');
+            }
+            // An item of a list is a paragraph too.
+            _ => all.push(line.strip_prefix("* ").map_or(String::new(), |item| format!("{item} "))),
+        }
+    }
     let start = |paragraph: &str| paragraph.split_whitespace().take(6).collect::<Vec<_>>().join(" ");
-    paragraphs.map(|paragraph| (paragraph.split_whitespace().count(), start(paragraph))).collect()
+    let lengths = all.iter().map(|paragraph| (paragraph.split_whitespace().count(), start(paragraph)));
+    lengths.filter(|(words, _)| *words > 0).collect()
 }
 
 #[test]
