@@ -54,7 +54,7 @@ impl PartFile {
         let no_part = || ImageError::NoPart { path: path.to_owned() };
         let (rows, start) = Rows::read(path, format, source(path)?)?;
         let whole = || ImageError::Whole { path: path.to_owned(), size: rows.size };
-        let text = start.comment.ok_or_else(whole)?;
+        let text = start.comment.filter(|text| !text.is_empty()).ok_or_else(whole)?;
         let checked = text.parse().map_err(|reason| match reason {
             Unchecked::NotPart => no_part(),
             Unchecked::NoChecksum => ImageError::NoChecksum { path: path.to_owned() },
