@@ -22,6 +22,9 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    if let Some(status) = app::page_worker(&argv) {
+        return status;
+    }
     match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
         Ok(Command::Render(options)) => render(&options, &argv, &mut signals),
