@@ -17,7 +17,7 @@ use super::work::Stop;
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
 use crate::picture::{CHANNELS, Picture};
-use crate::render::{Layer, Tracing};
+use crate::render::{Layer, Tracing, grid_view};
 use crate::scene::Camera;
 use crate::scene::parser::parse_camera;
 use crate::tools::explain::Explainer;
@@ -151,6 +151,8 @@ impl App {
             "text": first.renderer.source.text,
             "scene": description(first),
             "reference": reference,
+            "most": self.most,
+            "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
@@ -163,6 +165,9 @@ impl App {
         let output = output.map(|output| output.file.as_path());
         let cost = wanted.view.show.cost();
         let Painted { picture, costs, nans, time } = painted;
+        let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
+        let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
+        let counts: Vec<u8> = counts.collect();
         let meta = json!({
             "size": [picture.width(), picture.height()],
             "shows": shown,
@@ -172,7 +177,7 @@ impl App {
             "command": command_line(&self.input, &wanted.view.words, cost, output),
             "camera": camera.as_ref().map(camera_block),
         });
-        Ok(framed(meta, &[&rgba(&picture)]))
+        Ok(framed(meta, &[&rgba(&picture), &counts]))
     }
 
     fn objects(&self, view: PageView) -> Found {
@@ -234,7 +239,8 @@ impl App {
     ) -> Result<(&Reference, Picture, Subject), Refusal> {
         let reference = self.reference.as_ref();
         let reference = reference.ok_or_else(|| impossible("there is no picture to compare with".into()))?;
-        let subject = self.subject(&wanted.view)?;
+        // Costs are no colours, and their map has a scale beside it.
+        let subject = Subject { cost: None, ..self.subject(&wanted.view)? };
         let own = easel.paint(&subject, stop)?.picture;
         Ok((reference, own, subject))
     }

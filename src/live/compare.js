@@ -11,7 +11,8 @@ const compared = {
   timer: 0,
 };
 
-const comparing = () => compared.file !== null;
+// A cost is no colour that could be compared.
+const comparing = () => compared.file !== null && shown() === 'color';
 const look = () => document.querySelector('input[name=look]:checked').value;
 
 // Takes a file as the reference, and gives the picture its size.
@@ -23,8 +24,8 @@ async function takeFile(file) {
     takeReference(meta, file.name);
     [find('width').value, find('height').value] = meta.size;
     find('show').value = 'color';
-    if (!find('controls').checkValidity()) say('The picture is larger than this page shows.');
-    controlsChanged();
+    if (sayWhatIsWrong()) controlsChanged();
+    else say('The picture is larger than this page shows.');
   } catch (error) {
     complain(error);
   }
@@ -63,7 +64,7 @@ async function compareLive(mine) {
 // Shows the picture, the file, their difference, or both side by side.
 function showLook(kind = look()) {
   const { images } = compared;
-  if (!images || view.sketching) return;
+  if (!images || view.sketching || !comparing()) return;
   if (kind !== 'slider') return view.show(images[kind]);
   view.show(images.own);
   const middle = Math.round((find('slider').value / 1000) * images.own.width);
@@ -72,15 +73,22 @@ function showLook(kind = look()) {
   view.context.fillRect(middle, 0, 1, images.own.height);
 }
 
+// The images whose pixels are told of: [name, image]. In a comparison these are both.
+function toldImages() {
+  const { images } = compared;
+  if (comparing() && images && view.stage !== 'sketch') return [['file', images.reference], ['here', images.own]];
+  return view.image ? [['colour', view.image]] : [];
+}
+
 // Shows the file and the picture in turn.
 function blink() {
   if (compared.timer) return stopBlinking();
-  if (!compared.images) return say('There is no picture to blink with: drop one in.');
+  if (!compared.images || !comparing()) return say('There is no picture to blink with: drop one in.');
   let isFile = false;
   compared.timer = setInterval(() => {
     isFile = !isFile;
     showLook(isFile ? 'reference' : 'own');
-    find('pointed').textContent = isFile ? 'the file' : "this program's picture";
+    find('blink').firstChild.textContent = isFile ? 'The file ' : 'This picture ';
   }, BLINK);
   find('blink').setAttribute('aria-pressed', 'true');
 }
@@ -89,6 +97,7 @@ function stopBlinking() {
   clearInterval(compared.timer);
   compared.timer = 0;
   find('blink').setAttribute('aria-pressed', 'false');
+  find('blink').firstChild.textContent = 'Blink ';
   if (comparing()) showLook();
 }
 

@@ -162,7 +162,7 @@ impl Shared {
             thread::sleep(Duration::from_millis(50));
         }
         match self.has_ended.load(Ordering::Relaxed) {
-            true => Answer::text(410, "ended"),
+            true => Answer::text(200, "ended"),
             false => Answer::text(200, "alive"),
         }
     }
