@@ -42,6 +42,8 @@ function takeReference(file, name) {
 async function compareLive(mine) {
   const question = { page, turn: mine, view: view.question(), sketch: null };
   find('cause').textContent = '';
+  // Those of the last comparison may be of another view.
+  compared.images = null;
   const { meta, bytes } = await ask('/compare', question);
   if (mine !== turn || !comparing()) return;
   const [width, height] = meta.size;
@@ -65,12 +67,32 @@ async function compareLive(mine) {
 function showLook(kind = look()) {
   const { images } = compared;
   if (!images || view.sketching || !comparing()) return;
-  if (kind !== 'slider') return view.show(images[kind]);
-  view.show(images.own);
-  const middle = Math.round((find('slider').value / 1000) * images.own.width);
-  view.context.putImageData(images.reference, 0, 0, 0, 0, middle, images.own.height);
-  view.context.fillStyle = '#fff';
-  view.context.fillRect(middle, 0, 1, images.own.height);
+  if (kind !== 'slider') {
+    view.show(images[kind]);
+    return drawOverlay();
+  }
+  const both = new ImageData(images.own.data.slice(), images.own.width);
+  const left = divider();
+  for (let row = 0; row < both.height; row++) {
+    const start = row * both.width * 4;
+    both.data.set(images.reference.data.subarray(start, start + left * 4), start);
+  }
+  view.show(both);
+  drawOverlay();
+}
+
+// The column of the picture from which on the file is not shown; 0 where both are not side by side.
+const divider = () => (comparing() && compared.images && look() === 'slider'
+  ? Math.round((find('slider').value / 1000) * compared.images.own.width) : 0);
+
+function drawDivider(context) {
+  const left = divider();
+  if (left === 0 || view.stage === 'sketch') return;
+  const x = left * (view.size[0] / size()[0]);
+  for (const [color, from, wide] of [['#000', -1.5, 3], ['#fff', -0.5, 1]]) {
+    context.fillStyle = color;
+    context.fillRect(x + from, 0, wide, view.size[1]);
+  }
 }
 
 // The images whose pixels are told of: [name, image]. In a comparison these are both.

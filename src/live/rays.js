@@ -66,6 +66,7 @@ function drawOverlay() {
   context.scale(zoom, zoom);
   context.translate(...view.origin);
   drawPixels(context);
+  drawDivider(context);
   outlineObject(context);
   if (!traced.rays) return;
   const camera = view.seenWith();

@@ -277,3 +277,50 @@ impl Worker {
         let _ = child.wait();
     }
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// What comes of a worker that is this script, if nobody waits longer than a fifth of a second.
+    fn ask(script: &'static str) -> (Unanswered<()>, Duration) {
+        let command = move || {
+            let mut command = Command::new("sh");
+            command.args(["-c", script]);
+            Ok(command)
+        };
+        let (workers, start) = (Workers::new(command), Instant::now());
+        let mut gives_up = || (start.elapsed() > Duration::from_millis(200)).then_some(());
+        let found = workers.ask(Question::default(), b"", &Luggage::default(), &mut gives_up);
+        assert_eq!(workers.state.lock().unwrap().count, 0);
+        (found.unwrap_err(), start.elapsed())
+    }
+
+    #[test]
+    fn a_worker_that_does_not_answer_is_ended() {
+        for script in ["exec cat > /dev/null", "exec sleep 1000", "trap '' INT TERM HUP; while :; do :; done"]
+        {
+            let (reason, took) = ask(script);
+            assert!(matches!(reason, Unanswered::Stopped(())), "{script}: {reason:?}");
+            assert!(took < Duration::from_secs(1), "{script}: {took:?}");
+        }
+    }
+
+    #[test]
+    fn a_worker_that_ends_is_noticed() {
+        for script in ["exit 1", "head -c 1 > /dev/null", "kill -KILL $$"] {
+            let (reason, took) = ask(script);
+            assert!(matches!(reason, Unanswered::Ended | Unanswered::Stopped(())), "{script}: {reason:?}");
+            assert!(took < Duration::from_secs(1), "{script}: {took:?}");
+        }
+    }
+
+    #[test]
+    fn a_worker_that_cannot_be_started_is_told_of() {
+        let workers = Workers::new(|| Ok(Command::new("/no/such/program")));
+        let found = workers.ask(Question::default(), b"", &Luggage::default(), &mut || None::<()>);
+        assert!(
+            matches!(found, Err(Unanswered::NotStarted(reason)) if reason.starts_with("cannot start a worker: "))
+        );
+    }
+}

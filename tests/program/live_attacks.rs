@@ -34,12 +34,13 @@ fn work_of(server: &Server) -> f64 {
     stats.filter(is_worker).map(ticks).sum::<f64>() / 100.0
 }
 
-/// Asks, and leaves after a while. The workers must have nothing to do a second later.
+/// Asks, and leaves after a while, while there is work to do. The workers must have nothing to do a second later.
 fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
     let mut stream = server.connect();
     stream.write_all(&server.request(&format!("POST {path}"), &[], body)).expect("a request");
     sleep(after);
-    let worked = work_of(server);
+    stream.set_nonblocking(true).expect("no waiting");
+    assert!(stream.peek(&mut [0]).is_err(), "{path}: there is an answer already");
     drop(stream);
     sleep(SECOND);
     let before = work_of(server);
@@ -88,8 +89,7 @@ fn work_ends_with_its_client_in_every_phase() {
         head.into_iter().chain(noise).collect::<Vec<u8>>()
     };
     assert_eq!(server.post("/reference?name=a.tga", &[], &tga(2048)).expect("an answer").0, 200);
-    leave(&server, "/compare", &bytes(&wanted(2, &view(0, "-size 2048 2048"))), long);
-    leave(&server, "/compare", &bytes(&wanted(2, &view(0, "-size 2048 2048"))), Duration::from_millis(1500));
+    leave(&server, "/compare", &bytes(&wanted(2, &view(0, "-size 2048 2048"))), long / 2);
     assert_eq!(server.post("/reference?name=a.tga", &[], &tga(1500)).expect("an answer").0, 200);
     leave(
         &server,
@@ -105,14 +105,15 @@ fn work_ends_with_its_client_in_every_phase() {
     let text = scene(3, &["a.obj", "b.obj", "c.obj"].map(mesh).concat());
     let typed = bytes(&json!({ "text": text }));
     leave(&server, "/scene", &typed, short);
-    leave(&server, "/scene", &typed, long);
+    leave(&server, "/scene", &typed, 5 * short);
     let (said, _) = server.ask("/scene", &json!({ "text": text })).expect("a scene");
     let revision = said["scene"]["revision"].as_u64().expect("a revision");
-    for words in ["-size 2048 2048", "-size 9 9 -grid 100 100 100", "-size 9 9 -grid auto -visualize_grid"] {
-        let built = view(revision, words);
-        leave(&server, "/picture", &bytes(&wanted(4, &built)), short);
-        leave(&server, "/objects", &bytes(&built), short);
+    for words in
+        ["-size 2048 2048", "-size 9 9 -grid 100 100 100", "-size 9 9 -grid 100 100 100 -visualize_grid"]
+    {
+        leave(&server, "/picture", &bytes(&wanted(4, &view(revision, words))), short);
     }
+    leave(&server, "/objects", &bytes(&view(revision, "-size 9 9")), short);
     assert!(server.is_alive());
 }
 
