@@ -81,6 +81,9 @@ function duration(milliseconds) {
 // A number with a gap after each three digits.
 const grouped = (number) => Math.round(number).toLocaleString('en').replaceAll(',', '\u202f');
 
+// A text with its long numbers grouped.
+const groupedIn = (text) => text.replace(/(?<![\d.])\d{5,}(?![\d.])/g, (digits) => grouped(Number(digits)));
+
 let silence = 0;
 
 // Shows a message for a while.

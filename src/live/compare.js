@@ -49,7 +49,7 @@ async function compareLive(mine) {
   const [width, height] = meta.size;
   const image = (place) => new ImageData(bytes.slice(place * width * height * 4, (place + 1) * width * height * 4), width);
   compared.images = { reference: image(0), own: image(1), difference: image(2) };
-  find('comparison').textContent = meta.block;
+  find('comparison').textContent = groupedIn(meta.block);
   find('amplified').textContent = `× ${meta.amplification}`;
   showLook();
   status(`compared, ${meta.size.join(' × ')}`);

@@ -151,7 +151,7 @@ impl From<Unanswered<GivenUp>> for Refusal {
                 "this takes longer than a page may: choose a smaller picture, or fewer samples",
             ),
             Unanswered::Stopped(_) => Self::new(408, "nobody waits for this answer"),
-            Unanswered::Ended => Self::new(422, "this takes more memory than there is"),
+            Unanswered::Ended => Self::new(422, "the work on this has ended, perhaps for want of memory"),
             Unanswered::NotStarted(message) => Self::new(503, message),
         }
     }

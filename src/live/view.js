@@ -154,7 +154,7 @@ const view = {
     find('block').value = this.seenWith().block().trimEnd();
     for (const id of ['home', 'keep']) find(id).disabled = !this.camera;
     find('costs').hidden = !meta.costs;
-    find('costs').textContent = meta.costs || '';
+    find('costs').textContent = groupedIn(meta.costs || '');
     status(`${stage}, ${meta.shows.join(' × ')}, ${duration(meta.milliseconds)}`);
     if (meta.nans > 0) say(`The colours of ${grouped(meta.nans)} pixels are not numbers; they are black.`);
   },

@@ -188,7 +188,7 @@ fn a_worker_that_dies_takes_nobody_with_it() {
         }
         asked.join().expect("no panic")
     });
-    assert!(status == 422 && said.starts_with(b"this takes more memory"), "{status}");
+    assert!(status == 422 && said.starts_with(b"the work on this has ended"), "{status}");
     assert_eq!(server.pixels(view(0, "-size 30 30")), before);
     server.ask("/picture", &wanted(2, &view(revision, "-size 9 9"))).expect("a picture of the typed scene");
 }
