@@ -164,7 +164,7 @@ impl Workers {
     /// Starts a worker, which opens the scene.
     fn start<W>(&self, gives_up: &mut dyn FnMut() -> Option<W>) -> Result<Worker, Unanswered<W>> {
         let failed = |error: io::Error| Unanswered::NotStarted(format!("cannot start a worker: {error}"));
-        let mut worker = (self.command)().and_then(|command| Worker::start(command)).map_err(failed)?;
+        let mut worker = (self.command)().and_then(Worker::start).map_err(failed)?;
         let known: Vec<&[u8]> = self.text.get().map(Vec::as_slice).into_iter().collect();
         let sent = send(&mut worker.to, &Order::Open, &known);
         let opened = sent.map_err(|_| Unanswered::Ended).and_then(|()| worker.reply(0, gives_up));
