@@ -85,7 +85,9 @@ impl Desk {
             _ => {
                 let asked: Asked = understood(&body)?;
                 luggage.scene = self.scene(asked.scene())?;
-                luggage.reference = self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                if matches!(path, "/start" | "/compare" | "/cause") {
+                    luggage.reference = self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                }
                 turn = asked.page.zip(asked.turn).map(|(page, turn)| self.turns.turn(page, turn));
             }
         }

@@ -389,7 +389,8 @@ def check_windows(page):
             for panel in ["controls", "editor", "rays", "compare"]:
                 page.run(f"selectTab('{panel}'); return 0")
                 where = f"{width} pixels, {scheme}, {panel}"
-                assert page.run("return document.documentElement.scrollWidth") == width, f"{where}: it is wider"
+                wide = page.run("const { scrollWidth, clientWidth } = document.documentElement; return [scrollWidth, clientWidth]")
+                assert wide[0] == wide[1], f"{where}: {wide[0]} pixels in {wide[1]}"
                 broken = page.run(RULES)
                 assert broken == [], f"{where}: {broken}"
                 found = page.run(small) if width < 500 else []
