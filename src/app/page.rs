@@ -95,7 +95,7 @@ mod server {
         if !is_shown(options) {
             return Ok(());
         }
-        // Pictures are saved by other threads, so that the first one may not be ended meanwhile.
+        // The file from which the browser comes here would be left behind.
         let opened = Arc::new(Mutex::new(None));
         let to_remove = opened.clone();
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());

@@ -1,6 +1,7 @@
 //! Answers the questions of the page.
 
 use super::camera_block::camera_block;
+use super::cancel::Cancel;
 use super::http::Refusal;
 use super::limits::MAX_SIDE;
 use super::objects::ObjectMap;
@@ -9,11 +10,9 @@ use super::questions::{Asked, PageView, TracedPixel, Wanted, understood};
 use super::rays::Rays;
 use super::reference::{cause, compare, decode};
 use super::saving::save;
-use super::server::Setup;
 use super::settings::{Most, command_line};
 use super::stage::{OpenScene, Stage};
 use super::wire::Question;
-use super::work::Stop;
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
 use crate::picture::{CHANNELS, Picture};
@@ -24,9 +23,19 @@ use crate::tools::explain::Explainer;
 use crate::undisturbed::without_signals;
 use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
+
+/// What a page is made of.
+pub struct Setup<'o> {
+    /// The command line. It has a page.
+    pub options: &'o Options,
+    /// Its scene.
+    pub input: &'o Path,
+    /// The flags that the page starts with.
+    pub words: &'o [String],
+}
 
 /// Everything that the page can ask for.
 pub struct App {
@@ -121,7 +130,7 @@ impl App {
     }
 
     /// Answers a question about the scene that is on the easel.
-    pub fn answer(&mut self, task: &mut Task, easel: &mut Easel, stop: &Stop) -> Found {
+    pub fn answer(&mut self, task: &mut Task, easel: &mut Easel, stop: &Cancel) -> Found {
         if let Some(refused) = task.refused.take() {
             return refused;
         }
@@ -157,7 +166,7 @@ impl App {
         })
     }
 
-    fn picture(&self, wanted: Wanted, easel: &mut Easel, stop: &Stop) -> Found {
+    fn picture(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
         let subject = Subject { sketch: wanted.sketch.map(clipped), ..self.subject(&wanted.view)? };
         let (shown, camera) = (subject.sketch.unwrap_or(subject.options.size), subject.camera);
         let painted = easel.paint(&subject, stop)?;
@@ -204,14 +213,14 @@ impl App {
         Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
-    fn save(&self, view: PageView, easel: &mut Easel, stop: &Stop) -> Found {
+    fn save(&self, view: PageView, easel: &mut Easel, stop: &Cancel) -> Found {
         let subject = self.subject(&view)?;
         let said = save(&subject, &self.outputs, &self.compared, &mut |subject| easel.paint(subject, stop))
             .map_err(impossible)?;
         Ok(framed(json!({ "said": said }), &[]))
     }
 
-    fn compare(&self, wanted: Wanted, easel: &mut Easel, stop: &Stop) -> Found {
+    fn compare(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
         let (reference, own, subject) = self.pair(&wanted, easel, stop)?;
         let picture = &reference.picture;
         let compared = subject.scene.renderer.on_own_threads(|| compare(picture, &own));
@@ -222,7 +231,7 @@ impl App {
         Ok(framed(meta, &[&rgba(picture), &rgba(&own), &rgba(&difference)]))
     }
 
-    fn cause(&self, wanted: Wanted, easel: &mut Easel, stop: &Stop) -> Found {
+    fn cause(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
         let (reference, own, subject) = self.pair(&wanted, easel, stop)?;
         if picture_size(&reference.picture) != picture_size(&own) {
             return Err(impossible("the pictures differ in size".into()));
@@ -235,7 +244,7 @@ impl App {
         &self,
         wanted: &Wanted,
         easel: &mut Easel,
-        stop: &Stop,
+        stop: &Cancel,
     ) -> Result<(&Reference, Picture, Subject), Refusal> {
         let reference = self.reference.as_ref();
         let reference = reference.ok_or_else(|| impossible("there is no picture to compare with".into()))?;

@@ -10,7 +10,7 @@
 //! The page asks in the program's own words: the flags of a command line, and the camera's block of scene text. So
 //! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers.
 
-// Both sides.
+// Both sides. A module uses only those before it in these lists.
 mod limits;
 mod http;
 mod questions;
@@ -20,13 +20,14 @@ mod wire;
 mod settings;
 mod stage;
 mod camera_block;
-mod work;
+mod cancel;
 mod painter;
 mod objects;
 mod rays;
 mod reference;
 mod saving;
 mod answers;
+mod work;
 
 // The server.
 mod key;
@@ -38,5 +39,6 @@ mod workers;
 mod desk;
 mod server;
 
-pub use server::{Server, Setup};
+pub use answers::Setup;
+pub use server::Server;
 pub use work::work;

@@ -1,7 +1,7 @@
 //! Paints pictures one after the other. The scene stays prepared, so that the next picture of it starts at once.
 
+use super::cancel::Cancel;
 use super::stage::OpenScene;
-use super::work::Stop;
 use crate::caster::GridTooLarge;
 use crate::caster::choose::{Rays, Structure};
 use crate::cli::Options;
@@ -87,7 +87,7 @@ impl<'r> Easel<'r> {
     }
 
     /// Paints a picture of the scene, unless it is stopped.
-    pub fn paint(&mut self, subject: &Subject, stop: &Stop) -> Result<Painted, Unpainted> {
+    pub fn paint(&mut self, subject: &Subject, stop: &Cancel) -> Result<Painted, Unpainted> {
         let start = Instant::now();
         let ready = self.ready(subject).map_err(|error| Unpainted::Failed(error.to_string()))?;
         let watch = |_: Progress| match stop.is_over() {

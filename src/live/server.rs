@@ -8,26 +8,14 @@ use super::key::Key;
 use super::limits::{ALIVE_TIME, BODY_TIME, HEAD_TIME, IDLE_TIME};
 use super::page::page;
 use super::workers::Workers;
-use crate::cli::Options;
 use std::fmt::Display;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-
-/// What a page is made of.
-pub struct Setup<'o> {
-    /// The command line. It has a page.
-    pub options: &'o Options,
-    /// Its scene.
-    pub input: &'o Path,
-    /// The flags that the page starts with.
-    pub words: &'o [String],
-}
 
 /// A page that is being served.
 pub struct Server {

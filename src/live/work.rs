@@ -1,10 +1,10 @@
 //! A worker: answers the questions that the server hands it, one after the other, and ends when the server says so or is
 //! gone.
 
-use super::answers::App;
+use super::answers::{App, Setup};
+use super::cancel::Cancel;
 use super::http::Refusal;
 use super::painter::Easel;
-use super::server::Setup;
 use super::wire::{Order, Reply, receive, send};
 use crate::undisturbed::{undisturbed, without_signals};
 use std::io::{self, BufWriter, stdin, stdout};
@@ -12,19 +12,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
-
-/// Tells whether somebody still waits for an answer.
-pub struct Stop<'a> {
-    /// The last question for whose answer nobody waits.
-    stopped: &'a AtomicU64,
-    number: u64,
-}
-
-impl Stop<'_> {
-    pub fn is_over(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed) >= self.number
-    }
-}
 
 /// Answers questions from standard input to standard output until there are no more.
 pub fn work(setup: &Setup) {
@@ -70,13 +57,13 @@ fn serve(setup: &Setup, orders: &Orders, stopped: &AtomicU64) -> io::Result<()> 
         let scene = task.scene.clone();
         let mut easel = Easel::new(&scene.renderer);
         while Arc::ptr_eq(&task.scene, &scene) {
-            let stop = Stop { stopped, number: task.question.number };
+            let stop = Cancel::new(stopped, task.question.number);
             let found = app.answer(&mut task, &mut easel, &stop);
             let (status, answer) = match found {
                 Ok(answer) => (200, answer),
                 Err(Refusal { status, text }) => (status, text.into_bytes()),
             };
-            reply(Reply { number: stop.number, status, has_opened: task.has_opened }, &answer)?;
+            reply(Reply { number: task.question.number, status, has_opened: task.has_opened }, &answer)?;
             task = app.unpack(next()?);
         }
     }

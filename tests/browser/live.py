@@ -105,6 +105,8 @@ class Page:
         self.browser.move("#picture", moves, button, 16)
 
     def close(self):
+        # A page that is open looks for its program, which the browser would list.
+        self.browser.ask("POST", "/url", {"url": "about:blank"})
         self.process.terminate()
         self.process.wait()
 
@@ -433,8 +435,7 @@ def check_download(program, browser, folder):
         page.wait("return !find('over').hidden", "the page looks alive", 3)
     finally:
         page.close()
-    # The page has looked for its program, which the browser lists.
-    browser.ask("POST", "/url", {"url": "about:blank"})
+    # Here it has looked for its program.
     entries = browser.ask("POST", "/se/log", {"type": "browser"})
     assert all("/alive" in entry["message"] for entry in entries), entries
 
