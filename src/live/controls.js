@@ -6,7 +6,13 @@ const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-a
 const FILTERS = ['-box_filter', '-tent_filter', '-gaussian_filter', '-mitchell_filter'];
 const FINER = [[16, 8], [64, 3], [256, 1]];
 
-const value = (id) => find(id).value.trim();
+// What a field says; one that says nothing valid has lastValid something before.
+const lastValid = {};
+function value(id) {
+  const field = find(id);
+  if (!field.matches(':invalid')) lastValid[id] = field.value.trim();
+  return lastValid[id] ?? field.defaultValue;
+}
 const size = () => [Number(value('width')), Number(value('height'))];
 
 // The flags. Those of the samples can be replaced.
