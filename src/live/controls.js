@@ -6,7 +6,7 @@ const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-a
 const FILTERS = ['-box_filter', '-tent_filter', '-gaussian_filter', '-mitchell_filter'];
 const FINER = [[16, 8], [64, 3], [256, 1]];
 
-// What a field says; one that says nothing valid has lastValid something before.
+// What a field says, or has said before if that is not valid.
 const lastValid = {};
 function value(id) {
   const field = find(id);
