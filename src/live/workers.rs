@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(20);
 /// How long a worker may take to stop by itself, which keeps its scene, and then to end by itself, which removes its
 /// files.
-const TIME_TO_STOP: Duration = Duration::from_millis(400);
-const TIME_TO_END: Duration = Duration::from_millis(200);
+const TIME_TO_STOP: Duration = Duration::from_millis(300);
+const TIME_TO_END: Duration = Duration::from_millis(100);
 /// Workers that are kept while there is nothing to do.
 const RESTING: usize = 2;
 
