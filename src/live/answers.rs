@@ -3,7 +3,7 @@
 use super::camera_block::camera_block;
 use super::cancel::Cancel;
 use super::http::Refusal;
-use super::limits::MAX_SIDE;
+use super::limits::{BYTES_PER_PIXEL, MAX_SIDE};
 use super::objects::ObjectMap;
 use super::painter::{Easel, Painted, Subject, Unpainted};
 use super::questions::{Asked, PageView, TracedPixel, Wanted, understood};
@@ -15,6 +15,7 @@ use super::stage::{OpenScene, Stage};
 use super::wire::Question;
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
+use crate::memory;
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing, grid_view};
 use crate::scene::Camera;
@@ -112,7 +113,14 @@ impl App {
             let text = String::from_utf8_lossy(&parts.next().unwrap_or_default()).into_owned();
             match self.stage.type_in(revision, text) {
                 Ok(opened) => scene = opened,
-                Err(errors) => refused = Some(Ok(framed(json!({ "errors": errors }), &[]))),
+                Err(errors) if question.path == "/scene" => {
+                    refused = Some(Ok(framed(json!({ "errors": errors }), &[])));
+                }
+                // It was a scene before: a mesh is gone, or there is too little memory.
+                Err(errors) => {
+                    let problem = errors.into_iter().next().map(|error| error.problem);
+                    refused = Some(Err(impossible(problem.unwrap_or_default())));
+                }
             }
         } else if let Some(open) =
             understood(&body).ok().and_then(|asked: Asked| self.stage.scene(asked.scene()))
@@ -261,6 +269,8 @@ impl App {
     fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
         let options = self.most.options(&view.words).map_err(impossible)?;
+        let pixels = options.size.iter().map(|&side| side as u64).product::<u64>();
+        memory::ask(pixels * BYTES_PER_PIXEL).map_err(|error| impossible(error.to_string()))?;
         let camera = view.camera.as_deref().map(read_camera).transpose()?;
         Ok(Subject { scene, options, camera, cost: view.show.cost(), sketch: None })
     }

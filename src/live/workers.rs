@@ -298,8 +298,7 @@ mod tests {
 
     #[test]
     fn a_worker_that_does_not_answer_is_ended() {
-        for script in ["cat > /dev/null; :", "exec sleep 1000", "trap '' INT TERM HUP; while :; do :; done"]
-        {
+        for script in ["cat > /dev/null; :", "exec sleep 1000", "trap '' INT TERM HUP; while :; do :; done"] {
             let (reason, took) = ask(script);
             assert!(matches!(reason, Unanswered::Stopped(())), "{script}: {reason:?}");
             assert!(took < Duration::from_secs(1), "{script}: {took:?}");
