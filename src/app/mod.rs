@@ -19,7 +19,7 @@ mod page;
 mod json;
 pub mod commands;
 
-pub use page::show as show_page;
+pub use page::{show as show_page, worker as page_worker};
 pub use signals::{Interrupted, Signals};
 pub use streams::print;
 

@@ -28,7 +28,7 @@ const NOT_RUN_BLOCKS: &[(&str, usize)] = &[
 const DRAWN_BY_EXAMPLES: &[&str] = &["acne.png", "edge_map.png"];
 
 /// Pictures that `tests/browser/live.py` takes of the page.
-const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png"];
+const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png", "pixels.png"];
 
 /// Commands that were run before this test, or are running it.
 const DONE: &[&str] = &["cargo build --release", "cargo test"];

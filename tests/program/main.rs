@@ -29,6 +29,8 @@ mod little_memory;
 #[cfg(feature = "gui")]
 mod live;
 #[cfg(feature = "gui")]
+mod live_attacks;
+#[cfg(feature = "gui")]
 mod live_scenes;
 #[cfg(feature = "gui")]
 mod live_server;
