@@ -66,8 +66,8 @@ const EDGE: f64 = 160.0;
 /// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
 const SMALL_THINGS: f64 = 36.0;
 
-/// The part of the square of an edge's contrast that is taken for a variance around it.
-const BESIDE_EDGES: f32 = 1.0 / 4096.0;
+/// The part of the squared contrast of edges that pixels around get: between two edges may be a gap that no corner sees.
+const BESIDE_EDGES: f32 = 1.0 / 1024.0;
 
 /// Colours that are brighter are as bright as this.
 const BRIGHTEST: f64 = 2.0;
@@ -154,15 +154,15 @@ impl Contents {
         }
     }
 
-    /// With at least this variance.
-    pub fn with_variance(self, least: f32) -> Self {
-        Self { variance: self.variance.max(least), ..self }
+    /// With at least this variance, and with a part of the squared contrast of edges around it.
+    pub fn among(self, variance: f32, edges: f32) -> Self {
+        let edge = self.edge.max(BESIDE_EDGES * edges);
+        Self { edge, variance: self.variance.max(variance), ..self }
     }
 
-    /// The variance that tells that there may be small things around: that of those in the pixel, and a little where edges
-    /// are, which may leave a gap between them.
-    pub fn telling(&self) -> f32 {
-        self.variance.max(self.edge * BESIDE_EDGES)
+    /// The squared contrast of edges, and the variance of things that are no larger than a pixel.
+    pub fn edge_and_variance(&self) -> [f32; 2] {
+        [self.edge, self.variance]
     }
 }
 

@@ -64,6 +64,9 @@ const AROUND: usize = 4;
 /// The part of their variance that a pixel is assumed to have, too.
 const OF_AROUND: f32 = 1.0 / 64.0;
 
+/// How far edges are.
+const BESIDE: usize = 2;
+
 /// The rows beside some that have to be traced for the corners that decide on them.
 pub const ROWS_BESIDE: usize = AROUND + 2;
 
@@ -112,12 +115,15 @@ impl<'a> Pilot<'a> {
         let ((corners, first_corner), (contents, first)) = (&self.corners, &self.contents);
         let [below, above] = [j, j + 1].map(|j| &corners[j - first_corner].0);
         let row = &contents[j - first];
-        // The largest variance of each column around.
-        let mut most = vec![0.0f32; row.contents.len()];
-        for row in &contents[widened(&(j - first..j - first + 1), AROUND, contents.len())] {
-            most.iter_mut()
-                .zip(&row.contents)
-                .for_each(|(most, contents)| *most = most.max(contents.telling()));
+        // The strongest edges, and the largest variance, of each column around.
+        let mut most = vec![[0.0f32; 2]; row.contents.len()];
+        let rows = widened(&(j - first..j - first + 1), AROUND, contents.len());
+        for (away, row) in rows.clone().map(|k| k.abs_diff(j - first)).zip(&contents[rows]) {
+            for (most, contents) in most.iter_mut().zip(&row.contents) {
+                let [edge, variance] = contents.edge_and_variance();
+                let edge = if away > BESIDE { 0.0 } else { edge };
+                *most = [most[0].max(edge), most[1].max(variance)];
+            }
         }
         let count = self.settings.counts();
         let mut plan = Plan {
@@ -128,17 +134,16 @@ impl<'a> Pilot<'a> {
         };
         for column in self.columns.clone() {
             let [k, index] = [column - row.start, column - below.start];
-            let largest =
-                most[widened(&(k..k + 1), AROUND, most.len())].iter().fold(0.0, |a: f32, b| a.max(*b));
+            let largest = |which: usize, by: usize| {
+                let around = &most[widened(&(k..k + 1), by, most.len())];
+                around.iter().fold(0.0, |a: f32, b| a.max(b[which]))
+            };
+            let (edges, around) = (largest(0, BESIDE), OF_AROUND * largest(1, AROUND));
             let corners =
                 [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
             let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
-            let known = self
-                .unseen
-                .variance(self.of_picture, [column, j], &corners)
-                .max(hidden)
-                .max(OF_AROUND * largest);
-            plan.samples.push(count(row.contents[k].with_variance(known)) as u16);
+            let known = self.unseen.variance(self.of_picture, [column, j], &corners).max(hidden).max(around);
+            plan.samples.push(count(row.contents[k].among(known, edges)) as u16);
             if !below.counts.is_empty() {
                 // The corners at the upper and the right border of the picture are the last pixels', too.
                 let [width, height] = self.setting.request.size;
