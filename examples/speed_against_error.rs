@@ -37,7 +37,7 @@ const SIZE: &str = "-size 60 60";
 const HEAD: &str = "\
 # Speed against error
 
-What samples cost and buy in six scenes, as `-error_report` measures it with the default filter. Times are seconds of the
+What samples cost and buy in six scenes, and in four that were held out, as `-error_report` measures it with the default filter. Times are seconds of the
 processor for rendering pictures of 60 x 60 pixels on one thread, the shortest of 2 to 15 repeats. Errors are root mean
 squares over all channels of all pixels, in levels, the steps from one byte to the next, against 2 x 1024 jittered samples
 in each pixel whose own noise cancels. The slope is the exponent with which the error changes with the number of samples

@@ -17,6 +17,9 @@ use std::ops::{ControlFlow, Range};
 const BANDS: usize = 16;
 const BAND_HEIGHT: usize = 8;
 
+/// What uniform samples are compared with has so many times as many samples, so that its own error matters little.
+const REFERENCE: u32 = 4;
+
 /// The number of levels of a byte above zero.
 const LEVELS: f64 = 255.0;
 
@@ -33,7 +36,11 @@ pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> R
     let mut seeds = (0x5EED..).map(Drand48::seeded).filter(|&seed| seed != sampler.rng());
     let [one, other] = [(); 2].map(|()| {
         let rng = seeds.next().unwrap_or(sampler.rng());
-        if is_uniform { Sampler::new(Pattern::Jittered, sampler.count(), rng) } else { sampler.with_rng(rng) }
+        if is_uniform {
+            Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), rng)
+        } else {
+            sampler.with_rng(rng)
+        }
     });
     let (mut sum, mut channels) = (0.0, 0.0);
     for rows in bands(request.window_size()[1]) {
