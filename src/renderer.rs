@@ -263,7 +263,8 @@ impl Prepared<'_> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
         let offsets = render::adaptive_offsets(scene, self.view(), request, settings, [column, row]);
-        let part = 1.0 / offsets.len() as f64;
+        // Where only a pixel's own samples count, it makes no difference.
+        let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 

@@ -107,8 +107,8 @@ impl<'p, 'r> Explainer<'p, 'r> {
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
-                for sample in self.samples(request, &camera, [column, row], target) {
-                    row_sum.add(sample.weight, sample.color);
+                for (sample, weight, part) in self.samples(request, &camera, [column, row], target) {
+                    row_sum.add_for(weight, sample.color, part);
                     samples.push(sample);
                 }
             }
@@ -124,23 +124,25 @@ impl<'p, 'r> Explainer<'p, 'r> {
         Some(PixelTree { pixel: [x, y], has_grid, samples, color, bytes })
     }
 
-    /// The samples of the pixel `own` that have weight for `target`; rows count from the bottom.
+    /// The samples of the pixel `own` that have weight for `target`, with the filter's weight and the part of the pixel
+    /// that they stand for; rows count from the bottom.
     fn samples(
         &self,
         request: &Request,
         camera: &Camera,
         own: [usize; 2],
         target: [usize; 2],
-    ) -> impl Iterator<Item = SampleTree> {
+    ) -> impl Iterator<Item = (SampleTree, f64, f64)> {
         let [column, row] = own;
         let height = request.size[1];
         let samples = self.prepared.samples(request, own).into_iter();
-        samples.enumerate().filter_map(move |(number, (offset, area))| {
-            let weight = weight_for(target, request.filter, own, offset) * area;
-            (weight != 0.0).then(|| {
+        samples.enumerate().filter_map(move |(number, (offset, part))| {
+            let of_filter = weight_for(target, request.filter, own, offset);
+            (of_filter != 0.0).then(|| {
                 let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                 let (color, rays) = self.trace(request, &ray);
-                SampleTree { pixel: [column, height - 1 - row], number, offset, weight, color, rays }
+                let (pixel, weight) = ([column, height - 1 - row], of_filter * part);
+                (SampleTree { pixel, number, offset, weight, color, rays }, of_filter, part)
             })
         })
     }
