@@ -26,10 +26,10 @@ const SCENES: [[&str; 3]; 6] = [
 
 /// The same of scenes that were not looked at while the advice was written.
 const HELD_OUT: [[&str; 3]; 4] = [
-    ["Gem", "scene6_12_faceted_gem.txt", "-shadows -shade_back -bounces 5 -weight 0.01"],
-    ["Hall of mirrors", "show_mirrors.txt", "-shadows -bounces 8 -weight 0.01"],
-    ["Marble vase", "scene6_17_marble_vase.txt", "-shadows"],
-    ["Bars", "scene4_06_transparent_bars.txt", "-shadows -shade_back -bounces 5 -weight 0.01"],
+    ["Wood", "scene6_16_wood_cubes.txt", "-shadows"],
+    ["Still life with glass", "show_glass.txt", "-shadows -shade_back -bounces 6 -weight 0.01"],
+    ["Letters", "scene7_04_6.837_logo.txt", "-shadows"],
+    ["Point lights", "scene4_12_point_light_circle_d_attenuation.txt", "-shadows"],
 ];
 
 const SIZE: &str = "-size 60 60";
