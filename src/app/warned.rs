@@ -2,6 +2,7 @@
 
 use raytracer::cli::{Comparison, Options};
 use raytracer::render::Layer;
+use raytracer::scene::edition::Choice;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::tools::warnings::{self, Severity, Warning};
 
@@ -14,6 +15,13 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
     }
     lines.iter().for_each(|line| tell(line));
     Ok(())
+}
+
+/// What is to be said of a scene's edition, which nobody has named.
+pub fn about_edition(choice: &Choice) -> Option<String> {
+    let Choice { edition, because } = choice;
+    let because = because.as_ref()?;
+    Some(format!("note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"))
 }
 
 /// What is doubtful about a scene that has been read and about the flags it is rendered with.

@@ -13,6 +13,7 @@ use crate::math::instructions::{Instructions, Portable};
 use crate::math::ray::Ray;
 use crate::sampling::sample_packet::SamplePacket;
 use crate::scene::Color;
+use crate::scene::model::Highlight;
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::Mixture;
 use crate::stats::Quiet;
@@ -156,7 +157,7 @@ impl Shading<'_> {
             if cosine > 0.0 && !is_black && light.color != Color::ZERO {
                 let passed = self.light_passed(arrival, (&light, light_index, is_inside), rays);
                 if passed != Color::ZERO {
-                    color += passed * material.reflect(&light, cosine, normal, to_viewer);
+                    color += passed * material.reflect(Highlight::Blinn, &light, cosine, normal, to_viewer);
                 }
             }
         }

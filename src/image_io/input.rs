@@ -4,6 +4,7 @@ use super::Format;
 use super::error::ImageError;
 use super::writer::TGA_HEADER;
 use crate::picture::{BadSize, CHANNELS, Picture};
+use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
@@ -51,6 +52,17 @@ pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, Imag
     read(path, Some(size)).map(|(picture, _)| picture)
 }
 
+/// Reads a BMP file like [`read_picture`].
+pub fn read_bmp(path: &Path) -> Result<Picture, ImageError> {
+    let failed = |error| ImageError::io("read", path, error);
+    let found = fs::metadata(path).map_err(failed)?;
+    if !found.is_file() {
+        return Err(ImageError::NotAFile { path: path.to_owned() });
+    }
+    let file = InputFile { path, length: found.len(), expected: None };
+    file.read_bmp(BufReader::new(File::open(path).map_err(failed)?))
+}
+
 fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<(Picture, u64), ImageError> {
     let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
     let failed = |error| ImageError::io("read", path, error);
@@ -84,6 +96,12 @@ impl InputFile<'_> {
         limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
         let decoder = PngDecoder::with_limits(reader, limits).map_err(|error| self.coding(error))?;
         self.decode(decoder, self.length.saturating_mul(MAX_PNG_PIXELS_PER_BYTE))
+    }
+
+    fn read_bmp(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
+        let decoder = BmpDecoder::new(reader).map_err(|error| self.coding(error))?;
+        // A byte holds eight pixels of two colours, and a run of them at most 255.
+        self.decode(decoder, self.length.saturating_mul(255))
     }
 
     fn read_tga(&self, mut reader: BufReader<File>) -> Result<Picture, ImageError> {

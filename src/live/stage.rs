@@ -5,7 +5,7 @@ use crate::renderer::{Meshes, Renderer};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{self, FoundMesh, LoadError, LoadedScene, Source};
+use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Source};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::cell::Cell;
@@ -29,6 +29,7 @@ pub struct OpenScene {
 /// The open scenes.
 pub struct Stage {
     path: PathBuf,
+    hints: Hints,
     /// Those of the command line's scene, which may stand anywhere.
     meshes: HashMap<String, Mesh>,
     first: Arc<OpenScene>,
@@ -49,13 +50,15 @@ pub struct SceneMessage {
 
 impl Stage {
     /// Opens the scene of the command line.
-    pub fn open(path: &Path, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
-        let renderer = Renderer::new(scene_io::load(path)?, Meshes::Kept)?.on_threads(threads.clone());
+    pub fn open(path: &Path, hints: &Hints, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
+        let loaded = scene_io::load_announcing(path, hints, &|_| ())?;
+        let hints = hints.clone();
+        let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
         let first = Arc::new(OpenScene { revision: 0, renderer });
         let (path, typed, next) = (path.to_owned(), Mutex::default(), AtomicU64::new(1));
-        Ok(Self { path, meshes, first, typed, next, threads })
+        Ok(Self { path, hints, meshes, first, typed, next, threads })
     }
 
     /// The scene of the command line.
@@ -92,11 +95,14 @@ impl Stage {
             }
             None => mesh_beside(name, folder),
         };
-        let read = |file: &MeshFile| match find(&file.name) {
-            Ok(mesh) => Ok(FoundMesh { mesh, file: PathBuf::from(&file.name), warnings: vec![] }),
+        let read = |file: &MeshFile, _, _| match find(&file.name) {
+            Ok(mesh) => {
+                let (file, warnings) = (PathBuf::from(&file.name), vec![]);
+                Ok(FoundMesh { mesh, file, texture_coordinates: vec![], warnings })
+            }
             Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
-        let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
+        let loaded = scene_io::load_text(source, &self.hints, &read).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
             let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(vec![SceneMessage { at: None, problem, hint: None }]);

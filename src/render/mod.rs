@@ -19,6 +19,7 @@ use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::adaptive::{Adaptive, Stratum};
+use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
@@ -99,6 +100,9 @@ pub fn render(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
+    if request.layers.iter().any(|layer| request.reduces(layer)) {
+        return render_reduced((camera, caster), view, request, tracing, watch, take_row);
+    }
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
@@ -111,6 +115,44 @@ pub fn render(
         end = strip.rows.start;
     }
     Ok(counts)
+}
+
+/// The same for a request whose colours are reduced.
+fn render_reduced(
+    scene: (&Camera, &Caster),
+    view: View,
+    request: &Request,
+    tracing: Tracing,
+    watch: Watch,
+    take_row: TakeRow,
+) -> Result<Counts, Stopped> {
+    let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
+    let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
+    let mut refused = None;
+    let mut hand_out = |layer: usize, row: Result<Option<Vec<Color>>, NoMemory>| match row {
+        Ok(Some(row)) => take_row(layer, &row),
+        Ok(None) => ControlFlow::Continue(()),
+        Err(error) => {
+            refused = Some(error);
+            ControlFlow::Break(())
+        }
+    };
+    let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
+        Some(blur) => hand_out(layer, blur.add(row)),
+        None => hand_out(layer, memory::copied(row).map(Some)),
+    };
+    let whole = Request { is_reduced: false, ..request.clone() };
+    let rendered = render(scene, view, &whole, tracing, watch, &mut reduce);
+    let last = |(layer, blur): (usize, &mut Option<Blur>)| match blur {
+        Some(blur) => hand_out(layer, blur.end()),
+        None => ControlFlow::Continue(()),
+    };
+    let is_ended = rendered.is_ok() && blurs.iter_mut().enumerate().try_for_each(last).is_break();
+    match (refused, is_ended) {
+        (Some(refused), _) => Err(refused.into()),
+        (None, true) => Err(Stopped::Output),
+        (None, false) => rendered,
+    }
 }
 
 /// The adaptive samples of the pixel in this column and row from the bottom left.
@@ -135,7 +177,7 @@ pub fn render_in_memory(
     request: &Request,
     tracing: Tracing,
 ) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
-    let empty = |layer: &Layer| FloatPicture::with_room(layer.size(request.window_size()));
+    let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
         pictures[layer].colors.extend_from_slice(row);

@@ -3,13 +3,15 @@
 
 use super::{Secondary, reflected};
 use crate::caster::Caster;
+use crate::math::double_double::Dd;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Paint, Phong};
+use crate::scene::model::{MeshNormals, Model};
 use crate::shading::phong::{Mixture, PointMaterial};
-use crate::shading::texture::material_at;
+use crate::shading::texture::{material_at, mixed_color};
 use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
@@ -28,6 +30,13 @@ pub trait Rules: Sync {
     /// What rays hit.
     fn world(&self) -> &World;
 
+    /// What the world's scene means. A caster knows only the model of the course, whatever the world says, so that
+    /// what others mean takes no time: [`ByModel`] asks the world.
+    #[inline(always)]
+    fn model(&self) -> Model {
+        Model::COURSE
+    }
+
     /// What a ray hits first that leaves the primitive `leaves`. That is not hit again, unless it is round.
     fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible>;
 
@@ -40,7 +49,12 @@ pub trait Rules: Sync {
     /// The surface that a ray hits first.
     #[inline(always)]
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        self.world().visible_surface(ray, visible)
+        let surface = self.world().visible_surface(ray, visible);
+        if self.model().normals == MeshNormals::Flat {
+            return surface;
+        }
+        let normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
+        SurfacePoint { normal, ..surface }
     }
 
     /// The instructions that textures are evaluated with. The bytes are the same with all of them.
@@ -53,24 +67,54 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let (world, instructions) = (self.world(), self.instructions());
-        if let Material::Phong(phong) = &world.materials[surface.material] {
-            return phong.into();
+        match &world.materials[surface.material] {
+            Material::Phong(phong) => return phong.into(),
+            Material::Painted(phong, paint) => {
+                let diffuse = match *paint {
+                    Paint::Image(image) => world.image_color(image, surface),
+                    Paint::Pattern(pattern, colors) => {
+                        Some(mixed_color(pattern, colors, surface.position, instructions))
+                    }
+                };
+                mixture.start(&Phong { diffuse: diffuse.unwrap_or(phong.diffuse), ..*phong }, 1.0);
+                return mixture.material();
+            }
+            Material::Texture(_) => {}
         }
         world.with_rounded_point(surface, |point| {
             material_at(&world.materials, surface.material, point, instructions, mixture)
         })
     }
 
-    /// The colour of a ray that hits nothing after so many bounces.
+    /// The colour by which a surface with this diffuse colour reflects ambient light.
     #[inline(always)]
-    fn background(&self, _bounces: u32) -> Color {
-        self.world().background
+    fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
+        if self.model() == Model::COURSE { diffuse } else { self.world().ambient_color(surface, diffuse) }
+    }
+
+    /// The colour of a ray in this direction that hits nothing after so many bounces.
+    #[inline(always)]
+    fn background(&self, direction: DVec3, _bounces: u32) -> Color {
+        if self.model() == Model::COURSE {
+            return self.world().background;
+        }
+        self.world().background_along(direction)
+    }
+
+    /// A vector along the normal of a surface, with less rounding than the unit normal where that is known.
+    fn precise_normal(&self, surface: &SurfacePoint) -> [Dd; 3] {
+        // A smooth normal is not the triangle's.
+        let primitive = surface.primitive.filter(|_| self.model().normals == MeshNormals::Flat);
+        self.world().precise_normal(primitive, surface.normal)
     }
 
     /// A ray from a surface, and the primitive that it leaves. It starts a few roundings off the surface, on the side to
     /// which it goes.
     #[inline(always)]
     fn departing(&self, _why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
+        if let Some(t_min) = self.model().epsilon {
+            return (Ray { t_min, ..Ray::new(surface.position, direction) }, None);
+        }
         let largest = self.world().max_abs_coord;
         let origin = offset_origin(surface.position, surface.normal, direction, largest);
         (Ray::new(origin, direction), surface.primitive)
@@ -115,5 +159,31 @@ impl Rules for Caster<'_> {
     #[inline(always)]
     fn instructions(&self) -> Instructions {
         self.instructions
+    }
+}
+
+/// A caster by whose rules a scene means what its model says.
+#[derive(Clone, Copy, Debug)]
+pub struct ByModel<'c, 'w>(pub &'c Caster<'w>);
+
+impl Rules for ByModel<'_, '_> {
+    #[inline(always)]
+    fn world(&self) -> &World {
+        self.0.world
+    }
+
+    #[inline(always)]
+    fn model(&self) -> Model {
+        self.0.world.model
+    }
+
+    #[inline(always)]
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        Caster::nearest(self.0, ray, leaves, probe)
+    }
+
+    #[inline(always)]
+    fn instructions(&self) -> Instructions {
+        self.0.instructions
     }
 }

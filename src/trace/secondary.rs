@@ -7,6 +7,7 @@ use super::{Arrival, Tracer};
 use crate::math::ray::Ray;
 use crate::scene::Color;
 use crate::scene::limits::BRIGHTEST;
+use crate::scene::model::Split;
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
@@ -46,7 +47,10 @@ impl<R: Rules> Tracer<'_, R> {
         observer: &mut O,
     ) {
         let kind = Secondary::Reflected;
-        let color = arrival.material.phong.reflective;
+        let color = match self.rules.model().split {
+            Split::Colors => arrival.material.phong.reflective,
+            Split::Schlick => arrival.material.phong.reflective * mirrored_part(arrival),
+        };
         let branch = self.filter_and_weight(path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let direction = self.rules.reflected(arrival.direction, arrival.surface.normal);
@@ -65,16 +69,22 @@ impl<R: Rules> Tracer<'_, R> {
     ) {
         let kind = Secondary::Refracted;
         let material = arrival.material.phong;
-        let branch = self.filter_and_weight(path, material.transparent);
+        let (color, around) = match self.rules.model().split {
+            Split::Colors => (material.transparent, path.index),
+            Split::Schlick => (material.transparent * (1.0 - mirrored_part(arrival)), OUTSIDE),
+        };
+        let branch = self.filter_and_weight(path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let (direction, normal) = (arrival.direction, arrival.surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
         let (against, index) =
             if is_entering { (normal, material.index_of_refraction) } else { (-normal, 1.0) };
-        let indices = [path.index, index];
+        let indices = match self.rules.model().split {
+            Split::Schlick if !is_entering => [material.index_of_refraction, OUTSIDE],
+            _ => [around, index],
+        };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        let primitive = arrival.surface.primitive;
-        let precise_normal = || self.world().precise_normal(primitive, normal);
+        let precise_normal = || self.rules.precise_normal(&arrival.surface);
         let refracted = refracted_between(direction, against, indices, precise_normal);
         let Some(direction) = refracted.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
             return;
@@ -113,6 +123,31 @@ impl<R: Rules> Tracer<'_, R> {
             Err(PathEnd::of(color, PathEnd::Weight { weight }))
         }
     }
+}
+
+/// The index of refraction outside every object.
+const OUTSIDE: f64 = 1.0;
+
+/// How much of the light of a transparent surface is mirrored, by Schlick's approximation ("An Inexpensive BRDF Model for
+/// Physically-based Rendering", Computer Graphics Forum 13(3), 1994); all at a surface that is opaque.
+fn mirrored_part(arrival: &Arrival) -> f64 {
+    let material = arrival.material.phong;
+    if material.transparent == Color::ZERO {
+        return 1.0;
+    }
+    let cosine = arrival.direction.dot(arrival.surface.normal);
+    let inside = material.index_of_refraction;
+    let [front, behind] = if cosine < 0.0 { [OUTSIDE, inside] } else { [inside, OUTSIDE] };
+    let ratio = front / behind;
+    let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if refracted_square < 0.0 {
+        return 1.0;
+    }
+    // The larger one of the angles in front of the surface and behind it counts.
+    let cosine = if front <= behind { cosine.abs() } else { refracted_square.sqrt() };
+    let root = (behind - front) / (behind + front);
+    let straight = root * root;
+    straight + (1.0 - straight) * (1.0 - cosine).powi(5)
 }
 
 /// A step on the way of a secondary ray, or its end.

@@ -56,6 +56,8 @@ pub fn run(
     if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
         files.before_waiting(signals)?;
     }
+    let settled = rendered.as_ref().map_or_else(|| options.clone(), |rendered| rendered.options.clone());
+    let options = &settled;
     let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &files);
     let verdict = compared.map(finish).transpose()?.flatten();
 
@@ -105,7 +107,7 @@ impl<'o> Compared<'o> {
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
         let size = |picture: &Option<Picture>| {
-            let rendered = options.size.map(|n| n as u32);
+            let rendered = options.picture_size().map(|n| n as u32);
             picture.as_ref().map_or(rendered, |picture| [picture.width(), picture.height()])
         };
         match (size(&picture), size(&reference)) {
@@ -156,7 +158,7 @@ fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
-    let fits = [a.width(), a.height()] == options.size.map(|n| n as u32);
+    let fits = [a.width(), a.height()] == options.picture_size().map(|n| n as u32);
     // Where samples depend on what they show, a wrong picture differs by its samples too.
     if options.visualize_grid || options.adaptive.is_some() || !fits {
         return None;

@@ -6,6 +6,7 @@ use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::unit;
 use crate::scene::material::{Material, Pattern, Texture};
+use crate::scene::model::Model;
 use crate::scene::{Color, MaterialId};
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
@@ -90,9 +91,13 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
         }
     }
 
-    fn background(&self, bounces: u32) -> Color {
+    fn model(&self) -> Model {
+        self.right.model()
+    }
+
+    fn background(&self, direction: DVec3, bounces: u32) -> Color {
         let is_missing = bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly);
-        if is_missing { Color::ZERO } else { self.sum(Color::ZERO, self.right.background(bounces)) }
+        if is_missing { Color::ZERO } else { self.sum(Color::ZERO, self.right.background(direction, bounces)) }
     }
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {

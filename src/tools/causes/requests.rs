@@ -99,7 +99,7 @@ pub fn has_secondary_rays(scene: &Scene) -> bool {
 /// Whether any material has a colour of this kind that is not black.
 pub fn has(scene: &Scene, color: impl Fn(&Phong) -> Color) -> bool {
     scene.materials.iter().any(|material| match material {
-        Material::Phong(phong) => color(phong) != Color::ZERO,
+        Material::Phong(phong) | Material::Painted(phong, _) => color(phong) != Color::ZERO,
         Material::Texture(_) => false,
     })
 }

@@ -76,7 +76,7 @@ fn put_out_ambient(scene: &mut Scene) -> bool {
 
 fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
     any(&mut scene.materials, |material| match material {
-        Material::Phong(phong) => change(phong),
+        Material::Phong(phong) | Material::Painted(phong, _) => change(phong),
         Material::Texture(_) => false,
     })
 }
