@@ -12,7 +12,7 @@ use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, read_obj};
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::recovery::MAX_ERRORS;
-use crate::scene::texels::Texels;
+use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::texture_coordinates::{self, Corners};
 use crate::scene::warning::SceneWarning;
 use crate::scene::{MeshFile, Scene};
@@ -117,7 +117,11 @@ pub fn load_announcing(
             problem,
         })
     };
-    load_text(Source { path: path.to_owned(), text }, hints, &read)
+    let read_image = |image: &ImageFile, edition| {
+        find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError::new(image.at, problem))
+    };
+    let readers = Readers { mesh: &read, image: &read_image };
+    load_text(Source { path: path.to_owned(), text }, hints, readers)
 }
 
 /// A mesh that a scene names.
@@ -136,11 +140,23 @@ pub struct FoundMesh {
 /// Reads a mesh that a scene of this edition names, with its texture coordinates if the last argument says so.
 pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, SceneError>;
 
-/// Reads a scene from its text. `read_mesh` reads each mesh that it names.
-pub fn load_text(source: Source, hints: &Hints, read_mesh: ReadMesh) -> Result<LoadedScene, LoadError> {
+/// Reads a picture that a scene of this edition names, and tells its file.
+pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), SceneError>;
+
+/// Reads the files that a scene names.
+#[derive(Clone, Copy)]
+pub struct Readers<'a> {
+    /// Reads its meshes.
+    pub mesh: ReadMesh<'a>,
+    /// Reads its pictures.
+    pub image: ReadImage<'a>,
+}
+
+/// Reads a scene from its text, and the files that it names.
+pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, LoadError> {
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
-        let found = read_files(&mut reading.scene, (folder, choice.edition), read_mesh)?;
+        let found = read_files(&mut reading.scene, choice.edition, readers)?;
         Ok((choice, reading, found))
     });
     match read {
@@ -200,14 +216,14 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
 /// Reads the meshes and the pictures that a scene names.
 fn read_files(
     scene: &mut Scene,
-    (folder, edition): (&Path, Edition),
-    read_mesh: ReadMesh,
+    edition: Edition,
+    readers: Readers,
 ) -> Result<Vec<FoundMesh>, Vec<SceneError>> {
     let (mut meshes, mut errors) = (vec![], vec![]);
     let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image(_)));
     let is_textured = scene.materials.iter().any(is_image);
     for file in &scene.meshes {
-        match read_mesh(file, edition, is_textured) {
+        match (readers.mesh)(file, edition, is_textured) {
             Ok(mesh) => meshes.push(mesh),
             Err(error) => errors.push(error),
         }
@@ -216,9 +232,9 @@ fn read_files(
         }
     }
     for image in &mut scene.images {
-        match read_texels(&image.name, (folder, edition)) {
-            Ok((texels, file)) => (image.texels, image.file) = (Arc::new(texels), Some(file)),
-            Err(problem) if errors.len() < MAX_ERRORS => errors.push(SceneError::new(image.at, problem)),
+        match (readers.image)(image, edition) {
+            Ok((texels, file)) => (image.texels, image.file) = (texels, Some(file)),
+            Err(error) if errors.len() < MAX_ERRORS => errors.push(error),
             Err(_) => break,
         }
     }
@@ -226,16 +242,21 @@ fn read_files(
 }
 
 /// Reads a picture that a scene names from the first place where there is one.
-fn read_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Texels, PathBuf), Problem> {
+fn find_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Arc<Texels>, PathBuf), Problem> {
     let places = mesh_places(name, folder, edition);
     let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
+    let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
+    Ok((Arc::new(read_texels(name, file)?), file.to_owned()))
+}
+
+/// Reads the picture that a scene calls `name`.
+pub(crate) fn read_texels(name: &str, file: &Path) -> Result<Texels, Problem> {
     let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
-    let file = place.ok_or_else(|| unreadable(String::new()))?;
     let is_bmp = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bmp"));
     let picture = if is_bmp { read_bmp(file) } else { read_picture(file) };
     let picture = picture.map_err(|error| unreadable(error.to_string()))?;
     let size = [picture.width(), picture.height()].map(|n| n as usize);
-    Ok((Texels { size, rgb: picture.pixels().to_vec() }, file.clone()))
+    Ok(Texels { size, rgb: picture.pixels().to_vec() })
 }
 
 /// Advice on a mesh's name for which there is no file: the name of one that is there.

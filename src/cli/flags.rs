@@ -190,6 +190,15 @@ flags! {
         .runs(SHAPING)
         .read(|values| samples(values, Pattern::Uniform));
 
+    REGULAR_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "regular_samples")
+        .values(&[number("n")])
+        .default("1, the centre")
+        .help("What -uniform_samples is in the editions of the course but Aalto's, which this flag implies: there -uniform_samples are random.")
+        .example("-regular_samples 9")
+        .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag, &ADAPTIVE_SAMPLES.flag, &JITTER.flag])
+        .runs(SHAPING)
+        .read(|values| samples(values, Pattern::Uniform));
+
     JITTERED_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "jittered_samples")
         .values(&[number("n")])
         .default("1, the centre")
@@ -426,6 +435,7 @@ flags! {
         .read(|values| Ok(values.number(THREADS_RANGE)? as usize));
 
     PROGRESS: () = Flag::new(Section::Other, "progress")
+        .aliases(&["show_progress"])
         .help("Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.")
         .excludes(&[&QUIET.flag])
         .runs(&[Run::Merge, Run::Grade, Run::ErrorReport])
@@ -467,6 +477,10 @@ flags! {
 
     GOURAUD: () = Flag::new(Section::Preview, "gouraud")
         .help("Accepted from the course; changes nothing.")
+        .read(|_| Ok(()));
+
+    SPECULAR_FIX: () = Flag::new(Section::Preview, "specular_fix")
+        .help("Accepted from Aalto's edition; changes nothing.")
         .read(|_| Ok(()));
 
     HELP: () = Flag::new(Section::Other, "help")

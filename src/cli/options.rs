@@ -132,7 +132,7 @@ impl Options {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
                 bounces: raw.read_or_default(&flags::BOUNCES)?,
-                min_weight: raw.read_or_default(&flags::WEIGHT)?,
+                min_weight: weight(raw)?,
             },
             has_default_bounces: !raw.given(&flags::BOUNCES),
             says_no_bounces: raw.read(&flags::BOUNCES)? == Some(0),
@@ -265,7 +265,11 @@ impl Options {
 /// The edition that is named, or the one that has a flag.
 fn edition(raw: &Raw) -> Result<Option<Edition>, CliError> {
     let named = raw.read(&flags::EDITION)?;
-    let flags = [(&flags::JITTER.flag, Edition::Y2012A5), (&flags::FILTER.flag, Edition::Y2012A5)];
+    let flags = [
+        (&flags::JITTER.flag, Edition::Y2012A5),
+        (&flags::FILTER.flag, Edition::Y2012A5),
+        (&flags::REGULAR_SAMPLES.flag, Edition::Aalto),
+    ];
     for (flag, has_it) in flags.into_iter().filter(|(flag, _)| raw.given(flag)) {
         match named {
             None => return Ok(Some(has_it)),
@@ -292,10 +296,26 @@ fn shadows(raw: &Raw) -> Shadows {
     }
 }
 
+/// The least weight of a ray that is traced.
+fn weight(raw: &Raw) -> Result<f64, CliError> {
+    const DEFAULT_OF_AALTO: f64 = 0.1;
+    match (raw.read(&flags::WEIGHT)?, edition(raw)?) {
+        (None, Some(Edition::Aalto)) => Ok(DEFAULT_OF_AALTO),
+        _ => raw.read_or_default(&flags::WEIGHT),
+    }
+}
+
 fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     let rng = raw.read(&flags::SEED)?.unwrap_or(Drand48::UNSEEDED);
-    let samples = [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::JITTERED_SAMPLES];
+    let samples = [
+        &flags::RANDOM_SAMPLES,
+        &flags::UNIFORM_SAMPLES,
+        &flags::REGULAR_SAMPLES,
+        &flags::JITTERED_SAMPLES,
+    ];
+    let are_random = edition(raw)? == Some(Edition::Aalto) && raw.given(&flags::UNIFORM_SAMPLES);
     Ok(match raw.read_first(&samples)? {
+        Some((_, count)) if are_random => Sampler::new(Pattern::Random, count, rng),
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
         // The first samples of each pixel.
         None if three_sizes(raw, &flags::JITTER) => Sampler::DISPLACED,

@@ -189,7 +189,8 @@ mod tests {
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
     use crate::scene::error::{Problem, SceneError};
-    use crate::scene_io::{Source, load_text};
+    use crate::scene::texels::ImageFile;
+    use crate::scene_io::{Hints, Readers, Source, load_text};
     use crate::tools::explain::Explainer;
     use crate::trace::{Effects, Shadows};
 
@@ -201,8 +202,10 @@ mod tests {
 
     fn rays(structure: Structure) -> (PixelTree, Rays) {
         let source = Source { path: "s.txt".into(), text: GLASS.into() };
-        let no_mesh = |file: &MeshFile| Err(SceneError::new(file.at, Problem::NoNormal));
-        let loaded = load_text(source, &no_mesh).unwrap();
+        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
+        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let readers = Readers { mesh: &no_mesh, image: &no_image };
+        let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
         let request = Request { effects, ..Request::new([9, 9]) };

@@ -4,8 +4,9 @@ use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Source};
+use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::cell::Cell;
@@ -95,14 +96,30 @@ impl Stage {
             }
             None => mesh_beside(name, folder),
         };
+        let first = &self.first.renderer.scene;
+        let coordinates = |name: &str| {
+            let known = first.meshes.iter().find(|file| file.name == name);
+            known.map_or(vec![], |file| file.texture_coordinates.to_vec())
+        };
         let read = |file: &MeshFile, _, _| match find(&file.name) {
             Ok(mesh) => {
+                let texture_coordinates = coordinates(&file.name);
                 let (file, warnings) = (PathBuf::from(&file.name), vec![]);
-                Ok(FoundMesh { mesh, file, texture_coordinates: vec![], warnings })
+                Ok(FoundMesh { mesh, file, texture_coordinates, warnings })
             }
             Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
-        let loaded = scene_io::load_text(source, &self.hints, &read).map_err(SceneMessage::of)?;
+        // Pictures are those of the command line's scene, which may stand anywhere.
+        let read_image = |image: &ImageFile, _| {
+            let known = first.images.iter().find(|known| known.name == image.name);
+            let reason = "a page opens the pictures of the command line's scene only";
+            known.map(|known| (known.texels.clone(), PathBuf::from(&image.name))).ok_or_else(|| {
+                let (name, reason) = (image.name.clone(), reason.to_owned());
+                SceneError::new(image.at, Problem::ImageUnreadable { name, reason })
+            })
+        };
+        let readers = Readers { mesh: &read, image: &read_image };
+        let loaded = scene_io::load_text(source, &self.hints, readers).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
             let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(vec![SceneMessage { at: None, problem, hint: None }]);

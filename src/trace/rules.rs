@@ -132,6 +132,12 @@ pub trait Rules: Sync {
         reflected(direction, normal)
     }
 
+    /// The part of the light that is mirrored at a surface, of which Schlick's approximation says `part`.
+    #[inline(always)]
+    fn mirrored(&self, part: f64) -> f64 {
+        part
+    }
+
     /// What the light of one source adds to the colour of a surface.
     #[inline(always)]
     fn light(&self, color: Color) -> Color {

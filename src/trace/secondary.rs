@@ -49,7 +49,7 @@ impl<R: Rules> Tracer<'_, R> {
         let kind = Secondary::Reflected;
         let color = match self.rules.model().split {
             Split::Colors => arrival.material.phong.reflective,
-            Split::Schlick => arrival.material.phong.reflective * mirrored_part(arrival),
+            Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(arrival),
         };
         let branch = self.filter_and_weight(path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
@@ -71,7 +71,7 @@ impl<R: Rules> Tracer<'_, R> {
         let material = arrival.material.phong;
         let (color, around) = match self.rules.model().split {
             Split::Colors => (material.transparent, path.index),
-            Split::Schlick => (material.transparent * (1.0 - mirrored_part(arrival)), OUTSIDE),
+            Split::Schlick => (material.transparent * (1.0 - self.mirrored_part(arrival)), OUTSIDE),
         };
         let branch = self.filter_and_weight(path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
@@ -91,6 +91,10 @@ impl<R: Rules> Tracer<'_, R> {
         };
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
         pending.push(self.branch(kind, arrival, direction, path, observer));
+    }
+
+    fn mirrored_part(&self, arrival: &Arrival) -> f64 {
+        self.rules.mirrored(mirrored_part(arrival))
     }
 
     #[inline(always)]

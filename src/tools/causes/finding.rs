@@ -157,6 +157,11 @@ impl Original<'_> {
     /// differ: a window of some two thousand camera rays. All are of the original's size. None of a picture whose
     /// difference lies elsewhere than that of the others.
     pub fn explain_parts(&mut self, wrong: &[Picture], b: &Picture) -> Vec<Option<Finding>> {
+        if self.request.is_reduced {
+            // A window would need the pixels around it.
+            let found = find_causes(Cause::all(), |cause| self.picture(cause), wrong, b);
+            return found.into_iter().map(Some).collect();
+        }
         let mut findings = vec![None; wrong.len()];
         for telling in telling_windows(wrong, b, self.request.sampler) {
             let parts: Vec<Picture> =

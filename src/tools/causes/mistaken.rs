@@ -127,6 +127,11 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
         }
     }
 
+    fn mirrored(&self, part: f64) -> f64 {
+        // All is mirrored at what is opaque, and where nothing is refracted.
+        if self.breaks(Rule::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
+    }
+
     fn light(&self, color: Color) -> Color {
         self.clamped_by(Rule::LightsClamped, color)
     }

@@ -9,8 +9,9 @@ use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
 use crate::render::Request;
 use crate::renderer::Renderer;
 use crate::scene::material::{Material, Pattern};
+use crate::scene::model::Split;
 use crate::scene::{Color, Light, Object, Scene};
-use crate::trace::{Rules, Shadows, Tracer};
+use crate::trace::{ByModel, Rules, Shadows, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -51,6 +52,8 @@ pub enum Rule {
         /// The distance that is overlooked.
         distance: f64,
     },
+    /// The parts of the light that are mirrored at glass and that go through it are swapped.
+    SchlickSwapped,
     /// Colours are computed in single precision.
     SinglePrecision,
 }
@@ -80,6 +83,7 @@ impl Rule {
                 Self::NormalsByMatrix,
                 Self::NormalsOfObjectSpace,
                 Self::CheckerboardCut,
+                Self::SchlickSwapped,
             ])
             .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
             .chain([Self::SinglePrecision])
@@ -105,6 +109,9 @@ impl Rule {
                 Self::BackgroundForCameraOnly => bounces > 0 && scene.background.color != Color::ZERO,
                 Self::NormalsByMatrix | Self::NormalsOfObjectSpace => {
                     scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
+                }
+                Self::SchlickSwapped => {
+                    bounces > 0 && scene.model.split == Split::Schlick && has(scene, |phong| phong.transparent)
                 }
                 Self::CheckerboardCut => scene.materials.iter().any(is_checkerboard),
                 Self::Epsilon { .. } => has_shadows || bounces > 0,
@@ -144,7 +151,11 @@ pub fn colors(
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
-    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), rule).ok())?;
+    let caster = prepared.caster();
+    let colors = renderer.on_own_threads(|| match caster.world.is_of_course() {
+        true => colors(renderer, request, caster, rule).ok(),
+        false => colors(renderer, request, &ByModel(caster), rule).ok(),
+    })?;
     Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 
@@ -160,6 +171,7 @@ fn cut_singles(colors: &FloatPicture) -> Picture {
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::SchlickSwapped => "with the mirrored and the refracted part of light at glass swapped",
             Self::Shifted { half_pixels } => return shifted(*half_pixels, f),
             Self::Epsilon { distance } => {
                 return write!(f, "with an epsilon of {distance} for secondary rays, which is too large");

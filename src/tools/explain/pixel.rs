@@ -17,7 +17,7 @@ use crate::scene::material::Material;
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
-use crate::trace::{Observer, Tracer};
+use crate::trace::{ByModel, Observer, Tracer};
 use crate::world::World;
 use glam::DVec2;
 use serde::Serialize;
@@ -150,8 +150,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let caster = self.prepared.caster();
         let mut recorder = Recorder::of(*ray);
         recorder.non_shadow_ray();
-        let tracer = Tracer { rules: caster, effects: request.effects };
-        let color = tracer.color(ray, &mut recorder);
+        let effects = request.effects;
+        let color = match caster.world.is_of_course() {
+            true => Tracer { rules: caster, effects }.color(ray, &mut recorder),
+            false => Tracer { rules: &ByModel(caster), effects }.color(ray, &mut recorder),
+        };
         let mut rays = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];
