@@ -149,7 +149,9 @@ fn mirrored_part(arrival: &Arrival) -> f64 {
     }
     // The larger one of the angles in front of the surface and behind it counts.
     let cosine = if front <= behind { cosine.abs() } else { refracted_square.sqrt() };
-    let root = (behind - front) / (behind + front);
+    // As in the course's program, the surface is compared with the medium that the ray is in. Inside the object that is the
+    // same, so that nothing is mirrored there at a right angle.
+    let root = (inside - front) / (inside + front);
     let straight = root * root;
     straight + (1.0 - straight) * (1.0 - cosine).powi(5)
 }
