@@ -246,17 +246,17 @@ fn find_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Arc<T
     let places = mesh_places(name, folder, edition);
     let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
     let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
-    Ok((Arc::new(read_texels(name, file)?), file.to_owned()))
+    Ok((Arc::new(read_texels(name, file, edition)?), file.to_owned()))
 }
 
 /// Reads the picture that a scene calls `name`.
-pub(crate) fn read_texels(name: &str, file: &Path) -> Result<Texels, Problem> {
+fn read_texels(name: &str, file: &Path, edition: Edition) -> Result<Texels, Problem> {
     let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
     let is_bmp = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bmp"));
     let picture = if is_bmp { read_bmp(file) } else { read_picture(file) };
     let picture = picture.map_err(|error| unreadable(error.to_string()))?;
     let size = [picture.width(), picture.height()].map(|n| n as usize);
-    Ok(Texels { size, rgb: picture.pixels().to_vec() })
+    Ok(Texels { size, rgb: picture.pixels().to_vec(), divides_last: edition.divides_texels_last() })
 }
 
 /// Advice on a mesh's name for which there is no file: the name of one that is there.

@@ -17,6 +17,7 @@ use crate::image_io::read_picture;
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing};
 use crate::scene::Camera;
+use crate::scene::edition::Edition;
 use crate::scene::parser::parse_camera;
 use crate::tools::explain::Explainer;
 use serde::de::DeserializeOwned;
@@ -118,8 +119,8 @@ impl App {
         })
     }
 
-    fn edit(&self, Edited { text }: Edited) -> Found {
-        Ok(match self.stage.type_in(text) {
+    fn edit(&self, Edited { text, edition }: Edited) -> Found {
+        Ok(match self.stage.type_in(text, edition.as_deref().and_then(Edition::named)) {
             Ok(scene) => framed(json!({ "scene": description(&scene) }), &[]),
             Err(errors) => framed(json!({ "errors": errors }), &[]),
         })
@@ -226,7 +227,7 @@ impl App {
 
     fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
-        let options = self.most.options(&view.words).map_err(impossible)?;
+        let options = self.most.options(&view.words).map_err(impossible)?.in_edition(scene.edition);
         let camera = view.camera.as_deref().map(read_camera).transpose()?;
         Ok(Subject { scene, options, camera, cost: view.show.cost(), sketch: None })
     }

@@ -12,9 +12,12 @@ const size = () => [Number(value('width')), Number(value('height'))];
 // The flags. Those of the samples can be replaced.
 function wordsOf(samples = sampleWords()) {
   const words = ['-size', value('width'), value('height')];
+  if (value('edition')) words.push('-edition', value('edition'));
   if (value('shadows')) words.push(value('shadows'));
   if (find('shade_back').checked) words.push('-shade_back');
-  if (Number(value('bounces')) !== 0) words.push('-bounces', value('bounces'));
+  // There the default is another.
+  const isSaid = value('edition') === '2012a5';
+  if (isSaid || Number(value('bounces')) !== 0) words.push('-bounces', value('bounces'));
   if (Number(value('weight')) !== 0) words.push('-weight', value('weight'));
   words.push(...samples);
   if (value('seed')) words.push('-seed', value('seed'));
@@ -44,6 +47,7 @@ function fillControls(words) {
   for (; at < words.length; at++) {
     const flag = words[at];
     if (flag === '-size') [set('width', next()), set('height', next())];
+    if (flag === '-edition') set('edition', next());
     if (flag === '-shadows' && value('shadows') === '') set('shadows', flag);
     if (flag === '-transparent_shadows') set('shadows', flag);
     if (flag === '-shade_back') find('shade_back').checked = true;
@@ -84,6 +88,7 @@ function toggleShow(kind) {
 }
 
 function startControls() {
+  find('edition').addEventListener('change', editorSends);
   find('controls').addEventListener('submit', (event) => event.preventDefault());
   find('controls').addEventListener('input', () => {
     enableControls();

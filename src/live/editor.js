@@ -23,7 +23,7 @@ async function editorSends() {
   clearTimeout(editor.timer);
   const text = editor.area.value;
   try {
-    const { meta } = await ask('/scene', { text });
+    const { meta } = await ask('/scene', { text, edition: value('edition') || null });
     if (mine !== editor.sent) return;
     editor.errors = meta.errors || [];
     if (meta.scene) view.open(meta.scene);

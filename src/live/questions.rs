@@ -58,6 +58,8 @@ pub struct Wanted {
 #[derive(Clone, Debug, Deserialize)]
 pub struct Edited {
     pub text: String,
+    /// The edition that it is read in; none for that which its words tell.
+    pub edition: Option<String>,
 }
 
 /// The pixel whose rays are traced, by column and row from the top left.

@@ -2,6 +2,7 @@
 
 use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::renderer::{Meshes, Renderer};
+use crate::scene::edition::Edition;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, parse_obj};
 use crate::scene::texels::ImageFile;
@@ -24,6 +25,8 @@ const KEPT: usize = 4;
 pub struct OpenScene {
     /// By which a page names it; 0 is the command line's.
     pub revision: u64,
+    /// The edition that it was read in.
+    pub edition: Edition,
     pub renderer: Renderer,
 }
 
@@ -54,10 +57,11 @@ impl Stage {
     pub fn open(path: &Path, hints: &Hints, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
         let loaded = scene_io::load_announcing(path, hints, &|_| ())?;
         let hints = hints.clone();
+        let edition = loaded.choice.edition;
         let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
-        let first = Arc::new(OpenScene { revision: 0, renderer });
+        let first = Arc::new(OpenScene { revision: 0, edition, renderer });
         let (path, typed, next) = (path.to_owned(), Mutex::default(), AtomicU64::new(1));
         Ok(Self { path, hints, meshes, first, typed, next, threads })
     }
@@ -73,12 +77,13 @@ impl Stage {
         [&self.first].into_iter().chain(&*typed).find(|scene| scene.revision == revision).cloned()
     }
 
-    /// Opens a text in place of the command line's scene.
-    pub fn type_in(&self, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    /// Opens a text in place of the command line's scene. Without an edition its words tell it.
+    pub fn type_in(&self, text: String, edition: Option<Edition>) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
-        let renderer = self.renderer(source)?.on_threads(self.threads.clone());
+        let (edition, renderer) = self.renderer(source, edition)?;
+        let renderer = renderer.on_threads(self.threads.clone());
         let revision = self.next.fetch_add(1, Ordering::Relaxed);
-        let scene = Arc::new(OpenScene { revision, renderer });
+        let scene = Arc::new(OpenScene { revision, edition, renderer });
         let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
         typed.push(scene.clone());
         let surplus = typed.len().saturating_sub(KEPT);
@@ -86,7 +91,12 @@ impl Stage {
         Ok(scene)
     }
 
-    fn renderer(&self, source: Source) -> Result<Renderer, Vec<SceneMessage>> {
+    fn renderer(
+        &self,
+        source: Source,
+        edition: Option<Edition>,
+    ) -> Result<(Edition, Renderer), Vec<SceneMessage>> {
+        let hints = Hints { edition, ..self.hints.clone() };
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let find = |name: &str| match self.meshes.get(name) {
@@ -119,12 +129,13 @@ impl Stage {
             })
         };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = scene_io::load_text(source, &self.hints, readers).map_err(SceneMessage::of)?;
+        let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
         if primitives(&loaded) > MAX_PRIMITIVES {
             let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(vec![SceneMessage { at: None, problem, hint: None }]);
         }
-        Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)
+        let edition = loaded.choice.edition;
+        Ok((edition, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
     }
 }
 

@@ -101,6 +101,11 @@ impl Edition {
         if self == Y2019 { "png" } else { "bmp" }
     }
 
+    /// Whether the texels of pictures are interpolated as bytes.
+    pub fn divides_texels_last(self) -> bool {
+        self != Y2019
+    }
+
     /// What its scenes mean.
     pub fn model(self) -> Model {
         const A4: Model = Model {
@@ -234,5 +239,65 @@ impl fmt::Display for Edition {
 impl Serialize for Edition {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube map with this ending is there, and pictures with this one are written.
+    struct Around(&'static str, &'static str);
+
+    impl Clues for Around {
+        fn has_face(&self, folder: &str, ending: &str) -> bool {
+            folder == "tex/sky" && ending == self.0
+        }
+
+        fn writes(&self, ending: &str) -> bool {
+            ending == self.1
+        }
+    }
+
+    fn found(text: &str, around: Around) -> Option<(Edition, String)> {
+        let choice = Edition::of_words(text, &around)?;
+        Some((choice.edition, choice.because.unwrap()))
+    }
+
+    #[test]
+    fn words_and_what_is_around_them_tell_the_edition() {
+        for (text, around, edition, because) in [
+            ("shininess", Around("", ""), Y2012A4, "`shininess`"),
+            ("shininess", Around("", "bmp"), Y2012A4, "`shininess`, and the picture in BMP"),
+            ("shininess", Around("", "png"), Y2019, "`shininess`, and the picture in PNG"),
+            ("falloff", Around("", "png"), Y2012A5, "`falloff`"),
+            ("shininess falloff", Around("", ""), Y2019, "`shininess`, and `falloff`"),
+            ("shininess falloff", Around("", "bmp"), Y2012A5, "`shininess`, and the picture in BMP"),
+            ("texture a.bmp", Around("", "png"), Y2012A4, "`texture`"),
+            ("shininess refractionIndex falloff", Around("", ""), Y2012A5, "`shininess`, and `refractionIndex`"),
+            ("Materials { Material { Noise { } } Matrix4f", Around("", ""), Y2012A5, "`Matrix4f`, and `Noise`"),
+            ("cubeMap tex/sky", Around("png", "bmp"), Y2019, "`cubeMap`, and the cube map of PNG files"),
+            ("cubeMap tex/sky", Around("bmp", "png"), Y2012A5, "`cubeMap`, and the cube map of BMP files"),
+            ("cubeMap tex/none", Around("bmp", "png"), Y2012A5, "`cubeMap`"),
+            ("shininess obj_file models/a.obj", Around("", ""), Y2019, "`shininess`, and the meshes in `models/`"),
+        ] {
+            assert_eq!(found(text, around), Some((edition, because.to_owned())), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_word_of_2004_or_no_word_at_all_tells_nothing() {
+        for text in ["", "Sphere { radius 1 }", "shininess exponent", "Materials { Noise { falloff", "texture", "noise"] {
+            // A texture is a word of 2012 only.
+            assert_eq!(found(text, Around("png", "bmp")).is_some(), text == "texture", "{text}");
+        }
+    }
+
+    #[test]
+    fn editions_have_names() {
+        for (edition, name) in Edition::ALL.into_iter().zip(Edition::NAMES) {
+            assert_eq!((edition.name(), Edition::named(name)), (name, Some(edition)));
+        }
+        assert_eq!(Edition::named("2005"), None);
     }
 }

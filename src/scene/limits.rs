@@ -116,7 +116,7 @@ mod tests {
     fn change_phong(scene: &mut Scene, change: impl Fn(&mut Phong)) {
         match &mut scene.materials[0] {
             Material::Phong(phong) => change(phong),
-            Material::Texture(_) => unreachable!(),
+            Material::Texture(_) | Material::Painted(..) => unreachable!(),
         }
     }
 

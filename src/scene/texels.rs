@@ -28,6 +28,8 @@ pub struct Texels {
     pub size: [usize; 2],
     /// Red, green and blue of each pixel, row by row from the top.
     pub rgb: Vec<u8>,
+    /// Whether colours are interpolated as bytes and divided by 255 then, or the other way round.
+    pub divides_last: bool,
 }
 
 impl Texels {
@@ -43,7 +45,7 @@ impl Texels {
             + texel(1.0, 0.0) * (a * (1.0 - b))
             + texel(0.0, 1.0) * ((1.0 - a) * b)
             + texel(1.0, 1.0) * (a * b);
-        color.as_dvec3()
+        (if self.divides_last { color / 255.0 } else { color }).as_dvec3()
     }
 
     /// The nearest texel to this column and row.
@@ -53,7 +55,8 @@ impl Texels {
             .map(|(place, count)| (place as usize).min(count.saturating_sub(1)));
         match self.rgb.get(3 * (j * self.size[0] + i)..) {
             Some([red, green, blue, ..]) => {
-                Vec3::new((*red).into(), (*green).into(), (*blue).into()) / 255.0
+                let bytes = Vec3::new((*red).into(), (*green).into(), (*blue).into());
+                if self.divides_last { bytes } else { bytes / 255.0 }
             }
             _ => Vec3::ZERO,
         }
@@ -80,5 +83,48 @@ pub fn face(direction: DVec3) -> (usize, [f32; 2]) {
     } else {
         let (s, t) = (half(x / z), half(y / z));
         if z > 0.0 { (4, [1.0 - s, t]) } else { (5, [s, 1.0 - t]) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two texels beside each other, and two below.
+    fn texels() -> Texels {
+        let rgb = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255];
+        Texels { size: [2, 2], rgb, divides_last: false }
+    }
+
+    #[test]
+    fn texels_are_at_their_upper_left_corners() {
+        let color = |s, t| texels().color([s, t]).to_array();
+        assert_eq!(color(0.0, 1.0), [1.0, 0.0, 0.0]);
+        assert_eq!(color(0.5, 1.0), [0.0, 1.0, 0.0]);
+        assert_eq!(color(0.0, 0.5), [0.0, 0.0, 1.0]);
+        assert_eq!(color(0.25, 1.0), [0.5, 0.5, 0.0]);
+        assert_eq!(color(0.25, 0.75), [0.5, 0.5, 0.5]);
+        // Beyond the last texel it goes on.
+        assert_eq!(color(1.0, 0.0), [1.0, 1.0, 1.0]);
+        assert_eq!(color(9.0, 1.0), [0.0, 1.0, 0.0]);
+        assert_eq!(color(f32::NAN, 0.5).map(f64::is_nan), [true; 3]);
+        assert_eq!(Texels { divides_last: true, ..texels() }.color([0.25, 1.0]).to_array(), [0.5, 0.5, 0.0]);
+        assert_eq!(Texels::default().color([0.5, 0.5]), Color::ZERO);
+    }
+
+    #[test]
+    fn each_direction_meets_a_face() {
+        for (direction, name, place) in [
+            (DVec3::new(2.0, 1.0, 0.0), "right", [0.5, 0.75]),
+            (DVec3::new(-2.0, 1.0, 0.0), "left", [0.5, 0.75]),
+            (DVec3::new(1.0, 2.0, 1.0), "up", [0.75, 0.75]),
+            (DVec3::new(1.0, -2.0, 1.0), "down", [0.75, 0.75]),
+            (DVec3::new(1.0, 1.0, 2.0), "front", [0.25, 0.75]),
+            (DVec3::new(1.0, 1.0, -2.0), "back", [0.25, 0.75]),
+            (DVec3::ONE, "right", [1.0, 1.0]),
+        ] {
+            let (index, found) = face(direction);
+            assert_eq!((FACES[index], found), (name, place), "{direction}");
+        }
     }
 }
