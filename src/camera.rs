@@ -129,8 +129,9 @@ impl Camera {
         let span = self.span;
         // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
         // exact mirror images.
-        let on_screen =
-            |pixel: N, offset: N, middle: f64, span: f64| (pixel + half - pixel.broadcast(middle) + offset) / pixel.broadcast(span);
+        let on_screen = |pixel: N, offset: N, middle: f64, span: f64| {
+            (pixel + half - pixel.broadcast(middle) + offset) / pixel.broadcast(span)
+        };
         let (x, y) =
             (on_screen(column, offset[0], middle.x, span.x), on_screen(row, offset[1], middle.y, span.y));
         let across = splat(self.horizontal) * x + splat(self.vertical) * y;

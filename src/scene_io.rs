@@ -339,7 +339,8 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let folder = scene.parent().unwrap_or(Path::new(""));
     let read = |text: String| read_words(&text, Around { hints, folder });
     let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
-    let find = |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
+    let find =
+        |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
     let images = named.images.iter().map(|image| &image.name);
     named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
 }
@@ -430,7 +431,10 @@ mod tests {
 
     #[test]
     fn the_working_directory_comes_first() {
-        assert_eq!(mesh_places("m.obj", Path::new("s"), Edition::Y2004), [Path::new("m.obj"), Path::new("s/m.obj")]);
+        assert_eq!(
+            mesh_places("m.obj", Path::new("s"), Edition::Y2004),
+            [Path::new("m.obj"), Path::new("s/m.obj")]
+        );
         assert_eq!(mesh_places("m.obj", Path::new(""), Edition::Y2004), [Path::new("m.obj")]);
         assert_eq!(mesh_places("/m.obj", Path::new("s"), Edition::Y2004), [Path::new("/m.obj")]);
     }

@@ -111,6 +111,7 @@ impl Products {
     ) -> Result<Vec<KeptPart>, String> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
             (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            (Product::File(_), None) if layer == Layer::Color => Ok(None),
             // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
             (Product::File(writer), None) => {
                 let file = writer.complete().map_err(failed)?;

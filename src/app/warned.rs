@@ -21,7 +21,9 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
 pub fn about_edition(choice: &Choice) -> Option<String> {
     let Choice { edition, because } = choice;
     let because = because.as_ref()?;
-    Some(format!("note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"))
+    Some(format!(
+        "note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
+    ))
 }
 
 /// What is doubtful about a scene that has been read and about the flags it is rendered with.

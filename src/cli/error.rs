@@ -210,7 +210,9 @@ impl CliError {
             Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
             Self::WrongCount { flag, given } => wrong_count(flag, *given),
             Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
-            Self::ReducedToNothing => "`-filter`: a third of the picture's width or height is no pixel".into(),
+            Self::ReducedToNothing => {
+                "`-filter`: a third of the picture's width or height is no pixel".into()
+            }
             Self::OtherEdition { flag, has_it, named } => {
                 format!("`-{flag}` is a flag of the edition {has_it}, not of {named}: `-edition {has_it}`")
             }

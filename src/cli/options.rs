@@ -307,12 +307,8 @@ fn weight(raw: &Raw) -> Result<f64, CliError> {
 
 fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     let rng = raw.read(&flags::SEED)?.unwrap_or(Drand48::UNSEEDED);
-    let samples = [
-        &flags::RANDOM_SAMPLES,
-        &flags::UNIFORM_SAMPLES,
-        &flags::REGULAR_SAMPLES,
-        &flags::JITTERED_SAMPLES,
-    ];
+    let samples =
+        [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::REGULAR_SAMPLES, &flags::JITTERED_SAMPLES];
     let are_random = edition(raw)? == Some(Edition::Aalto) && raw.given(&flags::UNIFORM_SAMPLES);
     Ok(match raw.read_first(&samples)? {
         Some((_, count)) if are_random => Sampler::new(Pattern::Random, count, rng),
@@ -331,5 +327,6 @@ fn filter(raw: &Raw) -> Result<Filter, CliError> {
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {
     let tessellation = raw.read(&flags::TESSELLATION)?;
-    Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
+    let others = [&flags::GUI.flag, &flags::GOURAUD.flag, &flags::SPECULAR_FIX.flag];
+    Ok(tessellation.is_some() || others.into_iter().any(|flag| raw.given(flag)))
 }

@@ -24,7 +24,7 @@ pub use complete_file::{CompleteFile, put_in_place};
 pub use error::ImageError;
 pub use file_id::FileId;
 pub use float_rows::{Content, Exceptional};
-pub use input::{read_clamped_picture, read_bmp, read_picture, read_picture_of_size};
+pub use input::{read_bmp, read_clamped_picture, read_picture, read_picture_of_size};
 pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
 pub use part::{NotPart, Part};

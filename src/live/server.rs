@@ -55,7 +55,8 @@ impl Server {
         let count = setup.options.threads.unwrap_or_else(cores);
         let threads = ThreadPoolBuilder::new().num_threads(count).build();
         let threads = Arc::new(threads.map_err(|error| failed(&error))?);
-        let stage = Stage::open(setup.input, &setup.options.hints(), threads).map_err(|error: LoadError| error.to_string())?;
+        let stage = Stage::open(setup.input, &setup.options.hints(), threads)
+            .map_err(|error: LoadError| error.to_string())?;
         let app = App::new(setup, stage).map_err(|error| failed(&error))?;
         let listener =
             TcpListener::bind((Ipv4Addr::LOCALHOST, setup.port)).map_err(|error| failed(&error))?;

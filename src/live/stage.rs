@@ -78,7 +78,11 @@ impl Stage {
     }
 
     /// Opens a text in place of the command line's scene. Without an edition its words tell it.
-    pub fn type_in(&self, text: String, edition: Option<Edition>) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    pub fn type_in(
+        &self,
+        text: String,
+        edition: Option<Edition>,
+    ) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
         let (edition, renderer) = self.renderer(source, edition)?;
         let renderer = renderer.on_threads(self.threads.clone());

@@ -51,9 +51,10 @@ impl CRand {
         }
         let mut following = self.clone();
         let words = std::array::from_fn(|_| {
-            let word = following.in_order().zip(combination).fold(0u32, |sum, (word, factor)| {
-                sum.wrapping_add(word.wrapping_mul(factor))
-            });
+            let word = following
+                .in_order()
+                .zip(combination)
+                .fold(0u32, |sum, (word, factor)| sum.wrapping_add(word.wrapping_mul(factor)));
             following.step();
             word
         });
@@ -118,7 +119,8 @@ mod tests {
     use super::*;
 
     /// What a C program prints that calls `rand` and never `srand`.
-    const FIRST: [u32; 6] = [1_804_289_383, 846_930_886, 1_681_692_777, 1_714_636_915, 1_957_747_793, 424_238_335];
+    const FIRST: [u32; 6] =
+        [1_804_289_383, 846_930_886, 1_681_692_777, 1_714_636_915, 1_957_747_793, 424_238_335];
 
     #[test]
     fn the_first_numbers_are_those_of_the_library() {

@@ -274,12 +274,27 @@ mod tests {
             ("shininess falloff", Around("", ""), Y2019, "`shininess`, and `falloff`"),
             ("shininess falloff", Around("", "bmp"), Y2012A5, "`shininess`, and the picture in BMP"),
             ("texture a.bmp", Around("", "png"), Y2012A4, "`texture`"),
-            ("shininess refractionIndex falloff", Around("", ""), Y2012A5, "`shininess`, and `refractionIndex`"),
-            ("Materials { Material { Noise { } } Matrix4f", Around("", ""), Y2012A5, "`Matrix4f`, and `Noise`"),
+            (
+                "shininess refractionIndex falloff",
+                Around("", ""),
+                Y2012A5,
+                "`shininess`, and `refractionIndex`",
+            ),
+            (
+                "Materials { Material { Noise { } } Matrix4f",
+                Around("", ""),
+                Y2012A5,
+                "`Matrix4f`, and `Noise`",
+            ),
             ("cubeMap tex/sky", Around("png", "bmp"), Y2019, "`cubeMap`, and the cube map of PNG files"),
             ("cubeMap tex/sky", Around("bmp", "png"), Y2012A5, "`cubeMap`, and the cube map of BMP files"),
             ("cubeMap tex/none", Around("bmp", "png"), Y2012A5, "`cubeMap`"),
-            ("shininess obj_file models/a.obj", Around("", ""), Y2019, "`shininess`, and the meshes in `models/`"),
+            (
+                "shininess obj_file models/a.obj",
+                Around("", ""),
+                Y2019,
+                "`shininess`, and the meshes in `models/`",
+            ),
         ] {
             assert_eq!(found(text, around), Some((edition, because.to_owned())), "{text}");
         }
@@ -287,7 +302,14 @@ mod tests {
 
     #[test]
     fn a_word_of_2004_or_no_word_at_all_tells_nothing() {
-        for text in ["", "Sphere { radius 1 }", "shininess exponent", "Materials { Noise { falloff", "texture", "noise"] {
+        for text in [
+            "",
+            "Sphere { radius 1 }",
+            "shininess exponent",
+            "Materials { Noise { falloff",
+            "texture",
+            "noise",
+        ] {
             // A texture is a word of 2012 only.
             assert_eq!(found(text, Around("png", "bmp")).is_some(), text == "texture", "{text}");
         }

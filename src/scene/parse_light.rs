@@ -1,8 +1,8 @@
 //! Reads lights.
 
 use super::edition::Edition;
-use super::list::counted_list;
 use super::error::{Problem, SceneError};
+use super::list::counted_list;
 use super::reader::{Parsed, Reader};
 use super::warning;
 use super::{Color, Light, Position};

@@ -113,15 +113,9 @@ fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
 fn later_fields(edition: Edition) -> &'static [&'static str] {
     match edition {
         Edition::Y2012A4 => &["diffuseColor", "specularColor", "shininess", "texture"],
-        Edition::Y2012A5 => &[
-            "diffuseColor",
-            "specularColor",
-            "shininess",
-            "texture",
-            "refractionIndex",
-            "bump",
-            "Noise",
-        ],
+        Edition::Y2012A5 => {
+            &["diffuseColor", "specularColor", "shininess", "texture", "refractionIndex", "bump", "Noise"]
+        }
         _ => &["diffuseColor", "specularColor", "shininess", "bump"],
     }
 }

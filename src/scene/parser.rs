@@ -9,8 +9,8 @@ use super::parse_object::ObjectTree;
 use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
 use super::recovery::Findings;
-use super::warning::{self, Doubt, SceneWarning};
 use super::texels::{CubeFaces, FACES};
+use super::warning::{self, Doubt, SceneWarning};
 use super::{Background, Camera, Light, Object, ObjectId, Position, Scene};
 
 const BLOCKS: [&str; 6] =
@@ -235,9 +235,8 @@ fn parse_background(reader: &mut Reader<'_>) -> Parsed<(Background, Option<CubeF
         } else if has_map && reader.accept("cubeMap") {
             let folder = reader.file_name("cubeMap")?;
             let ending = reader.edition.ending_of_faces();
-            cube_map = Some(
-                FACES.map(|face| reader.image(format!("{}/{face}.{ending}", folder.text), folder.at)),
-            );
+            cube_map =
+                Some(FACES.map(|face| reader.image(format!("{}/{face}.{ending}", folder.text), folder.at)));
         } else if reader.is_at("}") {
             reader.close(name)?;
             return Ok((background, cube_map));

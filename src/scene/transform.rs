@@ -80,8 +80,7 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let (mut rows, mut first_wrong) = ([[0.0; 4]; 4], None);
     for place in 0..16 {
         let (at, number) = (reader.peek().at, reader.number(name)?);
-        let [row, column] =
-            if name == "Matrix4f" { [place % 4, place / 4] } else { [place / 4, place % 4] };
+        let [row, column] = if name == "Matrix4f" { [place % 4, place / 4] } else { [place / 4, place % 4] };
         rows[row][column] = number;
         if row == 3 && number != [0.0, 0.0, 0.0, 1.0][column] {
             first_wrong.get_or_insert(at);

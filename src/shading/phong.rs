@@ -232,7 +232,10 @@ mod tests {
         let color = mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::Y, DVec3::Y);
         let highlights = 0.25 * one.specular * 0.5 + 0.75 * other.specular * 0.25;
         assert!((color - light.color * (0.5 * mix.phong.diffuse + highlights)).length() < 1e-15, "{color}");
-        assert_eq!(mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::NEG_Y, DVec3::Y), light.color * 0.5 * mix.phong.diffuse);
+        assert_eq!(
+            mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::NEG_Y, DVec3::Y),
+            light.color * 0.5 * mix.phong.diffuse
+        );
     }
 
     #[test]

@@ -9,9 +9,9 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::rounded_affine::RoundedAffine;
 use crate::math::rounded_point::RoundedPoint;
-use crate::scene::{Color, MaterialId};
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
+use crate::scene::{Color, MaterialId};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 

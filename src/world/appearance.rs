@@ -19,13 +19,17 @@ impl World {
     pub fn background_along(&self, direction: DVec3) -> Color {
         let Some(faces) = self.cube_map else { return self.background };
         let (index, place) = face(direction);
-        faces.get(index).and_then(|&image| self.images.get(image)).map_or(self.background, |image| image.color(place))
+        faces
+            .get(index)
+            .and_then(|&image| self.images.get(image))
+            .map_or(self.background, |image| image.color(place))
     }
 
     /// The normal on a smooth mesh, which is interpolated between the vertices; none on other surfaces.
     pub fn smooth_normal(&self, surface: &SurfacePoint) -> Option<DVec3> {
         let triangle = surface.triangle? as usize;
-        let normal = |vertex: u32| self.vertex_normals.get(vertex as usize).copied().filter(|n| *n != DVec3::ZERO);
+        let normal =
+            |vertex: u32| self.vertex_normals.get(vertex as usize).copied().filter(|n| *n != DVec3::ZERO);
         let [a, b, c] = self.triangles[triangle];
         let normals = [normal(a)?, normal(b)?, normal(c)?];
         let weights = self.weights_at(triangle, surface.position);

@@ -51,12 +51,36 @@ fn a_note_says_which_edition_is_taken_and_why() {
 fn words_of_another_edition_name_it_and_the_flag() {
     let later_word = later("shininess 5 exponent 3", "", "");
     for (text, flags, message) in [
-        (&later_word, "", "`shininess` is a word of other editions: `-edition 2012a4`, `-edition 2012a5`, `-edition 2019`"),
-        (&later_word, "-edition 2019", "`exponent` is a word of other editions: `-edition 2004`, `-edition aalto`"),
-        (&format!("{CAMERA}{}", sphere()), "-edition 2012a5", "`OrthographicCamera` is a word of other editions: "),
-        (&later("refractionIndex 2", "falloff 1", ""), "-edition 2019", "`refractionIndex` is a word of other editions: `-edition 2012a5`"),
-        (&later("shininess 5 Noize", "", ""), "", "the scene is read as one of `-edition 2012a4`, because of `shininess`"),
-        (&later("shininess 5", "", ""), "-edition 2019", "without `falloff` the light is infinitely bright in the edition 2019"),
+        (
+            &later_word,
+            "",
+            "`shininess` is a word of other editions: `-edition 2012a4`, `-edition 2012a5`, `-edition 2019`",
+        ),
+        (
+            &later_word,
+            "-edition 2019",
+            "`exponent` is a word of other editions: `-edition 2004`, `-edition aalto`",
+        ),
+        (
+            &format!("{CAMERA}{}", sphere()),
+            "-edition 2012a5",
+            "`OrthographicCamera` is a word of other editions: ",
+        ),
+        (
+            &later("refractionIndex 2", "falloff 1", ""),
+            "-edition 2019",
+            "`refractionIndex` is a word of other editions: `-edition 2012a5`",
+        ),
+        (
+            &later("shininess 5 Noize", "", ""),
+            "",
+            "the scene is read as one of `-edition 2012a4`, because of `shininess`",
+        ),
+        (
+            &later("shininess 5", "", ""),
+            "-edition 2019",
+            "without `falloff` the light is infinitely bright in the edition 2019",
+        ),
     ] {
         let message_found =
             Folder::with_scene(text).run(&format!("-input s.txt -output o.tga {flags}")).message(1);
@@ -68,10 +92,17 @@ fn words_of_another_edition_name_it_and_the_flag() {
 fn flags_of_editions() {
     let folder = Folder::with_scene(&later("", "falloff 1", ""));
     let message = |flags: &str| folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
-    assert!(message("-edition 2005").contains("`2005` is none of the editions 2004, 2012a4, 2012a5, 2019, aalto"));
-    assert!(message("-jitter -edition aalto").contains("`-jitter` is a flag of the edition 2012a5, not of aalto"));
+    assert!(
+        message("-edition 2005").contains("`2005` is none of the editions 2004, 2012a4, 2012a5, 2019, aalto")
+    );
+    assert!(
+        message("-jitter -edition aalto").contains("`-jitter` is a flag of the edition 2012a5, not of aalto")
+    );
     assert!(message("-regular_samples 4 -edition 2004").contains("flag of the edition aalto, not of 2004"));
-    assert!(message("-filter -size 2 9").contains("`-filter`: a third of the picture's width or height is no pixel"));
+    assert!(
+        message("-filter -size 2 9")
+            .contains("`-filter`: a third of the picture's width or height is no pixel")
+    );
     let size = |flags: &str| {
         let picture = folder.render(&format!("-size 12 9 {flags}"));
         [picture.width, picture.height]
@@ -119,7 +150,11 @@ fn a_scene_of_all_editions_looks_different_in_each() {
 fn mistakes_of_the_editions_are_found() {
     type Change = fn(&mut Scene);
     let cases: [(&str, Change, &str); 5] = [
-        ("screen_2012a4", |scene| scene.model.highlight = Highlight::Blinn, "highlights by the half-way vector"),
+        (
+            "screen_2012a4",
+            |scene| scene.model.highlight = Highlight::Blinn,
+            "highlights by the half-way vector",
+        ),
         ("screen_2012a4", |scene| scene.model.screen = Screen::LongerSide, "which is not stretched"),
         ("mirrors_2019", |scene| scene.model.normals = MeshNormals::Flat, "the normals of the faces"),
         (
@@ -127,7 +162,11 @@ fn mistakes_of_the_editions_are_found() {
             |scene| scene.model.normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
             "other weights of the faces around a vertex",
         ),
-        ("glass_2012a5", |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]), "cube map swapped"),
+        (
+            "glass_2012a5",
+            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]),
+            "cube map swapped",
+        ),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));
@@ -138,7 +177,8 @@ fn mistakes_of_the_editions_are_found() {
         change(&mut wrong.scene);
         let render = |loaded| {
             let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
-            let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).expect("a structure");
+            let prepared =
+                renderer.prepare_for(Structure::Any, &request, Tracing::Fast).expect("a structure");
             prepared.render(&request).expect("a picture").remove(0).to_picture()
         };
         let (wrong, right) = (render(wrong), render(load()));
@@ -183,7 +223,12 @@ fn of_2019() -> Vec<Official> {
             for (layer, flag) in [("", "-output"), ("d", "-depth 8 18"), ("n", "-normals")] {
                 // Two pixels of a plane's horizon and of two spheres' outlines are of the sky in the one and not in the other.
                 let levels = if layer == "d" && number_only.is_empty() { 1 } else { u8::MAX };
-                all.push(official(format!("{scene} {flag} @"), &format!("{prefix}{name}{layer}"), 0.9994, levels));
+                all.push(official(
+                    format!("{scene} {flag} @"),
+                    &format!("{prefix}{name}{layer}"),
+                    0.9994,
+                    levels,
+                ));
             }
         }
     }
@@ -231,7 +276,8 @@ fn of_2012a4() -> Vec<Official> {
 /// Those of assignment 5 of 2012.
 fn of_2012a5() -> Vec<Official> {
     let diamond = "-edition 2012a5 -input a5_scene13_diamond.txt -output @";
-    let small = |name: &str, flags: &str| format!("-edition 2012a5 -input a5_small_{name}.txt -output @ {flags}");
+    let small =
+        |name: &str, flags: &str| format!("-edition 2012a5 -input a5_small_{name}.txt -output @ {flags}");
     let four = "-size 100 100 -shadows -bounces 4";
     vec![
         official(format!("{diamond} -size 200 200 -bounces 0"), "staff/a5_13_b0", 0.999, 1),
@@ -244,9 +290,24 @@ fn of_2012a5() -> Vec<Official> {
         // A ray that passes an edge inside glass may part from the other program's.
         official(small("10_sphere", four), "staff/a5_small_10_sphere", 0.993, u8::MAX),
         official(small("11_cube", four), "staff/a5_small_11_cube", 0.999, 1),
-        official(small("12_vase", "-size 60 60 -shadows -bounces 2"), "staff/a5_small_12_vase", 0.993, u8::MAX),
-        official(small("06_bunny_1k", "-size 40 40 -shadows -jitter -filter"), "staff/a5_small_06_bunny_1k_jf", 0.999, 1),
-        official(small("11_cube", "-size 40 40 -shadows -jitter -filter"), "staff/a5_small_11_cube_jf", 0.999, 1),
+        official(
+            small("12_vase", "-size 60 60 -shadows -bounces 2"),
+            "staff/a5_small_12_vase",
+            0.993,
+            u8::MAX,
+        ),
+        official(
+            small("06_bunny_1k", "-size 40 40 -shadows -jitter -filter"),
+            "staff/a5_small_06_bunny_1k_jf",
+            0.999,
+            1,
+        ),
+        official(
+            small("11_cube", "-size 40 40 -shadows -jitter -filter"),
+            "staff/a5_small_11_cube_jf",
+            0.999,
+            1,
+        ),
     ]
 }
 
@@ -274,7 +335,8 @@ fn scenes_of_aalto() {
     for path in paths.filter(|path| path.extension().is_some_and(|end| end == "txt")) {
         let to = Folder::new();
         let picture = to.path().join("o.tga");
-        let mut run = program(&scenes, ["-edition", "aalto", "-size", "20", "20", "-shadows", "-regular_samples", "4"]);
+        let mut run =
+            program(&scenes, ["-edition", "aalto", "-size", "20", "20", "-shadows", "-regular_samples", "4"]);
         run.arg("-input").arg(&path).arg("-output").arg(picture);
         finish(&mut run).ok();
         count += 1;

@@ -3,8 +3,8 @@
 use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
-use crate::app::warned;
 use crate::app::threads::{self, PoolPlace};
+use crate::app::warned;
 use crate::app::{End, Outcome, failed};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
@@ -80,7 +80,9 @@ fn open(
     tell: &dyn Fn(&str),
 ) -> Result<(Renderer, Options), End> {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ())).map_err(|error| error.to_string())?;
+    let loaded = threads
+        .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
+        .map_err(|error| error.to_string())?;
     loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");

@@ -97,7 +97,11 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
 
     fn background(&self, direction: DVec3, bounces: u32) -> Color {
         let is_missing = bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly);
-        if is_missing { Color::ZERO } else { self.sum(Color::ZERO, self.right.background(direction, bounces)) }
+        if is_missing {
+            Color::ZERO
+        } else {
+            self.sum(Color::ZERO, self.right.background(direction, bounces))
+        }
     }
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {

@@ -111,7 +111,9 @@ impl Rule {
                     scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
                 }
                 Self::SchlickSwapped => {
-                    bounces > 0 && scene.model.split == Split::Schlick && has(scene, |phong| phong.transparent)
+                    bounces > 0
+                        && scene.model.split == Split::Schlick
+                        && has(scene, |phong| phong.transparent)
                 }
                 Self::CheckerboardCut => scene.materials.iter().any(is_checkerboard),
                 Self::Epsilon { .. } => has_shadows || bounces > 0,

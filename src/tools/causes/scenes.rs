@@ -89,9 +89,7 @@ impl SceneChange {
             Self::FlatMeshes => {
                 !scene.meshes.is_empty() && replaced(&mut changed.model.normals, MeshNormals::Flat)
             }
-            Self::OtherFaceWeights => {
-                !scene.meshes.is_empty() && other_weights(&mut changed.model.normals)
-            }
+            Self::OtherFaceWeights => !scene.meshes.is_empty() && other_weights(&mut changed.model.normals),
             Self::CubeFacesSwapped => changed.cube_map.as_mut().is_some_and(|faces| {
                 faces.as_chunks_mut::<2>().0.iter_mut().for_each(|opposite| opposite.swap(0, 1));
                 true

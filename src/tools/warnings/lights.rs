@@ -89,7 +89,9 @@ fn is_too_far(position: DVec3, color: Color, attenuation: [f64; 3], world: &Worl
     let [a0, a1, a2] = attenuation;
     let factor = 1.0 / (a0 + a1 * distance + a2 * distance * distance);
     let brightness = |material: &Material| match material {
-        Material::Phong(phong) | Material::Painted(phong, _) => (phong.diffuse.abs() + phong.specular.abs()).max_element(),
+        Material::Phong(phong) | Material::Painted(phong, _) => {
+            (phong.diffuse.abs() + phong.specular.abs()).max_element()
+        }
         Material::Texture(_) => 0.0,
     };
     let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
