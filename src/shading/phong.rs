@@ -196,6 +196,29 @@ mod tests {
         assert!((color.x - 0.5f64.sqrt()).abs() < 1e-15);
     }
 
+    #[test]
+    fn a_highlight_by_the_mirrored_direction_needs_no_surface_that_faces_the_light() {
+        let phong = Phong { specular: Color::X, exponent: 2.0, ..Phong::default() };
+        let viewer = DVec3::new(1.0, 1.0, 0.0).normalize();
+        let light = |direction: DVec3| Incident { direction, distance: 1.0, color: Color::ONE };
+        let (level, behind) = (light(DVec3::NEG_X), light(DVec3::new(-1.0, -0.1, 0.0).normalize()));
+        let material = PointMaterial::from(&phong);
+        let reflect = |light: &Incident| {
+            material.reflect(Highlight::Phong, light, DVec3::Y.dot(light.direction), DVec3::Y, viewer)
+        };
+        // The mirrored direction is at 45 degrees to the one, and a little farther from the other.
+        assert!((reflect(&level) - Color::new(0.5, 0.0, 0.0)).length() < 1e-15);
+        let cosine = behind.direction.dot(DVec3::new(-1.0, 1.0, 0.0).normalize());
+        assert!((reflect(&behind) - Color::X * cosine * cosine).length() < 1e-15);
+        let shows = |highlight, light: &Incident| material.shows(highlight, light, light.direction.y);
+        assert_eq!([Highlight::Phong, Highlight::Blinn].map(|law| shows(law, &behind)), [true, false]);
+        // Zero to the power of zero is one.
+        let even = Phong { exponent: 0.0, ..phong };
+        let away = light(DVec3::new(1.0, -1.0, 0.0).normalize());
+        let color = PointMaterial::from(&even).reflect(Highlight::Phong, &away, -0.7, DVec3::Y, viewer);
+        assert_eq!(color, Color::X);
+    }
+
     fn mixed() -> (Phong, Phong) {
         let one = Phong {
             diffuse: Color::new(1.0, 0.5, 0.25),

@@ -67,19 +67,16 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let (world, instructions) = (self.world(), self.instructions());
-        match &world.materials[surface.material] {
-            Material::Phong(phong) => return phong.into(),
-            Material::Painted(phong, paint) => {
-                let diffuse = match *paint {
-                    Paint::Image(image) => world.image_color(image, surface),
-                    Paint::Pattern(pattern, colors) => {
-                        Some(mixed_color(pattern, colors, surface.position, instructions))
-                    }
-                };
-                mixture.start(&Phong { diffuse: diffuse.unwrap_or(phong.diffuse), ..*phong }, 1.0);
-                return mixture.material();
-            }
-            Material::Texture(_) => {}
+        let material = &world.materials[surface.material];
+        if let Material::Phong(phong) = material {
+            return phong.into();
+        }
+        if self.model() != Model::COURSE
+            && let Material::Painted(phong, paint) = material
+        {
+            let diffuse = painted(world, paint, surface, instructions).unwrap_or(phong.diffuse);
+            mixture.start(&Phong { diffuse, ..*phong }, 1.0);
+            return mixture.material();
         }
         world.with_rounded_point(surface, |point| {
             material_at(&world.materials, surface.material, point, instructions, mixture)
@@ -101,11 +98,12 @@ pub trait Rules: Sync {
         self.world().background_along(direction)
     }
 
-    /// A vector along the normal of a surface, with less rounding than the unit normal where that is known.
-    fn precise_normal(&self, surface: &SurfacePoint) -> [Dd; 3] {
+    /// A vector along the normal of a primitive's surface, with less rounding than this unit normal where that is known.
+    #[inline(always)]
+    fn precise_normal(&self, primitive: Option<u32>, normal: DVec3) -> [Dd; 3] {
         // A smooth normal is not the triangle's.
-        let primitive = surface.primitive.filter(|_| self.model().normals == MeshNormals::Flat);
-        self.world().precise_normal(primitive, surface.normal)
+        let is_flat = self.model().normals == MeshNormals::Flat;
+        self.world().precise_normal(if is_flat { primitive } else { None }, normal)
     }
 
     /// A ray from a surface, and the primitive that it leaves. It starts a few roundings off the surface, on the side to
@@ -165,6 +163,19 @@ impl Rules for Caster<'_> {
     #[inline(always)]
     fn instructions(&self) -> Instructions {
         self.instructions
+    }
+}
+
+/// The diffuse colour of paint at a surface; none where it has none.
+fn painted(
+    world: &World,
+    paint: &Paint,
+    surface: &SurfacePoint,
+    instructions: Instructions,
+) -> Option<Color> {
+    match *paint {
+        Paint::Image(image) => world.image_color(image, surface),
+        Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, instructions)),
     }
 }
 

@@ -84,7 +84,8 @@ impl<R: Rules> Tracer<'_, R> {
             _ => [around, index],
         };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        let precise_normal = || self.rules.precise_normal(&arrival.surface);
+        let primitive = arrival.surface.primitive;
+        let precise_normal = || self.rules.precise_normal(primitive, normal);
         let refracted = refracted_between(direction, against, indices, precise_normal);
         let Some(direction) = refracted.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
             return;
