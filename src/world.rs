@@ -11,13 +11,10 @@ mod placement;
 mod point_error;
 mod resting_lights;
 mod surface;
-pub(crate) mod surfaces;
 
 use crate::math::aabb::Aabb;
-use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
-use crate::memory::{self, NoMemory};
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{plane::Plane, triangle};
 use crate::scene::error::SceneError;
@@ -101,25 +98,26 @@ pub enum Primitive {
 }
 
 impl World {
-    /// The world of a scene. `meshes` are those that the scene names, in its order.
+    /// The world of a scene. `meshes` are those that the scene names, in its order. An object that cannot be placed in
+    /// world space is an error, and so is too little memory for the copies of the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
-        Self::build(scene, memory::collected(meshes.iter().map(Cow::Borrowed))?)
+        Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
     }
 
     /// The same as [`World::new`], but a mesh that can be taken over is not copied.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
-        Self::build(scene, memory::collected(meshes.into_iter().map(Cow::Owned))?)
+        Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
     }
 
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
         limits::check(scene)?;
-        let mut builder = Builder::new(Self::without_objects(scene)?, scene, meshes)?;
-        placements(scene).try_for_each(|placement| builder.place(&placement?))?;
-        builder.finish()
+        let mut builder = Builder::new(Self::without_objects(scene), scene, meshes)?;
+        placements(scene).try_for_each(|placement| builder.place(&placement))?;
+        Ok(builder.finish())
     }
 
-    fn without_objects(scene: &Scene) -> Result<Self, NoMemory> {
-        Ok(Self {
+    fn without_objects(scene: &Scene) -> Self {
+        Self {
             vertices: vec![],
             triangles: vec![],
             without_area: vec![],
@@ -129,8 +127,8 @@ impl World {
             flattening_errors: FlatteningErrors::default(),
             boundary_width: BoundaryWidth::default(),
             coincidence_margin: 0.0,
-            materials: memory::copied(&scene.materials)?,
-            lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
+            materials: scene.materials.clone(),
+            lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
@@ -141,9 +139,9 @@ impl World {
             model: scene.model,
             vertex_normals: vec![],
             texture_coordinates: vec![],
-            images: memory::collected(scene.images.iter().map(|image| image.texels.clone()))?,
+            images: scene.images.iter().map(|image| image.texels.clone()).collect(),
             cube_map: scene.cube_map,
-        })
+        }
     }
 
     /// The number of primitives with finite bounds: all but the planes.
@@ -214,15 +212,6 @@ impl World {
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
-    /// Prefetches the vertices of a triangle whose surface will be computed soon. Other primitives are not
-    /// prefetched.
-    #[inline(always)]
-    pub fn prefetch(&self, primitive: u32) {
-        if let Some(corners) = self.triangles.get(primitive as usize) {
-            corners.iter().for_each(|&corner| prefetch(&self.vertices[corner as usize]));
-        }
-    }
-
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
     /// The nearer hit precedes. At equal t triangles are ordered by the coordinates of their vertices, and other
@@ -266,14 +255,6 @@ impl World {
     #[inline(always)]
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         self.material_run(primitive).1
-    }
-
-    /// The materials of four primitives, most of which are neighbours.
-    #[inline(always)]
-    pub(crate) fn materials_of(&self, primitives: [u32; 4]) -> [MaterialId; 4] {
-        let (run, material) = self.material_run(primitives[0]);
-        primitives
-            .map(|primitive| if run.contains(&primitive) { material } else { self.material_of(primitive) })
     }
 
     /// The run of primitives around this one that share its material, and the material.

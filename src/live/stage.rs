@@ -1,10 +1,11 @@
 //! The scenes that are open: the one of the command line, and those that were typed in last.
 
-use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::edition::Edition;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::mesh::{Mesh, memory_for, parse_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
 use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
@@ -134,10 +135,12 @@ impl Stage {
         };
         let readers = Readers { mesh: &read, image: &read_image };
         let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
-        if primitives(&loaded) > MAX_PRIMITIVES {
-            let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
-            return Err(vec![SceneMessage { at: None, problem, hint: None }]);
+        let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
+        let count = primitives(&loaded);
+        if count > MAX_PRIMITIVES {
+            return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
         }
+        memory::ask(count as u64 * BYTES_PER_PRIMITIVE).map_err(|error| refused(error.to_string()))?;
         let edition = loaded.choice.edition;
         Ok((edition, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
     }
@@ -184,6 +187,7 @@ fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
     if !found.is_file() || found.len() > MAX_MESH_FILE {
         return Err(refused(name, "it is no file, or too large".into()));
     }
+    memory::ask(memory_for(found.len())).map_err(Problem::Memory)?;
     let bytes = fs::read(&file).map_err(failed)?;
     parse_obj(&bytes).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
 }

@@ -60,7 +60,7 @@ pub enum Stopped {
     },
     /// The callback that takes the rows ended it.
     Output,
-    /// The system has too little memory for the rows in progress.
+    /// The system has too little memory for the rows that are in memory at the same time.
     Memory(NoMemory),
 }
 
@@ -103,9 +103,11 @@ pub fn render(
     if request.layers.iter().any(|layer| request.reduces(layer)) {
         return render_reduced((camera, caster), view, request, tracing, watch, take_row);
     }
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
+    // No strip takes more than the first.
+    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let tally = Tally::new(rows.len(), watch);
     let mut counts = Counts::default();
     let mut end = rows.end;
@@ -128,31 +130,20 @@ fn render_reduced(
 ) -> Result<Counts, Stopped> {
     let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
     let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
-    let mut refused = None;
-    let mut hand_out = |layer: usize, row: Result<Option<Vec<Color>>, NoMemory>| match row {
-        Ok(Some(row)) => take_row(layer, &row),
-        Ok(None) => ControlFlow::Continue(()),
-        Err(error) => {
-            refused = Some(error);
-            ControlFlow::Break(())
-        }
-    };
     let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
-        Some(blur) => hand_out(layer, blur.add(row)),
-        None => hand_out(layer, memory::copied(row).map(Some)),
+        Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
+        None => take_row(layer, row),
     };
     let whole = Request { is_reduced: false, ..request.clone() };
-    let rendered = render(scene, view, &whole, tracing, watch, &mut reduce);
-    let last = |(layer, blur): (usize, &mut Option<Blur>)| match blur {
-        Some(blur) => hand_out(layer, blur.end()),
-        None => ControlFlow::Continue(()),
-    };
-    let is_ended = rendered.is_ok() && blurs.iter_mut().enumerate().try_for_each(last).is_break();
-    match (refused, is_ended) {
-        (Some(refused), _) => Err(refused.into()),
-        (None, true) => Err(Stopped::Output),
-        (None, false) => rendered,
+    let counts = render(scene, view, &whole, tracing, watch, &mut reduce)?;
+    for (layer, blur) in blurs.iter_mut().enumerate() {
+        if let Some(row) = blur.as_mut().and_then(Blur::end)
+            && take_row(layer, &row).is_break()
+        {
+            return Err(Stopped::Output);
+        }
     }
+    Ok(counts)
 }
 
 /// The adaptive samples of the pixel in this column and row from the bottom left.
@@ -166,7 +157,7 @@ pub fn strata(
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    setting.strata(settings, &tracer.rows(0..0), pixel).unwrap_or_default()
+    setting.strata(settings, &tracer.rows(0..0), pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
@@ -220,7 +211,7 @@ fn render_filter(
                 0.5 * Color::Z
             }
         };
-        if take_row(&memory::collected((0..width * zoom + 1).map(color))?).is_break() {
+        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
             return Err(Stopped::Output);
         }
     }

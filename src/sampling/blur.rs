@@ -1,6 +1,5 @@
 //! The filter of assignment 5 of 2012: a picture is blurred and then reduced to a third of its size, row by row.
 
-use crate::memory::{self, NoMemory};
 use crate::scene::Color;
 use std::collections::VecDeque;
 
@@ -36,8 +35,8 @@ impl Blur {
     }
 
     /// Takes the next row. Returns the row of the reduced picture that it completes, if it does.
-    pub fn add(&mut self, row: &[Color]) -> Result<Option<Vec<Color>>, NoMemory> {
-        let blurred = memory::collected((0..row.len()).map(|x| weighted(row.len(), x, |x| row[x])))?;
+    pub fn add(&mut self, row: &[Color]) -> Option<Vec<Color>> {
+        let blurred: Vec<Color> = (0..row.len()).map(|x| weighted(row.len(), x, |x| row[x])).collect();
         if self.rows.is_empty() {
             // Beyond the border the picture goes on with the pixels there.
             self.rows.extend([blurred.clone(), blurred.clone()]);
@@ -47,28 +46,28 @@ impl Blur {
     }
 
     /// The rows that are left when the last row has been taken: at most one.
-    pub fn end(&mut self) -> Result<Option<Vec<Color>>, NoMemory> {
+    pub fn end(&mut self) -> Option<Vec<Color>> {
         let mut last = None;
         for _ in 0..REACH {
             if let Some(row) = self.rows.back().cloned() {
                 self.rows.push_back(row);
-                last = self.finish()?.or(last);
+                last = self.finish().or(last);
             }
         }
-        Ok(last)
+        last
     }
 
     /// Blurs the row in the middle of the last five, if there are as many.
-    fn finish(&mut self) -> Result<Option<Vec<Color>>, NoMemory> {
+    fn finish(&mut self) -> Option<Vec<Color>> {
         if self.rows.len() < WEIGHTS.len() {
-            return Ok(None);
+            return None;
         }
         let width = self.rows[0].len();
         self.sum.resize(width, Color::ZERO);
         if self.surplus > 0 {
             self.surplus -= 1;
             self.rows.pop_front();
-            return Ok(None);
+            return None;
         }
         for (x, sum) in self.sum.iter_mut().enumerate() {
             *sum += self.rows.iter().zip(WEIGHTS).map(|(row, weight)| row[x] * weight).sum::<Color>();
@@ -76,13 +75,13 @@ impl Blur {
         self.rows.pop_front();
         self.finished += 1;
         if !self.finished.is_multiple_of(REDUCTION) {
-            return Ok(None);
+            return None;
         }
         let pixels = self.sum.chunks_exact(REDUCTION);
-        let reduced = pixels.map(|pixels| pixels.iter().sum::<Color>() / (REDUCTION * REDUCTION) as f64);
-        let reduced = memory::collected(reduced)?;
+        let reduced =
+            pixels.map(|pixels| pixels.iter().sum::<Color>() / (REDUCTION * REDUCTION) as f64).collect();
         self.sum.fill(Color::ZERO);
-        Ok(Some(reduced))
+        Some(reduced)
     }
 }
 
@@ -100,9 +99,9 @@ mod tests {
         let (mut blur, mut rows) = (Blur::new(size[1]), vec![]);
         for y in 0..size[1] {
             let row: Vec<Color> = (0..size[0]).map(|x| Color::splat(color(x, y))).collect();
-            rows.extend(blur.add(&row).unwrap());
+            rows.extend(blur.add(&row));
         }
-        rows.extend(blur.end().unwrap());
+        rows.extend(blur.end());
         rows
     }
 

@@ -72,7 +72,7 @@ pub fn run(
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
-        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
     };
     files.finish(signals)?;
     signals.end_at_once()?;
@@ -80,13 +80,9 @@ pub fn run(
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
-fn text(
-    options: &Options,
-    rendered: Option<&Rendered>,
-    verdict: Option<&ComparisonResult>,
-) -> Result<String, String> {
-    let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
-    Ok(rendered.into_iter().chain(verdict.map(ComparisonResult::text)).collect())
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&ComparisonResult>) -> String {
+    let rendered = rendered.map(|rendered| rendered.text(options));
+    rendered.into_iter().chain(verdict.map(ComparisonResult::text)).collect()
 }
 
 /// The pictures and files of a comparison.

@@ -5,6 +5,7 @@ use crate::caster::error::GridTooLarge;
 use crate::caster::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
 use crate::math::f64x4::F64x4;
+use crate::memory;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -86,17 +87,6 @@ impl DdaTables {
             last_cell: F::new(proof, self.last_cell),
         }
     }
-
-    /// One axis, for four rays.
-    #[inline(always)]
-    pub fn lattice_lanes_of_axis<F: F64x4>(&self, proof: F::Proof, axis: usize) -> LatticeLanes<F> {
-        LatticeLanes {
-            min: F::splat(proof, self.simd_bounds.min[axis]),
-            cell_size: F::splat(proof, self.cell_size[axis]),
-            cells_per_unit: F::splat(proof, self.cells_per_unit[axis]),
-            last_cell: F::splat(proof, self.last_cell[axis]),
-        }
-    }
 }
 
 impl Lattice {
@@ -130,6 +120,12 @@ impl Lattice {
     pub fn fits(&self) -> Result<(), GridTooLarge> {
         let sides = self.cells.map(|n| n as u128 + 2);
         if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
+    }
+
+    /// Asks for the memory of an entry for each index, where they fit.
+    pub fn ask_for_entries(&self) -> Result<(), GridTooLarge> {
+        self.fits()?;
+        memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| GridTooLarge)
     }
 
     /// The difference of the indices of neighbouring cells along each axis.

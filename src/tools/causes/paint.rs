@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
-use crate::memory::NoMemory;
+use crate::memory;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::Request;
 use crate::sampling::blur::{Blur, reduced};
@@ -32,7 +32,7 @@ pub fn paint(
     let traced_rows = with_border(&rows, filter.support(), height);
     let instructions = Instructions::available()[0];
     let row = |j: usize| {
-        let mut spread = Spread::new(filter, instructions, j, size)?;
+        let mut spread = Spread::new(filter, instructions, j, size);
         let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
         for i in traced_columns.clone() {
             let ray = |offset| camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
@@ -45,10 +45,11 @@ pub fn paint(
                 }
             }
         }
-        Ok::<_, NoMemory>(spread)
+        spread
     };
-    let failed = |_| BadSize { width: columns.len(), height: rows.len() };
     let mut picture = FloatPicture::with_room(request.window_size())?;
+    let in_progress = ROWS.min(traced_rows.len()) * Spread::bytes(filter, size);
+    memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
     let mut film = Film::starting_at(filter, size, traced_rows.start);
     for start in traced_rows.clone().step_by(ROWS) {
         let spreads: Vec<_> = (start..traced_rows.end.min(start + ROWS)).into_par_iter().map(row).collect();
@@ -57,24 +58,23 @@ pub fn paint(
                 if rows.contains(&j) {
                     picture.colors.extend(colors.skip(columns.start).take(columns.len()));
                 }
-                Ok(())
             };
-            film.add(spread.map_err(failed)?, &mut finish).map_err(failed)?;
+            film.add(spread, &mut finish);
         }
     }
     turn_over(&mut picture.colors, columns.len());
-    if request.is_reduced { blurred(&picture).map_err(failed) } else { Ok(picture) }
+    Ok(if request.is_reduced { blurred(&picture) } else { picture })
 }
 
 /// A picture, blurred and reduced.
-fn blurred(picture: &FloatPicture) -> Result<FloatPicture, NoMemory> {
+fn blurred(picture: &FloatPicture) -> FloatPicture {
     let [width, height] = picture.size;
     let (mut blur, mut colors) = (Blur::new(height), vec![]);
     for row in picture.colors.chunks_exact(width) {
-        colors.extend(blur.add(row)?.unwrap_or_default());
+        colors.extend(blur.add(row).unwrap_or_default());
     }
-    colors.extend(blur.end()?.unwrap_or_default());
-    Ok(FloatPicture { size: reduced(picture.size), colors })
+    colors.extend(blur.end().unwrap_or_default());
+    FloatPicture { size: reduced(picture.size), colors }
 }
 
 /// The range with the pixels around it whose samples contribute to it.

@@ -4,7 +4,6 @@
 //! did not reach it, and most of them lie scattered, away from the edges where shadows differ for other reasons.
 
 use super::Original;
-use crate::memory;
 use crate::picture::Picture;
 use crate::render::Request;
 use crate::scene::{Color, Light};
@@ -52,7 +51,7 @@ fn count<'p>(
     a: &Picture,
     b: &Picture,
 ) -> Option<usize> {
-    let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b)?;
+    let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b);
     let is_enough = |count: usize| {
         let count = count as f64;
         count >= (MIN_SHARE * away_from_edges as f64).max(MIN_SHARE_OF_ALL * all as f64).max(MIN_PIXELS)
@@ -86,10 +85,9 @@ struct Differing {
 }
 
 impl Differing {
-    /// None where there is no memory for them.
-    fn new(original: &Original, a: &Picture, b: &Picture) -> Option<Self> {
+    fn new(original: &Original, a: &Picture, b: &Picture) -> Self {
         let [width, height] = original.request.size;
-        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b).ok()?);
+        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b));
         let differs = |at: usize| !nearly(a[at], b[at]);
         let neighbours = |x: usize, y: usize| {
             let columns = x.saturating_sub(1)..(x + 2).min(width);
@@ -108,11 +106,11 @@ impl Differing {
                 found.away_from_edges += 1;
                 let is_scattered = is_darker(a[at], b[at]) && neighbours(x, y) <= MAX_NEIGHBOURS;
                 if is_scattered {
-                    memory::push(&mut found.scattered, at).ok()?;
+                    found.scattered.push(at);
                 }
             }
         }
-        Some(found)
+        found
     }
 }
 
