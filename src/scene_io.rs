@@ -177,7 +177,7 @@ fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Vec<Scene
     let named = around.hints.edition;
     let edition = named.unwrap_or_default();
     let errors = match read_in(edition, text) {
-        Ok(reading) => return Ok((Choice { edition, because: None }, reading)),
+        Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
         Err(errors) => errors,
     };
     let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
@@ -208,6 +208,23 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
         0..=LONGEST_STREAM => Ok(bytes),
         _ => Err(io::Error::other("it does not end after 256 MiB")),
     }
+}
+
+/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If all editions have
+/// its words, the pictures that are written of it may tell which one is meant.
+fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
+    let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
+    if around.hints.edition.is_some() || !Edition::is_of_all(&reading.scene) {
+        return (choice, reading);
+    }
+    if around.writes("bmp")
+        && let Ok(reading) = read_in(Edition::Y2012A4, text)
+    {
+        let because = Some("the picture in BMP".to_owned());
+        return (Choice { edition: Edition::Y2012A4, because, is_open: false }, reading);
+    }
+    // The pictures of 2004 are TGA.
+    (Choice { is_open: around.writes("png"), ..choice }, reading)
 }
 
 /// Reads the meshes and the pictures that a scene names.

@@ -19,7 +19,14 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
 
 /// What is to be said of a scene's edition, which nobody has named.
 pub fn about_edition(choice: &Choice) -> Option<String> {
-    let Choice { edition, because } = choice;
+    let Choice { edition, because, is_open } = choice;
+    if *is_open {
+        return Some(
+            "note: the scene is the same text in several editions of the course, and another picture in each; it is taken as \
+             one of 2004, and `-edition` names another"
+                .into(),
+        );
+    }
     let because = because.as_ref()?;
     Some(format!(
         "note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"

@@ -1,7 +1,9 @@
 //! The editions of the course that are read: their names, their words, and what their scenes mean.
 
 use super::lexer::Lexer;
+use super::material::{Material, Phong};
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use super::{Camera, Light, Scene};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -68,6 +70,8 @@ pub struct Choice {
     pub edition: Edition,
     /// The words of a sentence after `because of`; none if nobody had to find it out.
     pub because: Option<String>,
+    /// Whether nothing tells the edition of a scene that is written in the language of several.
+    pub is_open: bool,
 }
 
 impl Edition {
@@ -106,6 +110,21 @@ impl Edition {
         self != Y2019
     }
 
+    /// Whether a scene of 2004 says only what all editions say: a perspective camera, and diffuse colours.
+    pub fn is_of_all(scene: &Scene) -> bool {
+        let only_diffuse = |material: &Material| match material {
+            Material::Phong(phong) => *phong == Phong { diffuse: phong.diffuse, ..Phong::default() },
+            Material::Texture(_) | Material::Painted(..) => false,
+        };
+        let is_constant = |light: &Light| match light {
+            Light::Point { attenuation, .. } => *attenuation == [1.0, 0.0, 0.0],
+            Light::Directional { .. } => true,
+        };
+        matches!(scene.camera, Camera::Perspective { .. })
+            && scene.materials.iter().all(only_diffuse)
+            && scene.lights.iter().all(is_constant)
+    }
+
     /// What its scenes mean.
     pub fn model(self) -> Model {
         const A4: Model = Model {
@@ -142,7 +161,7 @@ impl Edition {
             if let Some(word) = words.first.filter(|word| !because.contains(*word)) {
                 because = format!("`{word}`, and {because}");
             }
-            Some(Choice { edition, because: Some(because) })
+            Some(Choice { edition, because: Some(because), is_open: false })
         };
         let (first, map) = (words.first?, words.cube_map);
         if let Some(word) = words.of_2012a5 {

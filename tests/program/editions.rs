@@ -140,6 +140,10 @@ fn a_scene_of_all_editions_looks_different_in_each() {
     );
     let folder = Folder::with_scene(&text);
     let bytes = |flags: &str| folder.render(&format!("-size 40 20 {flags}")).pixels;
+    let stderr = |flags: &str| folder.run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;
+    let note = "note: the scene is the same text in several editions of the course";
+    assert!(stderr("-output o.png").starts_with(note));
+    assert_eq!([stderr("-output o.tga"), stderr("-output o.png -edition 2004")], ["", ""]);
     assert_eq!(bytes(""), bytes("-edition 2004"));
     assert_ne!(bytes(""), bytes("-edition 2012a4"));
     assert_eq!(bytes("-edition 2012a4"), bytes("-edition 2012a5"));
