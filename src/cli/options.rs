@@ -166,8 +166,9 @@ impl Options {
         if self.has_default_bounces && edition == Edition::Y2012A5 {
             options.effects.bounces = DEFAULT_BOUNCES_2012A5;
         }
-        // There every material with a highlight mirrors if it is asked to, and is not doubtful without.
-        options.says_no_bounces |= edition.is_later();
+        // In later editions every material with a highlight mirrors if it is asked to, and is not doubtful without; in
+        // Aalto's the weight has a default.
+        options.says_no_bounces |= edition != Edition::Y2004;
         options
     }
 

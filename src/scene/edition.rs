@@ -187,7 +187,7 @@ impl Edition {
             return choice(of_2012, "`texture`");
         }
         if words.has_shininess && words.has_falloff {
-            return choice(Y2019, "`falloff`");
+            return choice(Y2019, "`shininess` with `falloff`");
         }
         if !is_a5 && clues.writes("png") {
             return choice(Y2019, "the picture in PNG");
@@ -290,7 +290,7 @@ mod tests {
             ("shininess", Around("", "bmp"), Y2012A4, "`shininess`, and the picture in BMP"),
             ("shininess", Around("", "png"), Y2019, "`shininess`, and the picture in PNG"),
             ("falloff", Around("", "png"), Y2012A5, "`falloff`"),
-            ("shininess falloff", Around("", ""), Y2019, "`shininess`, and `falloff`"),
+            ("shininess falloff", Around("", ""), Y2019, "`shininess` with `falloff`"),
             ("shininess falloff", Around("", "bmp"), Y2012A5, "`shininess`, and the picture in BMP"),
             ("texture a.bmp", Around("", "png"), Y2012A4, "`texture`"),
             (

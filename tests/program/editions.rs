@@ -3,7 +3,7 @@
 //! `EDITIONS_DIR` names a folder with scenes and pictures of 2012 and 2019, which are not part of this project. Without
 //! it the tests of pictures print that they are skipped.
 
-use crate::support::{CAMERA, Folder, finish, program, scene, sphere};
+use crate::support::{CAMERA, Folder, finish, program, sphere};
 use raytracer::caster::choose::Structure;
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
@@ -32,7 +32,7 @@ Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}\n"
 fn a_note_says_which_edition_is_taken_and_why() {
     for (text, flags, edition) in [
         (later("shininess 5", "", ""), "", "2012a4, because of `shininess`"),
-        (later("shininess 5", "falloff 1", ""), "", "2019, because of `shininess`, and `falloff`"),
+        (later("shininess 5", "falloff 1", ""), "", "2019, because of `shininess` with `falloff`"),
         (later("", "falloff 1", ""), "", "2012a5, because of `falloff`"),
         (later("refractionIndex 1.5", "", ""), "", "2012a5, because of `refractionIndex`"),
     ] {
@@ -44,7 +44,7 @@ fn a_note_says_which_edition_is_taken_and_why() {
     // Nothing is to be said of what somebody has named, or of a scene of 2004.
     let folder = Folder::with_scene(&later("shininess 5", "", ""));
     assert_eq!(folder.run("-input s.txt -output o.tga -edition 2012a4").ok().stderr, "");
-    assert_eq!(Folder::with_scene(&scene(1, &sphere())).run("-input s.txt -output o.tga").ok().stderr, "");
+    assert_eq!(Folder::with_scene(&sphere()).run("-input s.txt -output o.tga").ok().stderr, "");
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn flags_of_editions() {
 
 #[test]
 fn aalto_s_samples_and_scenes() {
-    let folder = Folder::with_scene(&scene(1, &sphere()));
+    let folder = Folder::with_scene(&sphere());
     let bytes = |flags: &str| folder.render(&format!("-size 20 20 {flags}")).pixels;
     assert_eq!(bytes("-edition aalto -uniform_samples 4"), bytes("-random_samples 4"));
     assert_eq!(bytes("-regular_samples 4"), bytes("-uniform_samples 4"));
