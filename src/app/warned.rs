@@ -1,10 +1,11 @@
 //! Says what is doubtful, or ends the run for it as `-strict` asks.
 
 use raytracer::cli::{Comparison, Options};
-use raytracer::render::Layer;
+use raytracer::render::{Layer, Request};
 use raytracer::scene::edition::Choice;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::tools::warnings::{self, Severity, Warning};
+use raytracer::trace::Effects;
 
 /// Says each of these warnings. With `-strict` they are the message that ends the program.
 pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(&str)) -> Result<(), String> {
@@ -35,7 +36,10 @@ pub fn about_edition(choice: &Choice) -> Option<String> {
 
 /// What is doubtful about a scene that has been read and about the flags it is rendered with.
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> {
-    let (scene, effects) = (&loaded.scene, &options.effects);
+    let scene = &loaded.scene;
+    // Nobody has asked for the bounces of an edition.
+    let asked_for = if options.has_default_bounces { 0 } else { options.effects.bounces };
+    let effects = &Effects { bounces: asked_for, ..options.effects };
     let mut found: Vec<Warning> =
         std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
     if scene.lights.is_empty() {
@@ -45,7 +49,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
         found.push(Warning::NoPicture);
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
-    let request = options.request();
+    let request = Request { effects: *effects, ..options.request() };
     if !shows_colors(options) {
         found.extend(warnings::colors_not_asked_for(&request));
         return found;
