@@ -99,7 +99,12 @@ impl PointMaterial<'_> {
     #[inline(always)]
     fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
         let half = unit_or_zero(to_light + to_viewer);
-        let alignment = normal.dot(half).max(0.0);
+        self.highlights(normal.dot(half).max(0.0))
+    }
+
+    /// The highlights per unit of light, where `alignment` is the cosine that is raised to their exponents.
+    #[inline(always)]
+    pub fn highlights(&self, alignment: f64) -> Color {
         let Phong { specular, exponent, .. } = *self.phong;
         let first = Highlight { color: specular, exponent }.strength(alignment);
         self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))

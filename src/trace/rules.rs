@@ -1,13 +1,15 @@
 //! The rules by which rays are traced. Those that are provided are the right ones, and the only ones of a caster. Whoever
 //! wants to know what a mistake looks like breaks one.
 
+use super::optics::transmittance;
 use super::{Secondary, reflected};
 use crate::grid::Caster;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Phong};
+use crate::shading::light::Incident;
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::material_at;
 use crate::stats::Probe;
@@ -21,6 +23,19 @@ pub enum Departure {
     Secondary(Secondary),
     /// It goes to a light.
     Shadow,
+    /// It has passed a transparent surface on the way to a light.
+    Onwards,
+}
+
+/// From where a surface is lit and seen.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Between the normal and the direction to the light.
+    pub cosine: f64,
+    /// The normal on the side from which it is seen, a unit vector.
+    pub normal: DVec3,
+    /// The direction to the viewer, a unit vector.
+    pub to_viewer: DVec3,
 }
 
 /// How rays are traced.
@@ -80,6 +95,56 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn reflected(&self, direction: DVec3, normal: DVec3) -> DVec3 {
         reflected(direction, normal)
+    }
+
+    /// What a colour of a material makes of the light along a secondary ray.
+    #[inline(always)]
+    fn filter(&self, _kind: Secondary, color: Color) -> Color {
+        color
+    }
+
+    /// The indices of refraction in front of a surface and behind it. `around` is that of the medium that the ray comes
+    /// from.
+    #[inline(always)]
+    fn indices(&self, around: f64, material: &Phong, is_entering: bool) -> [f64; 2] {
+        [around, if is_entering { material.index_of_refraction } else { 1.0 }]
+    }
+
+    /// Where the refracted ray goes at total internal reflection, if there is one.
+    #[inline(always)]
+    fn totally_reflected(&self, _direction: DVec3, _normal: DVec3) -> Option<DVec3> {
+        None
+    }
+
+    /// Whether opaque shadows let nothing through along a ray that leaves the primitive `leaves`. The course's program
+    /// looks for the nearest hit, even where any hit would do.
+    #[inline(always)]
+    fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        self.first_hit(ray, leaves, probe).is_some()
+    }
+
+    /// The fraction of light that is left after a way through a transparent object.
+    #[inline(always)]
+    fn transmittance(&self, tint: Color, way: f64) -> Color {
+        transmittance(tint, way)
+    }
+
+    /// The normal by which a surface is shaded: that on the viewer's side.
+    #[inline(always)]
+    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+        if is_inside { -normal } else { normal }
+    }
+
+    /// The ambient light that a surface reflects.
+    #[inline(always)]
+    fn ambient(&self, material: &Phong) -> Color {
+        self.world().ambient * material.diffuse
+    }
+
+    /// What a surface reflects of the light with this index; `cosine` is positive.
+    #[inline(always)]
+    fn reflect(&self, material: &PointMaterial, (light, _): (&Incident, usize), view: &View) -> Color {
+        material.reflect(light, view.cosine, view.normal, view.to_viewer)
     }
 
     /// What the light of one source adds to the colour of a surface.

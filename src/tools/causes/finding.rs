@@ -45,6 +45,11 @@ const MIN_SHARE: f64 = 0.5;
 /// The share of the differing pixels that a partial cause makes right at least. A change that merely comes closer on
 /// the average, as a brighter picture does to a random one, makes none right.
 const MIN_PIXELS: f64 = 0.25;
+/// The share of the pixels that a cause changes which may be right in the picture in question. A mistake that was made
+/// shows wherever it can.
+const MAX_CONTRADICTED: f64 = 0.02;
+/// Another cause leaves so many times the error at least.
+const MIN_LEAD: f64 = 1.5;
 
 /// How far two pictures are from each other.
 #[derive(Clone, Copy, Debug)]
@@ -81,38 +86,74 @@ impl Distance {
     }
 }
 
+/// Whether the picture is right in too many of the pixels that a cause changes. `levels` is a difference that does not
+/// count.
+fn is_contradicted(picture: &Picture, made: &Picture, reference: &Picture, levels: u8) -> bool {
+    let differs = |a, b| largest_channel_difference(a, b) > levels;
+    let (mut changed, mut contradicted) = (0_u64, 0_u64);
+    for ((&seen, &made), &right) in colors(picture).iter().zip(colors(made)).zip(colors(reference)) {
+        if differs(made, right) {
+            changed += 1;
+            contradicted += u64::from(!differs(seen, right) && differs(seen, made));
+        }
+    }
+    contradicted as f64 > MAX_CONTRADICTED * changed as f64
+}
+
+/// A cause that explains a part of the difference at least, and what its picture leaves of it.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    cause: Cause,
+    rest: Distance,
+}
+
 /// The search for what makes one picture.
 struct Search<'p> {
     picture: &'p Picture,
+    reference: &'p Picture,
     whole: Distance,
-    /// The cause that leaves the least error of those that explain any, with the distance to its picture.
-    best: Option<(Cause, Distance)>,
+    candidates: Vec<Candidate>,
     tried: usize,
     is_over: bool,
 }
 
 impl<'p> Search<'p> {
-    fn new(picture: &'p Picture, reference: &Picture) -> Self {
+    fn new(picture: &'p Picture, reference: &'p Picture) -> Self {
         let whole = Distance::between(picture, reference);
-        Self { picture, whole, best: None, tried: 0, is_over: false }
+        Self { picture, reference, whole, candidates: vec![], tried: 0, is_over: false }
     }
 
     fn try_cause(&mut self, cause: Cause, made: &Picture) {
         self.tried += 1;
         let rest = Distance::between(self.picture, made);
-        let is_better = self.best.is_none_or(|(_, best)| rest.squares < best.squares);
-        if is_better && self.whole.is_explained(&rest) {
-            self.best = Some((cause, rest));
-        }
         self.is_over = rest.differing == 0;
+        let levels = u8::from(self.whole.visibly > 0);
+        let is_candidate = self.whole.is_explained(&rest)
+            && (self.is_over || !is_contradicted(self.picture, made, self.reference, levels));
+        if is_candidate {
+            self.candidates.push(Candidate { cause, rest });
+        }
     }
 
     fn finding(&self) -> Finding {
         let Self { whole, tried, .. } = *self;
-        self.best.map_or(Finding::Unknown { tried }, |(cause, rest)| match rest.visibly {
+        // Of equally good ones the first is taken.
+        let Some(best) = self.candidates.iter().min_by_key(|candidate| candidate.rest.squares) else {
+            return Finding::Unknown { tried };
+        };
+        let &Candidate { cause, rest } = best;
+        match rest.visibly {
             0 if whole.visibly > 0 || rest.differing == 0 => Finding::Equal { cause, pixels: rest.differing },
+            _ if !self.leads(best) => Finding::Unknown { tried },
             _ => Finding::Part { cause, share: whole.share_gone(&rest) },
-        })
+        }
+    }
+
+    /// Whether no cause of another kind explains about as much.
+    fn leads(&self, best: &Candidate) -> bool {
+        let others = self.candidates.iter().filter(|other| !other.cause.is_akin(best.cause));
+        let bound = MIN_LEAD * best.rest.squares as f64;
+        others.map(|other| other.rest.squares as f64).all(|squares| squares >= bound)
     }
 }
 
@@ -147,10 +188,15 @@ pub fn find_causes(
 impl Original<'_> {
     /// Why picture `a` differs from the reference `b`, where it does. Both are of the original's size.
     pub fn explain(&self, a: &Picture, b: &Picture) -> Finding {
-        let picture = |cause| self.picture(cause);
-        let found = find_causes(Cause::all(), picture, std::slice::from_ref(a), b);
-        let unknown = Finding::Unknown { tried: 0 };
-        self.or_speckles(found.first().copied().unwrap_or(unknown), &Speckles::new(self), a, b)
+        let found = self.explain_all(std::slice::from_ref(a), b);
+        found.first().copied().unwrap_or(Finding::Unknown { tried: 0 })
+    }
+
+    /// Why each wrong picture differs from the reference `b`. All are of the original's size.
+    pub fn explain_all(&self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
+        let found = find_causes(Cause::all(), |cause| self.picture(cause), wrong, b);
+        let speckles = Speckles::new(self);
+        found.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, &speckles, a, b)).collect()
     }
 
     /// Why each wrong picture differs from the reference `b`, as judged by a small part of it where many pixels
@@ -195,7 +241,7 @@ impl fmt::Display for Finding {
             }
             Self::Part { cause, share } => {
                 let percent = (100.0 * share).floor();
-                write!(f, "explains {percent:.0}% of the error: this program's picture{cause}")
+                write!(f, "at least this program's picture{cause}, which explains {percent:.0}% of the error")
             }
             Self::Speckles { pixels } => {
                 write!(

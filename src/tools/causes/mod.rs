@@ -4,6 +4,8 @@
 //! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
 //! or by the tracer with a rule broken. The one that makes the picture in question is the cause.
 
+#[cfg(test)]
+mod confusion;
 mod finding;
 mod finished;
 mod mistaken;
@@ -11,6 +13,7 @@ mod object_space;
 mod paint;
 mod pixels;
 mod requests;
+mod rotations;
 mod rules;
 mod scenes;
 mod speckles;
@@ -22,8 +25,8 @@ pub use finished::FinishedPicture;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;
-pub use rules::Rule;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
+pub use rules::{Rule, SelfHitting};
 pub use scenes::SceneChange;
 
 use crate::grid::options::Structure;
@@ -59,6 +62,22 @@ impl Cause {
             .chain(RequestChange::ALL.map(Self::Request))
             .chain(SceneChange::ALL.map(Self::Scene))
             .chain(Rule::all().map(Self::Rule))
+    }
+}
+
+impl Cause {
+    /// Whether both are one mistake to another degree.
+    fn is_akin(self, other: Self) -> bool {
+        use Rule::{Epsilon, NoEpsilon, Shifted};
+        match (self, other) {
+            (Self::Rule(one), Self::Rule(other)) => matches!(
+                (one, other),
+                (Epsilon { .. }, Epsilon { .. })
+                    | (NoEpsilon { .. }, NoEpsilon { .. })
+                    | (Shifted { .. }, Shifted { .. })
+            ),
+            _ => self == other,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Mistakes in what a scene means: its lights, its materials, its transformations.
 
-use super::transform_order;
+use super::{rotations, transform_order};
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{Color, Light, Scene};
 use serde::Serialize;
@@ -18,6 +18,14 @@ pub enum SceneChange {
     NotAttenuated,
     /// The direction of a directional light is taken for the one towards it.
     LightsReversed,
+    /// The ambient light is added once for each light.
+    AmbientPerLight,
+    /// Exponents of highlights are twice as large.
+    ExponentDoubled,
+    /// Exponents of highlights are half as large.
+    ExponentHalved,
+    /// The angles of rotations are taken for radians.
+    RotationsInRadians,
     /// There are no highlights.
     NoHighlights,
     /// One over the index of refraction is taken for it.
@@ -31,7 +39,7 @@ pub enum SceneChange {
 }
 
 impl SceneChange {
-    pub(super) const ALL: [Self; 9] = [
+    pub(super) const ALL: [Self; 13] = [
         Self::NoAmbient,
         Self::BlackBackground,
         Self::NotAttenuated,
@@ -41,6 +49,10 @@ impl SceneChange {
         Self::CheckerboardSwapped,
         Self::ListsReversed,
         Self::NestingReversed,
+        Self::AmbientPerLight,
+        Self::ExponentDoubled,
+        Self::ExponentHalved,
+        Self::RotationsInRadians,
     ];
 
     /// The changed scene, whose text this is; none where the change cannot show.
@@ -57,6 +69,14 @@ impl SceneChange {
                 phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
             }),
             Self::CheckerboardSwapped => any(&mut changed.materials, swapped),
+            Self::AmbientPerLight => {
+                let count = changed.lights.len().max(1) as f64;
+                let ambient = count * changed.background.ambient;
+                replaced(&mut changed.background.ambient, ambient)
+            }
+            Self::ExponentDoubled => any_phong(&mut changed, |phong| scale_exponent(phong, 2.0)),
+            Self::ExponentHalved => any_phong(&mut changed, |phong| scale_exponent(phong, 0.5)),
+            Self::RotationsInRadians => return rotations::in_radians(text),
             Self::ListsReversed => return transform_order::with_lists_reversed(text),
             Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
         };
@@ -72,6 +92,11 @@ fn put_out_ambient(scene: &mut Scene) -> bool {
         return true;
     }
     replaced(&mut scene.background.ambient, Color::ZERO)
+}
+
+fn scale_exponent(phong: &mut Phong, factor: f64) -> bool {
+    let exponent = factor * phong.exponent;
+    phong.specular != Color::ZERO && replaced(&mut phong.exponent, exponent)
 }
 
 fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
@@ -128,6 +153,10 @@ impl fmt::Display for SceneChange {
             Self::IndexInverted => "with the index of refraction inverted",
             Self::CheckerboardSwapped => "with the other parity of checkerboards",
             Self::ListsReversed => "with the transformations of a list multiplied in the other order",
+            Self::AmbientPerLight => "with the ambient light once for each light",
+            Self::ExponentDoubled => "with the exponents of highlights doubled",
+            Self::ExponentHalved => "with the exponents of highlights halved",
+            Self::RotationsInRadians => "with the degrees of rotations taken for radians",
             Self::NestingReversed => "with nested transforms multiplied in the other order",
         })
     }
