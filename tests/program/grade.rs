@@ -129,7 +129,7 @@ fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
     }
     folder.run("-grade class -reference ref -report page.html").ok();
     assert!(result(&folder, "over", "o.tga").ends_with("\"upside down\""));
-    assert!(result(&folder, "light", "o.tga").ends_with("\"unknown (4 causes tried)\""));
+    assert!(result(&folder, "light", "o.tga").ends_with("\"unknown (7 causes tried)\""));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The tracer's rules with at most one of them broken.
 
 use super::object_space::ObjectSpaces;
-use super::rules::{Rule, SelfHitting};
+use super::rules::Rule;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust::unit;
@@ -74,17 +74,6 @@ impl<R: Rules> Mistaken<'_, R> {
         }
     }
 
-    /// A ray that starts on the other side of the surface, and so meets it at once.
-    fn from_other_side(
-        &self,
-        why: Departure,
-        surface: &SurfacePoint,
-        direction: DVec3,
-    ) -> (Ray, Option<u32>) {
-        let (ray, _) = self.right.departing(why, surface, -direction);
-        (Ray::new(ray.origin, direction), None)
-    }
-
     /// How long the vector to a light is that has not been divided by its length.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
         match (self.rule, self.lights.get(index)) {
@@ -95,6 +84,17 @@ impl<R: Rules> Mistaken<'_, R> {
             _ => 1.0,
         }
     }
+}
+
+/// A ray that starts on the other side of the surface, and so meets it at once.
+pub fn from_other_side<R: Rules>(
+    right: &R,
+    why: Departure,
+    surface: &SurfacePoint,
+    direction: DVec3,
+) -> (Ray, Option<u32>) {
+    let (ray, _) = right.departing(why, surface, -direction);
+    (Ray::new(ray.origin, direction), None)
 }
 
 /// The colour along a camera ray.
@@ -158,12 +158,12 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
             (Some(Rule::Epsilon { distance: t_min }), _) => {
                 (Ray { t_min, ..Ray::new(surface.position, direction) }, surface.triangle)
             }
-            (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected))
-            | (Some(Rule::NoEpsilon { rays: SelfHitting::Shadow | SelfHitting::All }), Departure::Shadow)
-            | (
-                Some(Rule::NoEpsilon { rays: SelfHitting::Secondary | SelfHitting::All }),
-                Departure::Secondary(_),
-            ) => self.from_other_side(why, surface, direction),
+            (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected)) => {
+                from_other_side(self.right, why, surface, direction)
+            }
+            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => {
+                from_other_side(self.right, why, surface, direction)
+            }
             _ => self.right.departing(why, surface, direction),
         }
     }

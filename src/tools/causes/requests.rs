@@ -56,6 +56,14 @@ impl RequestChange {
         Self::WeightIgnored,
     ];
 
+    /// Whether it is the camera that changes.
+    pub(super) fn is_camera(self) -> bool {
+        matches!(
+            self,
+            Self::OtherHandedness | Self::AngleOfShorterSide | Self::AngleNotHalved | Self::AngleInRadians
+        )
+    }
+
     /// The changed request; none where the change cannot show.
     pub(super) fn apply(self, scene: &Scene, request: &Request) -> Option<Request> {
         let effects = request.effects;

@@ -42,13 +42,16 @@ mod tests {
         };
         for (text, expected) in [
             ("XRotate 0.5", DMat3::from_rotation_x(0.5)),
-            ("YRotate { -30 } # degrees", DMat3::from_rotation_y(-30.0)),
+            ("YRotate { -30 } # degrees\n", DMat3::from_rotation_y(-30.0)),
             ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
-            ("Rotate { 0 0 2 1.25 }", DMat3::from_rotation_z(1.25)),
+            ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
         ] {
             let found = in_radians(&scene(text)).unwrap();
             let matrix = placements(&found).next().unwrap().unwrap().matrix.matrix3;
-            assert!((matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12), "{text}");
+            assert!(
+                (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
+                "{text} {matrix}"
+            );
         }
         assert!(in_radians(&scene("Translate 1 2 3")).is_none());
     }

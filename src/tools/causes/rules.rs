@@ -5,12 +5,16 @@ use super::mistaken::{self, Mistaken};
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
+use crate::math::ray::Ray;
 use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
-use crate::render::Request;
+use crate::render::{Layer, Request};
 use crate::renderer::Renderer;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Sampler;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::{Color, Light, Object, Scene};
-use crate::trace::{Rules, Shadows, Tracer};
+use crate::stats::Quiet;
+use crate::trace::{Departure, Rules, Shadows, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -96,6 +100,17 @@ pub enum SelfHitting {
     All,
 }
 
+impl SelfHitting {
+    /// Whether a ray that leaves a surface for this reason is one of them.
+    pub(super) fn includes(self, why: Departure) -> bool {
+        match why {
+            Departure::Shadow => self != Self::Secondary,
+            Departure::Secondary(_) => self != Self::Shadow,
+            Departure::Onwards => false,
+        }
+    }
+}
+
 /// Deeper recursion is not tried, for the sake of the stack.
 pub(crate) const MAX_BOUNCES: u32 = 100;
 
@@ -103,6 +118,7 @@ pub(crate) const MAX_BOUNCES: u32 = 100;
 const EPSILONS: [f64; 7] = [0.0001, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
 
 impl Rule {
+    /// All but that of shadow rays without an epsilon.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let shifts = [1, 2].into_iter().flat_map(|n| {
             let sides = [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, 0], [1, 0], [0, 1], [0, -1]];
@@ -123,11 +139,9 @@ impl Rule {
                 Self::CheckerboardCut,
             ])
             .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
-            .chain(
-                [SelfHitting::Shadow, SelfHitting::Secondary, SelfHitting::All]
-                    .map(|rays| Self::NoEpsilon { rays }),
-            )
             .chain([
+                Self::NoEpsilon { rays: SelfHitting::Secondary },
+                Self::NoEpsilon { rays: SelfHitting::All },
                 Self::NormalsNotFlipped,
                 Self::HighlightsByReflection,
                 Self::HighlightsTimesCosine,
@@ -185,6 +199,16 @@ impl Rule {
         }
     }
 
+    /// Whether what it changes shows in a layer at all.
+    pub(super) fn shows_in(self, layer: Layer) -> bool {
+        match (layer, self) {
+            (Layer::Color, _) => true,
+            (Layer::Depth { .. } | Layer::Normals, Self::Shifted { .. }) => true,
+            (Layer::Normals, Self::NormalsByMatrix | Self::NormalsOfObjectSpace) => true,
+            _ => false,
+        }
+    }
+
     fn shift(self) -> DVec2 {
         match self {
             Self::Shifted { half_pixels: [x, y] } => 0.5 * DVec2::new(x.into(), y.into()),
@@ -203,7 +227,7 @@ fn has_pattern(scene: &Scene, is_meant: impl Fn(Pattern) -> bool) -> bool {
     scene.materials.iter().any(is_meant)
 }
 
-/// The colours by the tracer with these rules, of which one is broken or none. The
+/// The colours of the first layer by the tracer with these rules, of which one is broken or none. The
 /// renderer must have kept the meshes.
 pub fn colors(
     renderer: &Renderer,
@@ -217,7 +241,21 @@ pub fn colors(
     let rules = Mistaken { right, rule, spaces: &spaces, lights: &renderer.scene.lights };
     let tracer = Tracer { rules: &rules, effects: request.effects };
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);
-    paint(&renderer.camera(request), request, shift, &|ray| mistaken::color(&tracer, ray))
+    let camera = renderer.camera(request);
+    let seen = |ray: &Ray| {
+        let hit = rules.first_hit(ray, None, &mut Quiet);
+        hit.map(|hit| (hit.t, rules.surface(ray, &hit)))
+    };
+    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
+    match request.layers.first() {
+        Some(&Layer::Depth { near, far }) => paint(&camera, &centers(), shift, &|ray| {
+            seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat((far - t.clamp(near, far)) / (far - near)))
+        }),
+        Some(Layer::Normals) => paint(&camera, &centers(), shift, &|ray| {
+            seen(ray).map_or(Color::ZERO, |(_, surface)| surface.normal.abs())
+        }),
+        _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray)),
+    }
 }
 
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.

@@ -108,9 +108,14 @@ fn words(finding: &Finding) -> String {
     let _ = match finding {
         Finding::Equal { cause, .. } => write!(words, "{}", cause.to_string().trim_start()),
         Finding::Part { cause, share } => {
-            write!(words, "{:.0}% of the error: {}", (100.0 * share).floor(), cause.to_string().trim_start())
+            write!(
+                words,
+                "at least {}, {:.0}% of the error",
+                cause.to_string().trim_start(),
+                (100.0 * share).floor()
+            )
         }
-        Finding::Speckles { pixels } => write!(words, "epsilon too small: {pixels} scattered dark pixels"),
+        Finding::Speckles { pixels, .. } => write!(words, "epsilon too small: {pixels} scattered pixels"),
         Finding::Unknown { tried } => write!(words, "unknown ({tried} causes tried)"),
     };
     words
