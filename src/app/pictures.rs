@@ -20,7 +20,7 @@ use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Report, Timings};
-use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
+use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -31,6 +31,9 @@ use std::time::{Duration, Instant};
 
 /// The size of a mesh's file, in bytes, from which on its parsing is work for several threads.
 const LARGE_MESH: usize = 1 << 18;
+
+/// How long the rays behind a pixel are followed. It is as much as millions of rays take.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
 /// The number of camera rays from which on a picture is work for several threads.
 const MANY_RAYS: usize = 1 << 17;
@@ -230,7 +233,11 @@ fn explanation(
         Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
     };
     let explainer = Explainer::new(&prepared).map_err(failed)?;
-    Ok(explainer.pixel(&request, pixel))
+    let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+    match explainer.pixel(&request, pixel, &stop) {
+        Err(ExplainError::Outside) => Ok(None),
+        explained => explained.map(Some).map_err(failed),
+    }
 }
 
 /// How many of the fullest cells are named.

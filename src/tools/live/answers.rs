@@ -18,11 +18,15 @@ use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing};
 use crate::scene::Camera;
 use crate::scene::parser::parse_camera;
-use crate::tools::explain::Explainer;
+use crate::tools::explain::{Explainer, Stop};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long the rays behind a pixel are followed.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(10);
 
 /// Everything that the page can ask for.
 pub struct App {
@@ -165,8 +169,8 @@ impl App {
         let prepared = renderer.prepare_for(options.structure, &request, Tracing::Counted);
         let prepared = prepared.map_err(|error| impossible(error.to_string()))?;
         let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.to_string()))?;
-        let tree =
-            explainer.pixel(&request, pixel).ok_or_else(|| impossible("outside the picture".into()))?;
+        let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+        let tree = explainer.pixel(&request, pixel, &stop).map_err(|error| impossible(error.to_string()))?;
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
         Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
     }
