@@ -21,8 +21,8 @@ FILES = {
     "first_hits": ["src/fast/raster/mod.rs", "src/fast/raster/bins.rs", "src/fast/raster/tile.rs", "src/fast/raster/triangle_bounds.rs",
                    "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/parallel_view.rs"],
     "shadow_maps": ["src/fast/raster/shadow_map.rs", "src/fast/raster/light_view.rs"],
-    "packets": ["src/grid/packet.rs", "src/grid/packet_setup.rs", "src/grid/dda4.rs"],
-    "side_by_side": ["src/trace/side_by_side.rs"],
+    "packets": ["src/caster/packet.rs", "src/caster/packet_setup.rs", "src/caster/grid/dda4.rs"],
+    "side_by_side": ["src/fast/side_by_side.rs"],
     "avx2": ["src/math/avx.rs"],
     "plain_meshes": ["src/scene/plain_obj.rs"],
 }
@@ -53,7 +53,7 @@ def main():
     options = parser.parse_args()
     size = str(options.size)
     all_commands = [
-        (scene.stem, [options.program, "-input", scene, "-output", "-.tga", "-size", size, size, "-threads", "1", *flags])
+        (scene.stem, [options.program, "-input", scene, "-output", ROOT / "target/shortcuts.tga", "-size", size, size, "-threads", "1", *flags])
         for scene, flags in commands()
     ]
     row = "| `{}` | {} | {:.3f} | {:.2f} | `{}` |" if options.markdown else "{:14} {:5} {:6.3f} {:6.2f} {}"

@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::grid::options::{CellRule, GridOptions};
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -35,22 +35,21 @@ pub fn check_scene(text: &str) {
 
 fn check_pictures(scene: &Scene, world: &World) {
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
-    let some = GridOptions::uniform([3, 2, 4]);
-    let rule = CellRule::Trees { max_per_cell: 2 };
-    let plain = tiny_picture(scene, Tracing::Fast, world, GridOptions::NONE, fastest);
+    let some = Layout::Grid([3, 2, 4]);
+    let plain = tiny_picture(scene, Tracing::Fast, world, Layout::List, fastest);
     for (options, instructions) in [
         (some, fastest),
         (some, portable),
-        (GridOptions { rule, ..GridOptions::automatic(world, 1 << 20) }, fastest),
-        (GridOptions::NONE, portable),
+        (Layout::automatic(world, 1 << 20), fastest),
+        (Layout::Tree, fastest),
+        (Layout::Tree, portable),
+        (Layout::List, portable),
     ] {
         let picture = tiny_picture(scene, Tracing::Fast, world, options, instructions);
         assert!(plain == picture, "the picture differs with {options:?}, {instructions:?}");
     }
-    let rule = CellRule::Course { is_bounded: false };
-    for options in [GridOptions::NONE, some] {
-        let as_course =
-            tiny_picture(scene, Tracing::Counted, world, GridOptions { rule, ..options }, fastest);
+    for cells in [None, Some([3, 2, 4])] {
+        let as_course = tiny_picture(scene, Tracing::Counted, world, Layout::Course(cells), fastest);
         assert!(plain == as_course, "counting changes the picture");
     }
 }
@@ -60,10 +59,10 @@ fn tiny_picture(
     scene: &Scene,
     tracing: Tracing,
     world: &World,
-    options: GridOptions,
+    layout: Layout,
     instructions: Instructions,
 ) -> Vec<u8> {
-    let caster = Caster::with(world, options, instructions).expect("a small grid");
+    let caster = Caster::with(world, layout, instructions).expect("a small grid");
     let (bytes, nans) = bytes_and_nans(scene, &caster, tracing, [4, 4], [1.0, 10.0]);
     assert_eq!(nans, 0, "colours that are not numbers");
     bytes

@@ -1,6 +1,6 @@
 # The points of surfaces and their coordinates in a checkerboard's space are within the error bounds that decide.
 #@ src/world/point_error.rs BETWEEN_VERTICES_ROUNDINGS = 7.0
-#@ src/world/point_error.rs AT_RADIUS_ROUNDINGS = 6.0
+#@ src/primitive/sphere.rs AT_RADIUS_ROUNDINGS = 6.0
 #@ src/world/point_error.rs ON_PLANE_ROUNDINGS = 6.0
 #@ src/math/rounded_affine.rs PRODUCT_ROUNDINGS = 5.0
 #@ src/math/rounded_affine.rs IMAGE_ROUNDINGS = 16.0

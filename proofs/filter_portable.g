@@ -1,13 +1,13 @@
 # The errors of the filter in f32, with separate multiplications and additions, are within its error bounds.
-#@ src/grid/triangle8.rs EDGE_ROUNDINGS = 37.0
-#@ src/grid/triangle8.rs AREA_ROUNDINGS = 67.0
-#@ src/grid/triangle8.rs DEPTH_ROUNDINGS = 82.0
-#@ src/grid/triangle8.rs NORMAL_ROUNDINGS = 4.5
+#@ src/caster/blocks/triangle8.rs EDGE_ROUNDINGS = 37.0
+#@ src/caster/blocks/triangle8.rs AREA_ROUNDINGS = 67.0
+#@ src/caster/blocks/triangle8.rs DEPTH_ROUNDINGS = 82.0
+#@ src/caster/blocks/triangle8.rs NORMAL_ROUNDINGS = 4.5
 #@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
 #@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
-#@ src/grid/filter.rs MAX_DEPTH = 2.03125
+#@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
 #
-# The names are those of src/grid/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
+# The names are those of src/caster/blocks/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
 #
 # Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4, which
 # changes no rounding. Then all of them are at most 1, and t is at most MAX_DEPTH. Edges and what is computed from

@@ -1,9 +1,10 @@
 //! The camera: generates the primary ray of each sample.
 
 use crate::math::f64x4::F64x4;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
-use crate::math::vectors4::Vectors4;
+use crate::math::vector::Vector;
 use crate::scene;
 use glam::{DVec2, DVec3};
 
@@ -84,20 +85,12 @@ impl Camera {
     /// 0 at the lower left of the picture. Its direction is a unit vector.
     #[inline(always)]
     pub fn ray(&self, pixel: DVec2, offset: DVec2) -> Ray {
-        // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
-        // exact mirror images.
-        let screen = (pixel + 0.5 - 0.5 * self.size + offset) / self.size.max_element();
-        let across = screen.x * self.horizontal + screen.y * self.vertical;
-        if self.is_perspective {
-            Ray::new(self.center, (self.direction + across).normalize())
-        } else {
-            // As in the course an orthographic camera also sees objects behind its plane.
-            Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center + across, self.direction) }
-        }
+        let [origin, direction] = self.origin_and_direction(pixel.to_array(), offset.to_array());
+        Ray { t_min: self.t_min(), ..Ray::new(origin.into(), direction.into()) }
     }
 
-    /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres. They have the
-    /// bits of [`ray`](Self::ray).
+    /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres.
+    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     #[inline(always)]
     pub(crate) fn rays<F: F64x4>(
         &self,
@@ -107,21 +100,34 @@ impl Camera {
         offsets: [DVec2; 4],
     ) -> [Ray; 4] {
         let [o, p, q, r] = offsets;
-        let middle = 0.5 * self.size;
-        let longer = F::splat(proof, self.size.max_element());
-        let left = F::new(proof, columns.map(|column| column as f64 + 0.5 - middle.x));
-        let below = F::splat(proof, row as f64 + 0.5 - middle.y);
-        let x = (left + F::new(proof, [o.x, p.x, q.x, r.x])) / longer;
-        let y = (below + F::new(proof, [o.y, p.y, q.y, r.y])) / longer;
-        let across = Vectors4::splat(proof, self.horizontal).times(x);
-        let across = across.plus(Vectors4::splat(proof, self.vertical).times(y));
+        let pixels = [F::new(proof, columns.map(|column| column as f64)), F::splat(proof, row as f64)];
+        let offsets = [F::new(proof, [o.x, p.x, q.x, r.x]), F::new(proof, [o.y, p.y, q.y, r.y])];
+        let [origins, directions] = self.origin_and_direction(pixels, offsets).map(Vector::to_array);
+        [0, 1, 2, 3].map(|i| Ray { t_min: self.t_min(), ..Ray::new(origins[i], directions[i]) })
+    }
+
+    /// As in the course an orthographic camera also sees objects behind its plane.
+    #[inline(always)]
+    fn t_min(&self) -> f64 {
+        if self.is_perspective { 0.0 } else { f64::NEG_INFINITY }
+    }
+
+    /// The origins and directions of rays through the points at these offsets from the centres of pixels.
+    #[inline(always)]
+    fn origin_and_direction<N: Number>(&self, [column, row]: [N; 2], offset: [N; 2]) -> [Vector<N>; 2] {
+        let splat = |v: DVec3| Vector::splat(column.proof(), v);
+        let (half, middle) = (column.broadcast(0.5), 0.5 * self.size);
+        let longer = column.broadcast(self.size.max_element());
+        // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
+        // exact mirror images.
+        let on_screen =
+            |pixel: N, offset: N, middle: f64| (pixel + half - pixel.broadcast(middle) + offset) / longer;
+        let (x, y) = (on_screen(column, offset[0], middle.x), on_screen(row, offset[1], middle.y));
+        let across = splat(self.horizontal) * x + splat(self.vertical) * y;
         if self.is_perspective {
-            let directions = Vectors4::splat(proof, self.direction).plus(across).normalized();
-            directions.to_array().map(|direction| Ray::new(self.center, direction))
+            [splat(self.center), (splat(self.direction) + across).normalized()]
         } else {
-            let origins = Vectors4::splat(proof, self.center).plus(across);
-            let ray = Ray { t_min: f64::NEG_INFINITY, ..Ray::new(self.center, self.direction) };
-            origins.to_array().map(|origin| Ray { origin, ..ray })
+            [splat(self.center) + across, splat(self.direction)]
         }
     }
 }

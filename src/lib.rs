@@ -5,9 +5,8 @@
 //! as one likes: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
-//! use raytracer::grid::options::Structure;
-//! use raytracer::mode::Fast;
-//! use raytracer::render::{Layer, Request, Window};
+//! use raytracer::caster::choose::Structure;
+//! use raytracer::render::{Layer, Request, Tracing, Window};
 //! use raytracer::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};
 //! use std::path::Path;
@@ -18,7 +17,7 @@
 //! let layers = vec![Layer::Color, Layer::Normals];
 //! let request = Request { effects, layers, ..Request::new(size) };
 //! // Builds a grid if it saves time for this scene and this request.
-//! let prepared = renderer.prepare_for::<Fast>(Structure::Any, &request)?;
+//! let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast)?;
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);
 //!
@@ -33,7 +32,7 @@
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
 //! PNG, PFM and OpenEXR files and reads pictures. Of the [`tools`], [`compare`](tools::compare) measures how two pictures
 //! differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for many pictures of many people,
-//! [`error_report`](tools::error_report) measures what settings cost and buy, and `live` shows a scene as a page in the
+//! [`error_report`](tools::error_report) measures what settings cost and buy. `live` shows a scene as a page in the
 //! browser.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
@@ -54,7 +53,7 @@ pub mod stats;
 pub mod primitive;
 #[doc(hidden)]
 pub mod world;
-pub mod grid;
+pub mod caster;
 #[doc(hidden)]
 pub mod shading;
 #[doc(hidden)]
@@ -75,3 +74,5 @@ pub mod tools;
 pub mod cli;
 #[doc(hidden)]
 pub mod distinct_files;
+#[cfg(feature = "gui")]
+pub mod live;

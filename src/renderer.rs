@@ -2,8 +2,8 @@
 //! of times.
 
 use crate::camera::Camera;
-use crate::grid::options::{GridOptions, Resolution, Structure};
-use crate::grid::{Caster, Fullness, GridTooLarge, Instructions};
+use crate::caster::choose::{Layout, Rays, Resolution, Structure};
+use crate::caster::{Caster, Fullness, GridTooLarge, Instructions};
 use crate::math::aabb::Aabb;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
@@ -101,20 +101,33 @@ impl Renderer {
         request: &Request,
         tracing: Tracing,
     ) -> Result<Prepared<'_>, GridTooLarge> {
-        let is_counted = tracing == Tracing::Counted;
-        let structure = if is_counted && structure == Structure::Any { Structure::List } else { structure };
-        let rays = request.cast_rays(&self.camera(request), &self.world);
-        let grid = structure.resolution(&self.world, rays);
-        let mut prepared = match self.prepare(grid, request.camera_rays(), tracing) {
-            // Nobody has asked for the grid that does not fit into memory.
-            Err(_) if structure == Structure::Any => self.prepare(None, request.camera_rays(), tracing),
-            prepared => prepared,
-        }?;
-        if structure == Structure::Any && grid.is_none() {
+        let cast = request.cast_rays(&self.camera(request), &self.world);
+        let mut prepared =
+            self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)?;
+        if structure == Structure::Any && !prepared.caster.is_selective() {
             // Rasterization may find out that it leaves more rays to be cast.
             prepared.caster.allow_grid(request.camera_rays());
         }
         Ok(prepared)
+    }
+
+    /// The same for about this number of rays.
+    pub fn prepare_as(
+        &self,
+        structure: Structure,
+        rays: Rays,
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        self.on_own_threads(|| {
+            let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
+            let build = |layout| Caster::with(&self.world, layout, Instructions::available()[0]);
+            let caster = match build(layout) {
+                // Nobody has asked for the structure that does not fit into memory.
+                Err(_) if structure == Structure::Any => build(Layout::List),
+                caster => caster,
+            }?;
+            Ok(Prepared { renderer: self, caster, occupancy: None, cells: layout.cells(), tracing })
+        })
     }
 
     /// The camera that a request's pictures are seen with.
@@ -122,7 +135,7 @@ impl Renderer {
         Camera::new(request.camera.as_ref().unwrap_or(&self.scene.camera), request.size)
     }
 
-    /// Builds the acceleration structure. `rays` is the approximate number of camera rays, by which an
+    /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays, by which an
     /// automatic grid is chosen.
     pub fn prepare(
         &self,
@@ -130,12 +143,7 @@ impl Renderer {
         rays: usize,
         tracing: Tracing,
     ) -> Result<Prepared<'_>, GridTooLarge> {
-        self.on_own_threads(|| {
-            let options = GridOptions::new(grid, &self.world, rays, tracing == Tracing::Counted);
-            let caster = Caster::with(&self.world, options, Instructions::available()[0])?;
-            let cells = caster.cells().or(options.cells);
-            Ok(Prepared { renderer: self, caster, occupancy: None, cells, tracing })
-        })
+        self.prepare_as(grid.map_or(Structure::List, Structure::Grid), Rays::cast(rays), tracing)
     }
 
     /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The
@@ -147,8 +155,9 @@ impl Renderer {
         tracing: Tracing,
     ) -> Result<Prepared<'_>, GridTooLarge> {
         self.on_own_threads(|| {
-            let cells = GridOptions::new(Some(grid), &self.world, rays, tracing == Tracing::Counted).cells;
-            let caster = Caster::with(&self.world, GridOptions::NONE, Instructions::available()[0])?;
+            let is_counted = tracing == Tracing::Counted;
+            let cells = Structure::Grid(grid).layout(&self.world, Rays::cast(rays), is_counted).cells();
+            let caster = Caster::with(&self.world, Layout::List, Instructions::available()[0])?;
             let occupancy =
                 cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
             Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })

@@ -145,18 +145,9 @@ fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
     if mesh_places(name, scene_directory).iter().any(is_there) {
         return None;
     }
-    let with_slashes = name.replace('\\', "/");
-    let mut names = mesh_places(&with_slashes, scene_directory).into_iter();
-    let near =
-        names.clone().find(|place| place.is_file()).or_else(|| names.find_map(|place| nearest_file(&place)));
-    match near {
-        Some(near) => {
-            let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
-            Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
-        }
-        None if with_slashes != *name => Some("the parts of a path are separated by `/`".into()),
-        None => None,
-    }
+    let near = mesh_places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
+    let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
+    Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
 }
 
 /// Reads the mesh that a scene names from the first place where it can be read.
@@ -224,11 +215,19 @@ pub fn mesh_files(scene: &Path) -> Vec<PathBuf> {
     named.meshes.iter().filter_map(find).collect()
 }
 
-/// Where to look for a mesh: relative to the working directory, as the course's program does, then
-/// beside the scene, unless that is the same.
+/// Where to look for a mesh: relative to the working directory, as the course's program does, then beside the scene,
+/// unless that is the same. In either folder, a file whose name has backslashes comes before a path that is written with
+/// them, as on Windows.
 pub fn mesh_places(name: &str, scene_directory: &Path) -> Vec<PathBuf> {
-    let mut places = vec![PathBuf::from(name), scene_directory.join(name)];
-    places.dedup();
+    let with_slashes = name.replace('\\', "/");
+    let mut places = Vec::new();
+    for folder in [Path::new(""), scene_directory] {
+        for place in [name, &with_slashes].map(|name| folder.join(name)) {
+            if !places.contains(&place) {
+                places.push(place);
+            }
+        }
+    }
     places
 }
 
@@ -301,6 +300,22 @@ mod tests {
         assert_eq!(mesh_places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
         assert_eq!(mesh_places("m.obj", Path::new("")), [Path::new("m.obj")]);
         assert_eq!(mesh_places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
+    }
+
+    #[test]
+    fn backslashes_are_slashes_where_no_file_has_them_in_its_name() {
+        let as_on_windows = mesh_scene(&["a\\m.obj"]);
+        let mesh = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+        let (folder, scene) = directory(&[("s.txt", as_on_windows.as_bytes())]);
+        fs::create_dir(folder.path().join("a")).unwrap();
+        fs::write(folder.path().join("a/m.obj"), mesh).unwrap();
+        assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 1);
+        assert_eq!(mesh_files(&scene), load(&scene).unwrap().mesh_files);
+        if cfg!(unix) {
+            let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
+            fs::write(folder.path().join("a\\m.obj"), two).unwrap();
+            assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 2);
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! A ray's colour is that of the surface that it hits, by ambient light and by the lights that are visible from there,
 //! and of the rays that are reflected and refracted there.
 
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
 use crate::scene::Color;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial};
@@ -83,36 +83,51 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The colour along a ray from the camera.
     pub fn color<O: Observer>(&self, ray: &Ray, observer: &mut O) -> Color {
-        let hit = self.first_hit(ray, None, observer);
-        let surface = hit.map(|hit| self.rules.surface(ray, &hit));
+        let surface = self.nearest(ray, None, observer).map(|visible| self.rules.surface(ray, visible));
         self.color_of(ray, surface, observer)
     }
 
     /// The same, given the surface that the ray hits first.
-    ///
-    /// Secondary rays wait on a stack instead of being traced by a function that calls itself, so that the number of
-    /// bounces is limited by nothing but memory.
     pub fn color_of<O: Observer>(&self, ray: &Ray, surface: Option<SurfacePoint>, observer: &mut O) -> Color {
-        let mut pending = vec![];
-        let mut color = self.local_color(ray, &Path::CAMERA, surface, &mut pending, observer);
-        while let Some(SecondaryRay { ray, leaves, path }) = pending.pop() {
+        self.color_with(&mut vec![], ray, surface, observer)
+    }
+
+    /// The same.
+    ///
+    /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
+    /// number of bounces is limited by nothing but memory. It is empty before and afterwards, and has its memory for the
+    /// next ray.
+    pub(crate) fn color_with<O: Observer>(
+        &self,
+        pending: &mut Vec<SecondaryRay>,
+        ray: &Ray,
+        surface: Option<SurfacePoint>,
+        observer: &mut O,
+    ) -> Color {
+        let (mut ray, mut path, mut surface) = (*ray, Path::CAMERA, surface);
+        // Negative zero, since x + 0 is not x if x is negative zero.
+        let mut color = Color::splat(-0.0);
+        loop {
+            color += path.filter * self.local_color(&ray, &path, surface, pending, observer);
+            let Some(next) = pending.pop() else { return color };
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
-            let hit = self.first_hit(&ray, leaves, observer);
-            let surface = hit.map(|hit| self.rules.surface(&ray, &hit));
-            color += path.filter * self.local_color(&ray, &path, surface, &mut pending, observer);
+            (ray, path) = (next.ray, next.path);
+            let visible = self.nearest(&ray, next.leaves, observer);
+            surface = visible.map(|visible| self.rules.surface(&ray, visible));
         }
-        color
     }
 
     /// What a ray hits first, if it leaves the primitive `leaves`.
-    pub fn first_hit<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Hit> {
-        let hit = self.rules.first_hit(ray, leaves, observer);
-        observer.observe(|| Event::Met(hit));
-        hit
+    #[inline(always)]
+    pub fn nearest<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Visible> {
+        let visible = self.rules.nearest(ray, leaves, observer);
+        observer.observe(|| Event::Met(visible.map(|visible| self.rules.hit(ray, visible))));
+        visible
     }
 
     /// The colour along a ray without its secondary rays, which are pushed to `pending`.
+    #[inline(always)]
     pub(crate) fn local_color<O: Observer>(
         &self,
         ray: &Ray,

@@ -1,7 +1,7 @@
 //! Flattening: the object tree with its transforms becomes lists of primitives in world space.
 //!
 //! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one
-//! range of ids, in the order triangles, spheres, ellipsoids, planes.
+//! range of ids, in the order triangles, shapes, planes.
 
 mod builder;
 mod coincidence;
@@ -17,7 +17,8 @@ use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
-use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
+use crate::primitive::shape::{Form, Shape};
+use crate::primitive::{plane::Plane, triangle};
 use crate::scene::error::SceneError;
 use crate::scene::limits;
 use crate::scene::mesh::Mesh;
@@ -30,7 +31,7 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-pub use placement::{Placement, course_sphere_box, placements};
+pub use placement::{Placement, placements};
 pub use surface::SurfacePoint;
 
 /// A scene in world space, as it is traced.
@@ -42,10 +43,8 @@ pub struct World {
     pub triangles: Vec<[u32; 3]>,
     /// Those that are known to have no area, so that no ray hits them, in ascending order.
     without_area: Vec<u32>,
-    /// The spheres, whose ids follow those of the triangles.
-    pub spheres: Vec<Sphere>,
-    /// The ellipsoids, whose ids follow those of the spheres.
-    pub ellipsoids: Vec<Ellipsoid>,
+    /// The shapes, whose ids follow those of the triangles.
+    pub shapes: Vec<Shape>,
     /// The planes, which have the last ids.
     pub planes: Vec<Plane>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
@@ -79,10 +78,8 @@ pub struct World {
 pub enum Primitive {
     /// Index into [`World::triangles`].
     Triangle(usize),
-    /// Index into [`World::spheres`].
-    Sphere(usize),
-    /// Index into [`World::ellipsoids`].
-    Ellipsoid(usize),
+    /// Index into [`World::shapes`].
+    Shape(usize),
     /// Index into [`World::planes`].
     Plane(usize),
 }
@@ -110,8 +107,7 @@ impl World {
             vertices: vec![],
             triangles: vec![],
             without_area: vec![],
-            spheres: vec![],
-            ellipsoids: vec![],
+            shapes: vec![],
             planes: vec![],
             plane_directions: vec![],
             flattening_errors: FlatteningErrors::default(),
@@ -131,7 +127,7 @@ impl World {
 
     /// The number of primitives with finite bounds: all but the planes.
     pub fn finite_count(&self) -> usize {
-        self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+        self.triangles.len() + self.shapes.len()
     }
 
     /// The number of finite primitives that rays may hit.
@@ -154,13 +150,10 @@ impl World {
     /// The primitive with this id.
     pub fn primitive(&self, id: u32) -> Primitive {
         let i = id as usize;
-        let first_ellipsoid = self.triangles.len() + self.spheres.len();
         if i < self.triangles.len() {
             Primitive::Triangle(i)
-        } else if i < first_ellipsoid {
-            Primitive::Sphere(i - self.triangles.len())
         } else if i < self.finite_count() {
-            Primitive::Ellipsoid(i - first_ellipsoid)
+            Primitive::Shape(i - self.triangles.len())
         } else {
             Primitive::Plane(i - self.finite_count())
         }
@@ -171,17 +164,16 @@ impl World {
         self.finite_count() as u32
     }
 
-    /// The tight bounds of the spheres and ellipsoids, in the order of their ids.
+    /// The tight bounds of the shapes, in the order of their ids.
     pub fn boxes(&self) -> impl Iterator<Item = Aabb> + '_ {
-        self.spheres.iter().map(Sphere::bounds).chain(self.ellipsoids.iter().map(Ellipsoid::bounds))
+        self.shapes.iter().map(Form::bounds)
     }
 
     /// The tight bounds of a primitive, which are empty for a plane.
     pub fn box_of(&self, id: u32) -> Aabb {
         match self.primitive(id) {
             Primitive::Triangle(i) => Aabb::around(self.corners(i)),
-            Primitive::Sphere(i) => self.spheres[i].bounds(),
-            Primitive::Ellipsoid(i) => self.ellipsoids[i].bounds(),
+            Primitive::Shape(i) => self.shapes[i].bounds(),
             Primitive::Plane(_) => Aabb::EMPTY,
         }
     }
@@ -320,11 +312,11 @@ mod tests {
         let world = world();
         let kinds: Vec<Primitive> = (0..12).map(|id| world.primitive(id)).collect();
         let triangles = (0..6).map(Triangle);
-        let others = [Sphere(0), Sphere(1), Ellipsoid(0), Ellipsoid(1), Plane(0), Plane(1)];
+        let others = [Shape(0), Shape(1), Shape(2), Shape(3), Plane(0), Plane(1)];
         assert_eq!(kinds, triangles.chain(others).collect::<Vec<_>>());
         assert_eq!((world.finite_count(), world.first_plane()), (10, 10));
         let materials: Vec<MaterialId> = (0..12).map(|id| world.material_of(id)).collect();
-        assert_eq!(materials, [3, 4, 5, 9, 10, 11, 2, 8, 1, 7, 0, 6]);
+        assert_eq!(materials, [3, 4, 5, 9, 10, 11, 1, 2, 7, 8, 0, 6]);
         let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
         let left = |primitive| world.surface(&ray, &Hit { t: 5.0, primitive, weights: None }).triangle;
         assert_eq!([0, 5, 6, 8, 10].map(left), [Some(0), Some(5), None, None, None]);

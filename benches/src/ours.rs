@@ -1,9 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::grid::options::GridOptions;
-use raytracer::grid::packet::{PACKET_SIZE, PacketRay};
-use raytracer::grid::{Caster, GridTooLarge, Instructions};
+use raytracer::caster::choose::{Layout, Rays};
+use raytracer::caster::packet::{PACKET_SIZE, PacketRay};
+use raytracer::caster::{Caster, GridTooLarge, Instructions};
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -55,5 +55,5 @@ const RAYS: usize = 1 << 30;
 
 /// The caster that `-grid auto` chooses.
 pub fn caster(world: &World) -> Result<Caster<'_>, GridTooLarge> {
-    Caster::with(world, GridOptions::automatic(world, RAYS), Instructions::available()[0])
+    Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), Instructions::available()[0])
 }

@@ -4,7 +4,7 @@
 use crate::{Figure, panels};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::offset_origin;
 use raytracer::scene::material::{Material, Phong};

@@ -44,7 +44,7 @@ pub fn show(_: &Options, _: &mut Signals, _: &dyn Fn(&str)) -> Result<(), String
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
-    use raytracer::tools::live::{Server, Setup};
+    use raytracer::live::{Server, Setup};
     use raytracer::undisturbed::undisturbed;
     use std::io::Write;
     use std::process::{Command, Stdio};

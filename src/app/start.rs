@@ -3,8 +3,10 @@
 #[cfg(target_os = "linux")]
 pub use linux::{ignores_hangup, is_closed};
 
+#[cfg(all(unix, not(target_os = "linux")))]
+pub use elsewhere::ignores_hangup;
 #[cfg(not(target_os = "linux"))]
-pub use elsewhere::{ignores_hangup, is_closed};
+pub use elsewhere::is_closed;
 
 /// A standard stream.
 #[derive(Clone, Copy)]
@@ -71,6 +73,7 @@ mod elsewhere {
     }
 
     /// Cannot be told.
+    #[cfg(unix)]
     pub fn ignores_hangup() -> bool {
         false
     }

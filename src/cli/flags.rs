@@ -7,7 +7,7 @@ use super::options::JsonTarget;
 use super::outputs::Output;
 use super::section::Section;
 use super::values::Values;
-use crate::grid::options::{Resolution, Structure};
+use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Cost, Layer, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
@@ -267,7 +267,7 @@ flags! {
         .fewest(1)
         .default("what is fastest")
         .help("Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The picture stays the same.")
-        .details("With -stats, -cost_map or -pixel the default is none, as in the course. auto chooses about one cubic cell per primitive, and subdivides crowded cells.")
+        .details("With -stats, -cost_map or -pixel the default is none, as in the course. auto chooses about one cubic cell per primitive. Without the flag a list, such a grid or a tree of boxes is chosen.")
         .example("-grid 20 20 20")
         .runs(SHAPING)
         .read(structure);

@@ -8,7 +8,7 @@ use super::live_page::LivePage;
 use super::outputs::{Output, distinct, outputs};
 use super::raw::Raw;
 use super::values::{lossy, lossy_or_null};
-use crate::grid::options::Structure;
+use crate::caster::choose::Structure;
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;

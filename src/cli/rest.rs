@@ -89,9 +89,10 @@ mod tests {
             let words: Vec<&str> = line.split(' ').collect();
             assert_eq!(rest_of(&words), format!("{rest} -region 0 7 9 2"), "{line}");
         }
+        let [program, scene, picture] = ["my tracer", "it's.txt", "a b.rest.tga"].map(shell_word);
         assert_eq!(
             rest_of(&["my tracer", "-input", "it's.txt", "-output", "a b.tga"]),
-            r"'my tracer' -input 'it'\''s.txt' -output 'a b.rest.tga' -region 0 7 9 2"
+            format!("{program} -input {scene} -output {picture} -region 0 7 9 2")
         );
     }
 
@@ -100,8 +101,9 @@ mod tests {
         let merge = |region| {
             command_of_merge("rt".as_ref(), Path::new("a b.partial.tga"), Path::new("a b.tga"), region)
         };
-        assert_eq!(merge(None), "rt -merge 'a b.partial.tga' 'a b.rest.tga' -output 'a b.tga'");
-        let whole = "rt -merge 'a b.partial.tga' 'a b.rest.tga' -output 'a b.tga' -region 0 7 9 2";
-        assert_eq!(merge(Some(REGION)), whole);
+        let [part, rest, picture] = ["a b.partial.tga", "a b.rest.tga", "a b.tga"].map(shell_word);
+        let whole = format!("rt -merge {part} {rest} -output {picture}");
+        assert_eq!(merge(None), whole);
+        assert_eq!(merge(Some(REGION)), format!("{whole} -region 0 7 9 2"));
     }
 }

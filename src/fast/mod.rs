@@ -13,7 +13,7 @@ mod shading;
 mod side_by_side;
 
 use crate::camera::Camera;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::trace::{Effects, Shadows, Tracer};
 use crate::world::World;

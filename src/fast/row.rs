@@ -5,8 +5,8 @@
 use super::FastRow;
 use super::raster::{Seen, VisibilityBuffer};
 use crate::camera::Camera;
-use crate::grid::Caster;
-use crate::grid::packet::PacketRay;
+use crate::caster::Caster;
+use crate::caster::packet::PacketRay;
 #[cfg(target_arch = "x86_64")]
 use crate::math::avx::Avx;
 use crate::math::f64x4::{F64x4, LANES, Scalar};
@@ -121,6 +121,7 @@ mod tests {
     use super::*;
     use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
+    use crate::primitive::shape::Form;
     use crate::scene::parser::parse;
     use crate::world::{SurfacePoint, World};
     use glam::{DVec2, DVec3};
@@ -164,7 +165,7 @@ mod tests {
                         crate::primitive::triangle::Shear::new(&sample.ray)
                             .intersect(world.corners_in_place(i))
                     }
-                    crate::world::Primitive::Sphere(i) => world.spheres[i].intersect(&sample.ray),
+                    crate::world::Primitive::Shape(i) => world.shapes[i].intersect(&sample.ray),
                     _ => Some(100.0),
                 };
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));

@@ -3,7 +3,7 @@
 
 use super::raster::{Blocker, ShadowMaps};
 use super::side_by_side::Cast;
-use crate::grid::Caster;
+use crate::caster::Caster;
 #[cfg(target_arch = "x86_64")]
 use crate::math::avx::Avx;
 use crate::math::f64x4::{F64x4, Scalar};

@@ -5,7 +5,7 @@
 //! rays, so that its colour is the same sum as by itself.
 
 use super::shading::{Memory, Shading};
-use crate::grid::packet::PacketRay;
+use crate::caster::packet::PacketRay;
 use crate::math::f64x4::F64x4;
 use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
@@ -52,7 +52,7 @@ impl Shading<'_> {
     /// Whether secondary rays are followed side by side. It pays where they traverse a grid with triangles.
     pub(super) fn goes_side_by_side(&self) -> bool {
         let has_triangles = !self.tracer.world().triangles.is_empty();
-        Shortcut::SideBySide.is_taken() && has_triangles && self.tracer.rules.has_grid()
+        Shortcut::SideBySide.is_taken() && has_triangles && self.tracer.rules.is_selective()
     }
 
     /// Adds the colours of the secondary rays to those of their camera rays, until few camera rays have any left.
@@ -99,8 +99,8 @@ impl Shading<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::GridOptions;
-    use crate::grid::{Caster, Instructions};
+    use crate::caster::choose::Layout;
+    use crate::caster::{Caster, Instructions};
     use crate::sampling::sample_packet::SamplePacket;
     use crate::scene::parser::parse;
     use crate::stats::{Counts, Quiet};
@@ -137,7 +137,7 @@ mod tests {
         let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
         for instructions in Instructions::available() {
-            let caster = Caster::with(&world, GridOptions::uniform([6, 5, 7]), instructions).unwrap();
+            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
             let tracer = Tracer { rules: &caster, effects };
             let shading = Shading { tracer, shadow_maps: None };
             assert!(shading.goes_side_by_side());

@@ -174,7 +174,8 @@ pub(super) fn nameless_file(folder: &Path) -> io::Result<File> {
     }
 }
 
-fn temporary_names() -> tempfile::Builder<'static, 'static> {
+/// Names of files and folders that are there for a moment.
+pub(super) fn temporary_names() -> tempfile::Builder<'static, 'static> {
     let mut names = tempfile::Builder::new();
     names.prefix(".raytracer-");
     names

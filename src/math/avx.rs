@@ -3,8 +3,9 @@
 
 use super::f64x4::{EXPONENT_SHIFT, F64x4, ROUND_TO_INTEGER};
 use super::instructions::Avx2;
+use super::number::Number;
 use std::arch::x86_64::*;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Four floats in an AVX register, together with the proof that the processor has AVX. The operations are
 /// fast only in functions that are themselves compiled for AVX; elsewhere each one becomes a function call.
@@ -42,7 +43,7 @@ impl Avx {
     }
 }
 
-impl F64x4 for Avx {
+impl Number for Avx {
     type Proof = Avx2;
 
     #[inline(always)]
@@ -51,18 +52,8 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
-    fn new(proof: Avx2, [x, y, z, w]: [f64; 4]) -> Self {
-        Self { lanes: avx!(proof, _mm256_set_pd(w, z, y, x)), proof }
-    }
-
-    #[inline(always)]
     fn splat(proof: Avx2, x: f64) -> Self {
         Self { lanes: avx!(proof, _mm256_set1_pd(x)), proof }
-    }
-
-    #[inline(always)]
-    fn to_array(self) -> [f64; 4] {
-        bytemuck::cast(self.lanes)
     }
 
     #[inline(always)]
@@ -78,6 +69,41 @@ impl F64x4 for Avx {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.with(avx!(self.proof, _mm256_max_pd(self.lanes, other.lanes)))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.with(avx!(self.proof, _mm256_sqrt_pd(self.lanes)))
+    }
+
+    #[inline(always)]
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
+        self.with(avx!(self.proof, {
+            let less = _mm256_cmp_pd::<_CMP_LT_OQ>(self.lanes, other.lanes);
+            _mm256_or_pd(_mm256_and_pd(less, then.lanes), _mm256_andnot_pd(less, otherwise.lanes))
+        }))
+    }
+
+    #[inline(always)]
+    fn le_mask(self, other: Self) -> u32 {
+        avx!(self.proof, _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.lanes, other.lanes)) as u32)
+    }
+
+    #[inline(always)]
+    fn lt_mask(self, other: Self) -> u32 {
+        avx!(self.proof, _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.lanes, other.lanes)) as u32)
+    }
+}
+
+impl F64x4 for Avx {
+    #[inline(always)]
+    fn new(proof: Avx2, [x, y, z, w]: [f64; 4]) -> Self {
+        Self { lanes: avx!(proof, _mm256_set_pd(w, z, y, x)), proof }
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [f64; 4] {
+        bytemuck::cast(self.lanes)
     }
 
     #[inline(always)]
@@ -106,30 +132,12 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.with(avx!(self.proof, _mm256_sqrt_pd(self.lanes)))
-    }
-
-    #[inline(always)]
-    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
-        self.with(avx!(self.proof, {
-            let less = _mm256_cmp_pd::<_CMP_LT_OQ>(self.lanes, other.lanes);
-            _mm256_or_pd(_mm256_and_pd(less, then.lanes), _mm256_andnot_pd(less, otherwise.lanes))
-        }))
-    }
-
-    #[inline(always)]
     fn times_exp2(self, exponents: Self) -> Self {
         let exponents = exponents + self.broadcast(ROUND_TO_INTEGER);
         self.with(avx!(self.proof, {
             let exponents = _mm256_slli_epi64::<EXPONENT_SHIFT>(_mm256_castpd_si256(exponents.lanes));
             _mm256_castsi256_pd(_mm256_add_epi64(_mm256_castpd_si256(self.lanes), exponents))
         }))
-    }
-
-    #[inline(always)]
-    fn le_mask(self, other: Self) -> u32 {
-        avx!(self.proof, _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.lanes, other.lanes)) as u32)
     }
 
     #[inline(always)]
@@ -185,6 +193,14 @@ impl F64x4 for Avx {
     fn max3(self) -> f64 {
         let [x, y, z] = self.axes();
         avx!(self.proof, _mm_cvtsd_f64(_mm_max_sd(_mm_max_sd(x, y), z)))
+    }
+}
+
+impl Neg for Avx {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.with(avx!(self.proof, _mm256_xor_pd(_mm256_set1_pd(-0.0), self.lanes)))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The product of two floats without rounding: a fused multiply-add gives the error of the rounded product.
 
-/// Whether `f64::mul_add` is certain to round only once. Where the processor has no instruction for it, it is a
-/// function of the C library, and that of MinGW rounds the product and then the sum.
-const HAS_FUSED: bool = cfg!(target_feature = "fma") || !cfg!(all(windows, target_env = "gnu"));
+/// Whether `f64::mul_add` is certain to round only once. Where the processor may have no instruction for it, it is a
+/// function of the C library. That of MinGW rounds the product and then the sum, and Microsoft's promises nothing.
+const HAS_FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64", not(windows)));
 
 /// The product a b as the rounded product and its error, whose sum is exact unless one of them overflows or the error
 /// underflows.

@@ -5,57 +5,27 @@
 
 use super::extremes;
 use super::instructions::Portable;
-use std::ops::{Add, Div, Mul, Sub};
+use super::number::Number;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The number of lanes.
 pub const LANES: usize = 4;
 
-/// Lane-wise arithmetic. Every implementation gives the same bits.
-pub trait F64x4:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    /// Proves that the processor has the instructions that the implementation uses.
-    type Proof: Copy;
-    /// The proof that this value was made with.
-    fn proof(self) -> Self::Proof;
+/// Four numbers, and what one number alone does not need. Every implementation gives the same bits.
+pub trait F64x4: Number {
     /// A value with these lanes.
     fn new(proof: Self::Proof, lanes: [f64; 4]) -> Self;
-    /// `x` in all lanes.
-    fn splat(proof: Self::Proof, x: f64) -> Self;
-    /// `x` in all lanes, with the proof of this value.
-    #[inline(always)]
-    fn broadcast(self, x: f64) -> Self {
-        Self::splat(self.proof(), x)
-    }
     /// The lanes as an array.
     fn to_array(self) -> [f64; 4];
-    /// The reciprocals.
-    #[inline(always)]
-    fn recip(self) -> Self {
-        self.broadcast(1.0) / self
-    }
-    /// The absolute values.
-    fn abs(self) -> Self;
-    /// The minima; the lane of `other` where either one is NaN.
-    fn min(self, other: Self) -> Self;
-    /// The maxima; the lane of `other` where either one is NaN.
-    fn max(self, other: Self) -> Self;
     /// 1 where this is greater than 0, and 0 elsewhere.
     fn one_where_positive(self) -> Self;
     /// `value` where the sign bit is set (so also for -0), and 0 elsewhere.
     fn where_negative(self, value: f64) -> Self;
     /// This value where `other` is finite or NaN, and `replacement` where it is infinite.
     fn unless_infinite(self, other: Self, replacement: f64) -> Self;
-    /// The square roots.
-    fn sqrt(self) -> Self;
-    /// `then` where this is less than `other`, and `otherwise` elsewhere.
-    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self;
     /// The product with 2 to the power of these integers, where neither this nor the product is zero,
     /// subnormal, infinite or NaN.
     fn times_exp2(self, exponents: Self) -> Self;
-    /// The set of lanes where this is at most `other`, bit 0 for the first lane. A lane with a NaN is not in
-    /// it.
-    fn le_mask(self, other: Self) -> u32;
     /// The set of axes (the first three lanes) whose sign bit is set, bit 0 for x.
     fn sign_mask(self) -> usize;
     /// The nearest integers, for absolute values below 2^31.
@@ -112,7 +82,7 @@ impl Scalar {
     }
 }
 
-impl F64x4 for Scalar {
+impl Number for Scalar {
     type Proof = Portable;
 
     #[inline(always)]
@@ -121,18 +91,8 @@ impl F64x4 for Scalar {
     }
 
     #[inline(always)]
-    fn new(_: Portable, lanes: [f64; 4]) -> Self {
-        Self(lanes)
-    }
-
-    #[inline(always)]
     fn splat(_: Portable, x: f64) -> Self {
         Self([x; 4])
-    }
-
-    #[inline(always)]
-    fn to_array(self) -> [f64; 4] {
-        self.0
     }
 
     #[inline(always)]
@@ -151,6 +111,38 @@ impl F64x4 for Scalar {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
+        Self(std::array::from_fn(|i| if self.0[i] < other.0[i] { then.0[i] } else { otherwise.0[i] }))
+    }
+
+    #[inline(always)]
+    fn le_mask(self, other: Self) -> u32 {
+        (0..4).fold(0, |set, i| set | u32::from(self.0[i] <= other.0[i]) << i)
+    }
+
+    #[inline(always)]
+    fn lt_mask(self, other: Self) -> u32 {
+        (0..4).fold(0, |set, i| set | u32::from(self.0[i] < other.0[i]) << i)
+    }
+}
+
+impl F64x4 for Scalar {
+    #[inline(always)]
+    fn new(_: Portable, lanes: [f64; 4]) -> Self {
+        Self(lanes)
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [f64; 4] {
+        self.0
+    }
+
+    #[inline(always)]
     fn one_where_positive(self) -> Self {
         self.map(|x| if x > 0.0 { 1.0 } else { 0.0 })
     }
@@ -166,25 +158,10 @@ impl F64x4 for Scalar {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
-    }
-
-    #[inline(always)]
-    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
-        Self(std::array::from_fn(|i| if self.0[i] < other.0[i] { then.0[i] } else { otherwise.0[i] }))
-    }
-
-    #[inline(always)]
     fn times_exp2(self, exponents: Self) -> Self {
         self.zip(exponents, |x, n| {
             f64::from_bits(x.to_bits().wrapping_add((n + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT))
         })
-    }
-
-    #[inline(always)]
-    fn le_mask(self, other: Self) -> u32 {
-        (0..4).fold(0, |set, i| set | u32::from(self.0[i] <= other.0[i]) << i)
     }
 
     #[inline(always)]
@@ -237,6 +214,14 @@ impl F64x4 for Scalar {
     fn max3(self) -> f64 {
         let [x, y, z, _] = self.0;
         extremes::max3([x, y, z])
+    }
+}
+
+impl Neg for Scalar {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|x| -x)
     }
 }
 

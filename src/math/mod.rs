@@ -11,6 +11,7 @@ pub(crate) mod f64x4;
 pub mod instructions;
 pub(crate) mod lanes;
 pub(crate) mod ray_lanes;
+pub(crate) mod number;
 pub mod predicate;
 pub(crate) mod prefetch;
 pub mod ray;
@@ -18,7 +19,7 @@ pub mod robust;
 pub mod rounded_affine;
 pub mod rounded_point;
 pub mod scaled;
-pub(crate) mod vectors4;
+pub(crate) mod vector;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
 #[cfg(test)]

@@ -6,8 +6,9 @@
 //! 2013). `proofs/edge_functions.g` proves the error bound.
 
 use crate::math::extremes::{max3, min3};
+use crate::math::number::Number;
 use crate::math::robust::UNIT_ROUNDOFF;
-use glam::DVec3;
+use crate::math::vector::Vector;
 
 /// On which side of a triangle's edges a ray passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,25 +21,61 @@ pub enum Sides {
     Unsure,
 }
 
-/// Classifies a ray by its edge functions for a triangle with these sheared vertices.
-#[inline(always)]
-pub fn sides(edge_functions: [f64; 3], sheared: [DVec3; 3]) -> Sides {
-    let (min, max) = (min3(edge_functions), max3(edge_functions));
-    let error_bound = edge_error_bound(sheared);
-    if min < -error_bound && max > error_bound {
-        Sides::Outside
-    } else if min > error_bound || max < -error_bound {
-        Sides::Inside
-    } else {
-        Sides::Unsure
+impl Sides {
+    /// Classifies a ray by its edge functions for a triangle with these sheared vertices.
+    #[inline(always)]
+    pub(crate) fn new(edge_functions: [f64; 3], sheared: [Vector<f64>; 3]) -> Self {
+        let range = EdgeRange::new(edge_functions, sheared);
+        if range.outside() != 0 {
+            Self::Outside
+        } else if range.inside() != 0 {
+            Self::Inside
+        } else {
+            Self::Unsure
+        }
     }
+}
+
+/// The least and the greatest edge function of a triangle, and the bound on their errors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeRange<N> {
+    min: N,
+    max: N,
+    error_bound: N,
+}
+
+impl<N: Number> EdgeRange<N> {
+    /// Of these edge functions for a triangle with these sheared vertices.
+    #[inline(always)]
+    pub fn new([u, v, w]: [N; 3], sheared: [Vector<N>; 3]) -> Self {
+        Self { min: u.min(v).min(w), max: u.max(v).max(w), error_bound: edge_error_bound(sheared) }
+    }
+
+    /// The set of the lanes where the ray's line certainly passes through the triangle.
+    #[inline(always)]
+    pub fn inside(self) -> u32 {
+        self.error_bound.lt_mask(self.min) | self.max.lt_mask(-self.error_bound)
+    }
+
+    /// The set of the lanes where the ray's line certainly misses the triangle.
+    #[inline(always)]
+    pub fn outside(self) -> u32 {
+        self.min.lt_mask(-self.error_bound) & self.error_bound.lt_mask(self.max)
+    }
+}
+
+/// A vertex in the sheared space of a ray, whose direction has these slopes along x and y per unit of z. The vertex is
+/// relative to the ray's origin.
+#[inline(always)]
+pub(crate) fn sheared<N: Number>(vertex: Vector<N>, [x, y]: [N; 2]) -> Vector<N> {
+    Vector { x: vertex.x - x * vertex.z, y: vertex.y - y * vertex.z, z: vertex.z }
 }
 
 /// The edge functions of the edges opposite to each vertex: twice the signed areas of the triangles that each
 /// edge spans with the ray in the sheared plane.
 #[inline(always)]
-pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
-    let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
+pub(crate) fn edge_functions<N: Number>([a, b, c]: [Vector<N>; 3]) -> [N; 3] {
+    let cross = |p: Vector<N>, q: Vector<N>| p.x * q.y - p.y * q.x;
     [cross(b, c), cross(c, a), cross(a, b)]
 }
 
@@ -58,11 +95,12 @@ pub fn edge_functions([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 /// so where an edge function exceeds the bound, underflow does not matter. The bound overflows to infinity
 /// long before the edge functions, or anything computed from them, could overflow.
 #[inline(always)]
-pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
-    let largest = |p: f64, q: f64, r: f64| max3([p.abs(), q.abs(), r.abs()]);
-    let across = largest(a.x, b.x, c.x) + largest(a.y, b.y, c.y);
-    let extent = across + largest(a.z, b.z, c.z);
-    SCALED_EDGE_ROUNDINGS * (HUGE * extent * across) + MIN_EDGE_ERROR_BOUND
+pub(crate) fn edge_error_bound<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
+    let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
+    let across = x + y;
+    let extent = across + z;
+    let splat = |number: f64| x.broadcast(number);
+    splat(SCALED_EDGE_ROUNDINGS) * (splat(HUGE) * extent * across) + splat(MIN_EDGE_ERROR_BOUND)
 }
 
 /// The error bound of an edge function in units of u M (M + Z). The thousandth is for the roundings of the
@@ -70,20 +108,20 @@ pub fn edge_error_bound([a, b, c]: [DVec3; 3]) -> f64 {
 const EDGE_ROUNDINGS: f64 = 7.001;
 
 /// A factor that makes the bound overflow before the edge functions do.
-pub const HUGE: f64 = power_of_two(500);
+const HUGE: f64 = power_of_two(500);
 
 /// The error bound in units of `HUGE` M (M + Z).
-pub const SCALED_EDGE_ROUNDINGS: f64 = EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE;
+const SCALED_EDGE_ROUNDINGS: f64 = EDGE_ROUNDINGS * UNIT_ROUNDOFF / HUGE;
 
 /// The least error bound, which covers underflow.
-pub const MIN_EDGE_ERROR_BOUND: f64 = power_of_two(-300);
+const MIN_EDGE_ERROR_BOUND: f64 = power_of_two(-300);
 
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 /// The error bound of a t that is interpolated, in units of u times the distance of the farthest vertex over the
-/// length of the ray's direction: see [`is_interpolation_accurate`].
+/// length of the ray's direction: see `is_interpolation_accurate`.
 pub const T_ROUNDINGS: f64 = 238.0;
 
 /// The steepest triangle whose depth is interpolated.
@@ -98,9 +136,7 @@ const MAX_INTERPOLATED_STEEPNESS: f64 = 32.0;
 /// them up for triangles of an area of more than 10,000 u times the squared distance of the farthest vertex;
 /// for smaller ones the area's own error makes the error of t some times as large.
 #[inline(always)]
-pub fn is_interpolation_accurate([a, b, c]: [DVec3; 3], area: f64) -> bool {
-    // Taken axis by axis, because glam's own min and max of vectors compile to four times as many
-    // instructions.
+pub(crate) fn is_interpolation_accurate([a, b, c]: [Vector<f64>; 3], area: f64) -> bool {
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);
     (extent(a.x, b.x, c.x) + extent(a.y, b.y, c.y)) * extent(a.z, b.z, c.z)
         <= MAX_INTERPOLATED_STEEPNESS * area.abs()
@@ -109,6 +145,7 @@ pub fn is_interpolation_accurate([a, b, c]: [DVec3; 3], area: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     const CORNERS: [DVec3; 3] =
         [DVec3::new(-1.0, -1.0, 3.0), DVec3::new(2.0, -1.0, 4.0), DVec3::new(0.0, 2.0, 5.0)];
@@ -117,17 +154,22 @@ mod tests {
     fn a_clear_case_needs_no_exact_arithmetic() {
         let [a, b, c] = CORNERS;
         for [a, b, c] in [[a, b, c], [a, c, b]] {
-            assert_eq!(sides(edge_functions([a, b, c]), [a, b, c]), Sides::Inside);
+            let sides = |corners: [DVec3; 3]| {
+                let sheared = corners.map(Vector::from);
+                Sides::new(edge_functions(sheared), sheared)
+            };
+            assert_eq!(sides([a, b, c]), Sides::Inside);
             for aside in [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y] {
                 let moved = [a, b, c].map(|v| v + 5.0 * aside);
-                assert_eq!(sides(edge_functions(moved), moved), Sides::Outside);
+                assert_eq!(sides(moved), Sides::Outside);
             }
         }
     }
 
     #[test]
     fn one_unsure_edge_makes_the_result_unsure() {
-        let half_error_bound = 0.5 * edge_error_bound(CORNERS);
+        let corners = CORNERS.map(Vector::from);
+        let half_error_bound = 0.5 * edge_error_bound(corners);
         for k in 0..3 {
             for (sign, unclear) in [
                 (1.0, half_error_bound),
@@ -138,7 +180,7 @@ mod tests {
             ] {
                 let mut found = [sign; 3];
                 found[k] = unclear;
-                assert_eq!(sides(found, CORNERS), Sides::Unsure, "{found:?}");
+                assert_eq!(Sides::new(found, corners), Sides::Unsure, "{found:?}");
             }
         }
     }
@@ -151,12 +193,12 @@ mod tests {
                 let (across, extent) = (far * (x + y), far * (x + y + z));
                 let expected = EDGE_ROUNDINGS * u * extent * across;
                 let corners = [DVec3::new(-x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), DVec3::new(0.0, 0.0, -z)];
-                let found = edge_error_bound(corners.map(|v| far * v));
+                let found = edge_error_bound(corners.map(|v| Vector::from(far * v)));
                 let least = MIN_EDGE_ERROR_BOUND;
                 assert!((found - least - expected).abs() <= 1e-12 * expected, "{found} {expected}");
             }
         }
-        assert!(edge_error_bound([DVec3::ZERO; 3]) > 0.0);
+        assert!(edge_error_bound([Vector::from(DVec3::ZERO); 3]) > 0.0);
     }
 
     #[test]
@@ -164,7 +206,10 @@ mod tests {
         for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 0.5)] {
             let steepest = MAX_INTERPOLATED_STEEPNESS * x * y / (x + y);
             for from in [DVec3::ZERO, DVec3::new(-0.3, -0.2, 40.0), DVec3::new(0.0, 0.0, -7.0)] {
-                let corners = |z: f64| [from, from + DVec3::new(x, 0.0, -z), from + DVec3::new(0.0, y, 0.0)];
+                let corners = |z: f64| {
+                    let aside = [DVec3::ZERO, DVec3::new(x, 0.0, -z), DVec3::new(0.0, y, 0.0)];
+                    aside.map(|aside| Vector::from(from + aside))
+                };
                 for area in [x * y, -x * y] {
                     assert!(is_interpolation_accurate(corners(0.99 * steepest), area), "{x} {y} {from}");
                     assert!(!is_interpolation_accurate(corners(1.01 * steepest), area), "{x} {y} {from}");

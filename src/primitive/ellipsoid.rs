@@ -1,6 +1,7 @@
 //! Ellipsoids: the images of spheres under transforms that are not similarities. They are the only primitive
 //! that keeps a matrix while rays are traced.
 
+use super::shape::Form;
 use super::sphere::first_on_ray;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::math::{aabb::Aabb, ray::Ray};
@@ -14,6 +15,9 @@ pub struct Ellipsoid {
     linear: DMat3,
     inverse: DMat3,
 }
+
+/// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes.
+pub const POINT_ROUNDINGS: f64 = 64.0;
 
 /// Where a line crosses the ellipsoid, in order: the t, and the points in the space of the unit sphere.
 struct Crossings {
@@ -30,63 +34,10 @@ impl Ellipsoid {
         Self { center, linear, inverse: rows.transpose() }
     }
 
-    /// The tight bounding box: along each axis its half extent is the length of the matrix's row.
-    pub fn bounds(&self) -> Aabb {
-        let rows = self.linear.transpose();
-        let half_extents = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        Aabb { min: self.center - half_extents, max: self.center + half_extents }
-    }
-
     /// The lengths of the semi-axes.
     pub fn half_lengths(&self) -> [f64; 3] {
         let DMat3 { x_axis, y_axis, z_axis } = self.linear;
         [x_axis, y_axis, z_axis].map(DVec3::length)
-    }
-
-    /// The nearest t on the ray. The direction is not renormalised in the space of the unit sphere, so t is
-    /// that of world space.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        first_on_ray(self.crossings(ray)?.t, ray)
-    }
-
-    /// Its middle.
-    pub fn center(&self) -> DVec3 {
-        self.center
-    }
-
-    /// The linear part of the map from the unit sphere.
-    pub fn linear(&self) -> DMat3 {
-        self.linear
-    }
-
-    /// The linear part of the map to the unit sphere.
-    pub fn inverse(&self) -> DMat3 {
-        self.inverse
-    }
-
-    /// The two t at which the ray's line crosses it, in order.
-    pub fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
-        self.crossings(ray).map(|crossings| crossings.t)
-    }
-
-    /// The outward unit normal and the point of the surface where `ray` hits it at `t`, as found by
-    /// [`Ellipsoid::intersect`].
-    pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
-        // `t` equals that of one of the crossings exactly; where both have the same t, the first was found.
-        let on_sphere = match self.crossings(ray) {
-            Some(Crossings { t: [near, far], points }) => points[usize::from(t != near && t == far)],
-            None => unit(self.inverse * (ray.at(t) - self.center)),
-        };
-        let normal = unit(self.inverse.transpose() * on_sphere);
-        (normal, self.center + self.linear * on_sphere)
-    }
-
-    /// Whether the ray's line is tangent to the ellipsoid within roundings.
-    pub fn is_almost_tangent(&self, ray: &Ray) -> bool {
-        const TANGENT_ROUNDINGS: f64 = 16.0;
-        let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
-        let (moment, length) = (o.cross(d).length(), d.length());
-        (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length)
     }
 
     /// Both crossings of the ray's line.
@@ -110,6 +61,57 @@ impl Ellipsoid {
         let (middle, half) = (d.cross(moment) / a, (root / a) * d);
         let t = if t0 < t1 { [t0, t1] } else { [t1, t0] };
         Some(Crossings { t, points: [unit(middle - half), unit(middle + half)] })
+    }
+}
+
+impl Form for Ellipsoid {
+    /// Along each axis the half extent is the length of the matrix's row.
+    fn bounds(&self) -> Aabb {
+        let rows = self.linear.transpose();
+        let half_extents = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        Aabb { min: self.center - half_extents, max: self.center + half_extents }
+    }
+
+    /// The direction is not renormalised in the space of the unit sphere, so t is that of world space.
+    fn intersect(&self, ray: &Ray) -> Option<f64> {
+        first_on_ray(self.crossings(ray)?.t, ray)
+    }
+
+    fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        // `t` equals that of one of the crossings exactly; where both have the same t, the first was found.
+        let on_sphere = match self.crossings(ray) {
+            Some(Crossings { t: [near, far], points }) => points[usize::from(t != near && t == far)],
+            None => unit(self.inverse * (ray.at(t) - self.center)),
+        };
+        let normal = unit(self.inverse.transpose() * on_sphere);
+        (normal, self.center + self.linear * on_sphere)
+    }
+
+    /// Most of it is for the rotations that make the semi-axes orthogonal, which are less than a dozen.
+    fn point_roundings(&self) -> DVec3 {
+        POINT_ROUNDINGS * (self.center.abs() + self.half_lengths().into_iter().sum::<f64>())
+    }
+
+    fn half_extents(&self) -> [f64; 2] {
+        let [a, b, c] = self.half_lengths();
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
+        self.crossings(ray).map(|crossings| crossings.t)
+    }
+
+    fn tangent_at(&self, ray: &Ray) -> Option<f64> {
+        const TANGENT_ROUNDINGS: f64 = 16.0;
+        let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
+        let (moment, length) = (o.cross(d).length(), d.length());
+        let is_tangent =
+            (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length);
+        is_tangent.then(|| (self.center - ray.origin).dot(ray.direction))
+    }
+
+    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
+        Some((self.center, self.linear, self.inverse))
     }
 }
 

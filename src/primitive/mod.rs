@@ -3,6 +3,7 @@
 pub mod edge_functions;
 pub mod ellipsoid;
 pub mod plane;
+pub mod shape;
 pub mod sphere;
 pub mod triangle;
 pub(crate) mod triangle4;

@@ -1,9 +1,10 @@
 //! Spheres, intersected by a form of the quadratic that stays accurate for distant rays (Haines, Guenther and
 //! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
+use super::shape::{Form, InCells};
 use crate::math::double_double::{Dd, difference, dot};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The points at the distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,10 @@ pub struct Sphere {
 /// The error bound of a point's power, in roundings of the sum of both squares (`proofs/sphere_power.g`).
 const POWER_ROUNDINGS: f64 = 8.0;
 
+/// The error bound of a point at a radius from a centre, in roundings of both: of the unit normal three, of the product
+/// and the sum one each (`proofs/checkerboard.g`).
+const AT_RADIUS_ROUNDINGS: f64 = 6.0;
+
 /// How many times that bound the line of a ray must be outside of the sphere to miss it surely, however b and the
 /// direction's squared length are rounded.
 const BESIDE: f64 = 3.0;
@@ -29,37 +34,6 @@ struct Quadratic {
 }
 
 impl Sphere {
-    /// The tight bounding box.
-    pub fn bounds(&self) -> Aabb {
-        Aabb { min: self.center - self.radius, max: self.center + self.radius }
-    }
-
-    /// The nearest t on the ray: the smaller root, or the larger one where the smaller is not on the ray.
-    ///
-    /// Most rays that start on the sphere, and those that pass beside it, are decided by the origin's power without
-    /// double-double arithmetic or divisions. `proofs/sphere_power.g` proves the error bound.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let from_center = ray.origin - self.center;
-        let (power, bound) = self.power_and_error_bound(from_center);
-        let starts_here = ray.t_min >= 0.0;
-        if power > bound {
-            let b = -from_center.dot(ray.direction);
-            let is_beside = b * b < ray.direction.length_squared() * (power - BESIDE * bound);
-            // Both roots have the sign of b.
-            if is_beside || starts_here && b <= 0.0 {
-                return None;
-            }
-        }
-        if power < -bound && starts_here {
-            // One root is negative, and the other one does not depend on the power where b is positive.
-            let Quadratic { a, b, q } = self.quadratic(ray.origin, ray.direction)?;
-            if b > 0.0 {
-                return Some(q / a).filter(|&t| ray.covers(t));
-            }
-        }
-        first_on_ray(self.roots(ray.origin, ray.direction)?, ray)
-    }
-
     /// The power of a point, and a bound on its error in double precision.
     #[inline(always)]
     fn power_and_error_bound(&self, from_center: DVec3) -> (f64, f64) {
@@ -75,7 +49,7 @@ impl Sphere {
     /// discriminant where the line is almost tangent to the sphere, and the origin's power with respect to
     /// the sphere where the origin is almost on it. There they are computed in double-double arithmetic.
     #[inline(always)]
-    pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+    fn crossings(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let Quadratic { a, q, .. } = self.quadratic(origin, direction)?;
         let c = self.power(origin, origin - self.center);
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
@@ -97,15 +71,6 @@ impl Sphere {
             return None;
         }
         Some(Quadratic { a, b, q: b + f64::copysign((a * discriminant).sqrt(), b) })
-    }
-
-    /// Whether the line of a ray with a unit direction is tangent to the sphere within roundings.
-    pub fn is_almost_tangent(&self, ray: &Ray) -> bool {
-        const TANGENT_ROUNDINGS: f64 = 16.0;
-        let from_center = ray.origin - self.center;
-        let nearest = from_center - from_center.dot(ray.direction) * ray.direction;
-        let bound = TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (from_center.length() + self.radius);
-        (nearest.length() - self.radius).abs() <= bound
     }
 
     /// Where the discriminant is below this times the radius, it may have lost more than half of its digits.
@@ -139,16 +104,76 @@ impl Sphere {
         let r = Dd::from(self.radius);
         (dot(f, f) - r * r).value()
     }
+}
 
-    /// The outward unit normal and the point of the sphere nearest to `point`, where `ray` hits it.
+impl Form for Sphere {
+    fn bounds(&self) -> Aabb {
+        Aabb { min: self.center - self.radius, max: self.center + self.radius }
+    }
+
+    /// The nearest t on the ray: the smaller root, or the larger one where the smaller is not on the ray.
     ///
-    /// Where the radius is smaller than the rounding error of the centre, `point` may be the centre itself.
-    /// Then the normal points against the ray.
+    /// Most rays that start on the sphere, and those that pass beside it, are decided by the origin's power without
+    /// double-double arithmetic or divisions. `proofs/sphere_power.g` proves the error bound.
+    fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let from_center = ray.origin - self.center;
+        let (power, bound) = self.power_and_error_bound(from_center);
+        let starts_here = ray.t_min >= 0.0;
+        if power > bound {
+            let b = -from_center.dot(ray.direction);
+            let is_beside = b * b < ray.direction.length_squared() * (power - BESIDE * bound);
+            // Both roots have the sign of b.
+            if is_beside || starts_here && b <= 0.0 {
+                return None;
+            }
+        }
+        if power < -bound && starts_here {
+            // One root is negative, and the other one does not depend on the power where b is positive.
+            let Quadratic { a, b, q } = self.quadratic(ray.origin, ray.direction)?;
+            if b > 0.0 {
+                return Some(q / a).filter(|&t| ray.covers(t));
+            }
+        }
+        first_on_ray(self.crossings(ray.origin, ray.direction)?, ray)
+    }
+
+    /// Where the radius is smaller than the rounding error of the centre, the point may be the centre itself. Then the normal
+    /// points against the ray.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, point: DVec3) -> (DVec3, DVec3) {
-        let outward = point - self.center;
+    fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        let outward = ray.at(t) - self.center;
         let normal = unit(if outward == DVec3::ZERO { -ray.direction } else { outward });
         (normal, self.center + self.radius * normal)
+    }
+
+    fn point_roundings(&self) -> DVec3 {
+        AT_RADIUS_ROUNDINGS * (self.center.abs() + self.radius)
+    }
+
+    fn half_extents(&self) -> [f64; 2] {
+        [self.radius; 2]
+    }
+
+    fn in_cells(&self) -> InCells {
+        InCells::Sphere(*self)
+    }
+
+    fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
+        self.crossings(ray.origin, ray.direction)
+    }
+
+    fn tangent_at(&self, ray: &Ray) -> Option<f64> {
+        const TANGENT_ROUNDINGS: f64 = 16.0;
+        let from_center = ray.origin - self.center;
+        let t = -from_center.dot(ray.direction);
+        let nearest = from_center + t * ray.direction;
+        let bound = TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (from_center.length() + self.radius);
+        ((nearest.length() - self.radius).abs() <= bound).then_some(t)
+    }
+
+    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
+        let scale = |factor: f64| DMat3::from_diagonal(DVec3::splat(factor));
+        Some((self.center, scale(self.radius), scale(1.0 / self.radius)))
     }
 }
 
@@ -188,10 +213,10 @@ mod tests {
     #[test]
     fn a_tangent_has_a_double_root_and_a_line_that_misses_has_none() {
         let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
-        let from = |y| sphere.roots(DVec3::new(0.0, y, -5.0), DVec3::Z);
+        let from = |y| sphere.crossings(DVec3::new(0.0, y, -5.0), DVec3::Z);
         assert_eq!(from(1.0), Some([5.0, 5.0]));
         assert_eq!([from(1.0 + f64::EPSILON), from(1.5), from(f64::NAN)], [None; 3]);
-        assert_eq!(sphere.roots(DVec3::new(0.0, 0.0, -5.0), DVec3::ZERO), None);
+        assert_eq!(sphere.crossings(DVec3::new(0.0, 0.0, -5.0), DVec3::ZERO), None);
     }
 
     fn exact(x: f64) -> BigRational {
@@ -237,7 +262,7 @@ mod tests {
                 let (sphere, origin, along) = grazing(i, radius, away, inside * away * UNIT_ROUNDOFF);
                 let [.., discriminant] = quadratic(&sphere, origin, along);
                 let meets = !discriminant.is_negative();
-                assert_eq!(sphere.roots(origin, along).is_some(), meets, "{i}");
+                assert_eq!(sphere.crossings(origin, along).is_some(), meets, "{i}");
                 if meets { met += 1 } else { missed += 1 }
             }
             assert!(met > 100 && missed > 100, "{met} {missed}");
@@ -251,7 +276,7 @@ mod tests {
             let (sphere, origin, along) = grazing(i, radius, 2.0, inside);
             let [a, _, _, discriminant] = quadratic(&sphere, origin, along);
             let chord = 2.0 * float(&discriminant).sqrt() / float(&a);
-            let [near, far] = sphere.roots(origin, along).unwrap();
+            let [near, far] = sphere.crossings(origin, along).unwrap();
             assert!((far - near - chord).abs() < 2f64.powi(-26) * chord, "{i}: {} {chord}", far - near);
         }
     }
@@ -260,12 +285,12 @@ mod tests {
     fn both_crossings_are_right_from_however_close_to_the_surface() {
         for (i, radius) in (1..400).zip([1e-3, 1.0, 1e3].into_iter().cycle()) {
             let (sphere, start, along) = grazing(i, radius, 2.0, 0.5);
-            let near = sphere.roots(start, along).unwrap()[0];
+            let near = sphere.crossings(start, along).unwrap()[0];
             let height = (i as f64 * 3f64.sqrt()).fract() * 10f64.powi(-(i as i32 % 14));
             let origin = start + (near - height * radius) * along;
             let [a, b, power, discriminant] = quadratic(&sphere, origin, along);
             let q = float(&b) + float(&discriminant).sqrt();
-            let [found, other] = sphere.roots(origin, along).unwrap();
+            let [found, other] = sphere.crossings(origin, along).unwrap();
             let (near, far) = (float(&power) / q, q / float(&a));
             // The power may lose ten bits to cancellation before it is computed in double-double arithmetic.
             let bits = 2f64.powi(12);
@@ -276,7 +301,7 @@ mod tests {
 
     /// The nearest t on a ray by both roots, without the decisions by the origin's power.
     fn by_roots(sphere: &Sphere, ray: &Ray) -> Option<f64> {
-        first_on_ray(sphere.roots(ray.origin, ray.direction)?, ray)
+        first_on_ray(sphere.crossings(ray.origin, ray.direction)?, ray)
     }
 
     #[test]
@@ -284,7 +309,7 @@ mod tests {
         let (mut hits, mut misses) = (0, 0);
         for (i, radius) in (1..20_000).zip([1e-3, 1.0, 1e3, 1e-160].into_iter().cycle()) {
             let (sphere, start, along) = grazing(i, radius, 2.0, 0.5);
-            let Some([near, _]) = sphere.roots(start, along) else { continue };
+            let Some([near, _]) = sphere.crossings(start, along) else { continue };
             let nudge = f64::from(i % 23) - 11.0;
             let origin = (start + near * along) * (1.0 + nudge * UNIT_ROUNDOFF);
             for direction in [along, -along, along.cross(DVec3::X), along.any_orthonormal_vector()] {
@@ -318,8 +343,8 @@ mod tests {
     fn the_normal_of_a_sphere_too_small_for_its_place_points_against_the_ray() {
         let sphere = Sphere { center: DVec3::X, radius: 1e-30 };
         let ray = Ray::new(DVec3::new(1.0, 0.0, -5.0), DVec3::Z);
-        assert_eq!(sphere.surface(&ray, DVec3::X), (DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1e-30)));
-        let beside = DVec3::new(1.0, 3.0, 4.0);
-        assert!((sphere.surface(&ray, beside).0 - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
+        assert_eq!(sphere.surface(&ray, 5.0), (DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1e-30)));
+        let beside = Ray { origin: DVec3::new(1.0, 3.0, -5.0), ..ray };
+        assert!((sphere.surface(&beside, 9.0).0 - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
     }
 }

@@ -6,13 +6,15 @@
 //! the normal has unit length. A triangle whose t would overflow counts as missed. The point of a hit is
 //! accurate as long as no coordinate exceeds 2^500.
 
+use crate::math::number::Number;
 use crate::math::predicate::{
     area_vector, cross_component, edge_functions as exact_edge_functions, projected_area, volume,
 };
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
-use crate::primitive::edge_functions::{Sides, edge_functions, is_interpolation_accurate, sides};
+use crate::math::vector::Vector;
+use crate::primitive::edge_functions::{Sides, edge_functions, is_interpolation_accurate, sheared};
 use glam::DVec3;
 
 /// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
@@ -22,16 +24,25 @@ pub struct Shear<'r> {
     ray: &'r Ray,
     axes: [usize; 3],
     /// The ray's origin, with its axes permuted.
-    origin: DVec3,
-    /// x and y are the shear per unit of z, and z is the factor that converts a depth along z to t.
-    scale: DVec3,
+    origin: Vector<f64>,
+    /// The shear along x and y per unit of z.
+    slopes: [f64; 2],
+    /// The factor that converts a depth along z to t.
+    t_per_depth: f64,
 }
 
 /// The point of a triangle with these barycentric weights, which need not add up to one. Its error is that of
 /// rounding the vertices, so the point is at most that far beyond an edge, however distant the ray's origin
 /// is.
-pub fn point([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
-    (u * a + v * b + w * c) / (u + v + w)
+#[inline(always)]
+pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
+    interpolated([a.into(), b.into(), c.into()], weights).into()
+}
+
+/// The same in any number of lanes.
+#[inline(always)]
+pub(super) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
+    (a * u + b * v + c * w) / (u + v + w)
 }
 
 impl<'r> Shear<'r> {
@@ -45,22 +56,21 @@ impl<'r> Shear<'r> {
         static ACROSS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
         let [x, y] = ACROSS[z];
         // No t is meaningful for a direction of infinite length. The NaN makes every triangle a miss.
-        let inverse = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
-        let scale = DVec3::new(d[x] / d[z], d[y] / d[z], inverse);
+        let t_per_depth = if d[z].is_finite() { 1.0 / d[z] } else { f64::NAN };
+        let slopes = [d[x] / d[z], d[y] / d[z]];
         let o = ray.origin.to_array();
-        Self { ray, axes: [x, y, z], origin: DVec3::new(o[x], o[y], o[z]), scale }
+        Self { ray, axes: [x, y, z], origin: Vector { x: o[x], y: o[y], z: o[z] }, slopes, t_per_depth }
     }
 
     /// A vertex in the sheared space: x and y are its distances from the ray, z its depth along the longest
     /// axis.
     #[inline(always)]
-    fn apply(&self, vertex: &DVec3) -> DVec3 {
+    fn apply(&self, vertex: &DVec3) -> Vector<f64> {
         // The vertex is indexed in place as an array: indexing a glam vector branches, and a copy would have
         // to be stored to memory before it is indexed.
         let v: &[f64; 3] = vertex.as_ref();
         let [x, y, z] = self.axes;
-        let v = DVec3::new(v[x], v[y], v[z]) - self.origin;
-        DVec3::new(v.x - self.scale.x * v.z, v.y - self.scale.y * v.z, v.z)
+        sheared(Vector { x: v[x], y: v[y], z: v[z] } - self.origin, self.slopes)
     }
 
     /// The t where the ray's line crosses the triangle, whatever its winding. It may be negative.
@@ -80,7 +90,7 @@ impl<'r> Shear<'r> {
     pub fn hit(&self, corners: [&DVec3; 3]) -> Option<(f64, [f64; 3])> {
         let (a, b, c) = self.sheared(corners);
         let weights = edge_functions([a, b, c]);
-        match sides(weights, [a, b, c]) {
+        match Sides::new(weights, [a, b, c]) {
             Sides::Outside => return None,
             Sides::Unsure => return self.decide_hit(corners.map(|&v| v), [a.z, b.z, c.z]),
             Sides::Inside => {}
@@ -88,7 +98,7 @@ impl<'r> Shear<'r> {
         let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form another order of the vertices changes t by little more than its rounding error.
-        let t = self.scale.z * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
+        let t = self.t_per_depth * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
         if is_interpolation_accurate([a, b, c], sum) && t.is_finite() {
             return Some((t, weights));
         }
@@ -101,7 +111,7 @@ impl<'r> Shear<'r> {
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
         let weights = edge_functions([a, b, c]);
-        match sides(weights, [a, b, c]) {
+        match Sides::new(weights, [a, b, c]) {
             Sides::Inside => Some(weights),
             Sides::Outside => None,
             Sides::Unsure => self.decide(corners.map(|&v| v)),
@@ -111,11 +121,11 @@ impl<'r> Shear<'r> {
     /// On which side of the edges the ray passes, as far as rounded numbers tell.
     pub fn sides(&self, corners: [&DVec3; 3]) -> Sides {
         let (a, b, c) = self.sheared(corners);
-        sides(edge_functions([a, b, c]), [a, b, c])
+        Sides::new(edge_functions([a, b, c]), [a, b, c])
     }
 
     #[inline(always)]
-    fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (DVec3, DVec3, DVec3) {
+    fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (Vector<f64>, Vector<f64>, Vector<f64>) {
         // Written out, because a mapped array would be stored to memory and loaded again.
         (self.apply(p), self.apply(q), self.apply(r))
     }
@@ -137,7 +147,7 @@ impl<'r> Shear<'r> {
         }
         let t = volume(origin, vertices).over(projected_area(direction, vertices));
         // Clamped to the rounded t of the vertices, so that triangles in one plane across an axis agree on t.
-        let [p, q, r] = depths.map(|z| self.scale.z * z);
+        let [p, q, r] = depths.map(|z| self.t_per_depth * z);
         let (min, max) = (p.min(q).min(r), p.max(q).max(r));
         let t = if min.is_finite() && max.is_finite() { t.max(min).min(max) } else { t };
         t.is_finite().then_some(t)
@@ -184,19 +194,27 @@ fn exactly_has_area(triangle: [DVec3; 3]) -> bool {
 }
 
 /// The squared tangent of the angle between two edges at which their rounding changes the normal by 2^-20.
-pub const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
+const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
 /// The squared length of the cross product of two edges above which underflow does not matter.
-pub const SHORT: f64 = 1e-280;
+const SHORT: f64 = 1e-280;
 
 /// The outward unit normal; the vertices run counter-clockwise seen from outside. Its error is at most 2^-20
 /// for every triangle with an area. It is NaN for a triangle without one.
 #[inline(always)]
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (normal, accurate) = rounded_normal([a.into(), b.into(), c.into()]);
+    if accurate != 0 { normal.into() } else { exact_normal([a, b, c]) }
+}
+
+/// The same from rounded numbers, and the set of the lanes where their error is within that bound.
+#[inline(always)]
+pub(super) fn rounded_normal<N: Number>([a, b, c]: [Vector<N>; 3]) -> (Vector<N>, u32) {
     let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
-    let square = normal.length_squared();
-    let is_accurate = square > NEEDLE * (along * along) + SHORT && square.is_finite();
-    if is_accurate { normal.normalize() } else { exact_normal([a, b, c]) }
+    let square = normal.dot(normal);
+    let splat = |number: f64| square.broadcast(number);
+    let is_wide = (splat(NEEDLE) * (along * along) + splat(SHORT)).lt_mask(square);
+    (normal.normalized(), is_wide & square.le_mask(splat(f64::MAX)))
 }
 
 #[cold]

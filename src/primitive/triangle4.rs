@@ -1,23 +1,19 @@
 //! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
 //!
-//! The steps are those of [`Shear::weights`], [`point`] and [`normal`], so that the results have the same bits. Lanes
-//! that need exact arithmetic are left to these.
-//!
-//! [`Shear::weights`]: super::triangle::Shear::weights
-//! [`point`]: super::triangle::point
-//! [`normal`]: super::triangle::normal
+//! Only how the axes are turned differs from [`Shear`](super::triangle::Shear), which chooses a ray's longest axis by
+//! its index. Lanes that need exact arithmetic are left to single rays.
 
-use super::edge_functions::{HUGE, MIN_EDGE_ERROR_BOUND, SCALED_EDGE_ROUNDINGS};
-use super::triangle::{NEEDLE, SHORT};
+use super::edge_functions::{EdgeRange, edge_functions, sheared};
+use super::triangle::{interpolated, rounded_normal};
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
-use crate::math::vectors4::Vectors4;
+use crate::math::vector::Vector;
 use glam::DVec3;
 
 /// Four triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangles4<F> {
-    corners: [Vectors4<F>; 3],
+    corners: [Vector<F>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
     /// The set of the triangles whose normals are accurate, bit 0 for the first one.
@@ -37,30 +33,28 @@ impl<F: F64x4> Triangles4<F> {
     /// The triangles with these corners.
     #[inline(always)]
     pub fn new(proof: F::Proof, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
-        let a = Vectors4::new(proof, [p[0], q[0], r[0], s[0]]);
-        let b = Vectors4::new(proof, [p[1], q[1], r[1], s[1]]);
-        let c = Vectors4::new(proof, [p[2], q[2], r[2], s[2]]);
-        let (normals, accurate) = normals([a, b, c]);
+        let a = Vector::new(proof, [p[0], q[0], r[0], s[0]]);
+        let b = Vector::new(proof, [p[1], q[1], r[1], s[1]]);
+        let c = Vector::new(proof, [p[2], q[2], r[2], s[2]]);
+        let (normals, accurate) = rounded_normal([a, b, c]);
         Self { corners: [a, b, c], normals: normals.to_array(), accurate }
     }
 
     /// The points where each ray hits its triangle.
     #[inline(always)]
     pub fn hits(&self, proof: F::Proof, rays: [&Ray; 4]) -> Hits4 {
-        let [a, b, c] = self.corners;
-        let ([u, v, w], inside) = weights(proof, rays, [a, b, c]);
-        let points = a.times(u).plus(b.times(v)).plus(c.times(w)).over(u + v + w);
-        Hits4 { points: points.to_array(), certain: inside & self.accurate }
+        let (weights, inside) = weights(proof, rays, self.corners);
+        Hits4 { points: interpolated(self.corners, weights).to_array(), certain: inside & self.accurate }
     }
 }
 
 /// The barycentric weights, and the set of the rays that certainly pass through their triangles.
 #[inline(always)]
-fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
+fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
     let [i, j, k, l] = rays;
-    let origin = Vectors4::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
-    let d = Vectors4::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
-    let (p, q, r) = (p.minus(origin), q.minus(origin), r.minus(origin));
+    let origin = Vector::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
+    let d = Vector::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
+    let (p, q, r) = (p - origin, q - origin, r - origin);
     const ALL: u32 = 0b1111;
     match longest_axes(d) {
         (0, _) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),
@@ -78,85 +72,44 @@ fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vectors4<F>; 
 /// The axes along which these directions are longest, as a shear chooses them: the set of those that are not longest
 /// along x, and the set of those that are longest along z.
 #[inline(always)]
-fn longest_axes<F: F64x4>(directions: Vectors4<F>) -> (u32, u32) {
-    let Vectors4 { x, y, z } = directions.abs();
+fn longest_axes<F: F64x4>(directions: Vector<F>) -> (u32, u32) {
+    let Vector { x, y, z } = directions.abs();
     let is_z = x.le_mask(z) & y.le_mask(z);
     (x.le_mask(y) | x.le_mask(z), is_z)
 }
 
 /// Each vector turned so that this axis of it, 0 to 2, is the last one.
 #[inline(always)]
-fn turned<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>, axis: F) -> Vectors4<F> {
+fn turned<F: F64x4>(Vector { x, y, z }: Vector<F>, axis: F) -> Vector<F> {
     let choose = |of_x: F, of_y: F, of_z: F| {
         let of_y_or_z = axis.select_lt(axis.broadcast(2.0), of_y, of_z);
         axis.select_lt(axis.broadcast(1.0), of_x, of_y_or_z)
     };
-    Vectors4 { x: choose(y, z, x), y: choose(z, x, y), z: choose(x, y, z) }
+    Vector { x: choose(y, z, x), y: choose(z, x, y), z: choose(x, y, z) }
 }
 
 #[inline(always)]
-fn yzx<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
-    Vectors4 { x: y, y: z, z: x }
+fn yzx<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+    Vector { x: y, y: z, z: x }
 }
 
 #[inline(always)]
-fn zxy<F>(Vectors4 { x, y, z }: Vectors4<F>) -> Vectors4<F> {
-    Vectors4 { x: z, y: x, z: y }
+fn zxy<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+    Vector { x: z, y: x, z: y }
 }
 
 /// The weights for directions that are longest along z, and vertices relative to the rays' origins.
 #[inline(always)]
-fn sheared_weights<F: F64x4>(direction: Vectors4<F>, [p, q, r]: [Vectors4<F>; 3]) -> ([F; 3], u32) {
-    let scale = [direction.x / direction.z, direction.y / direction.z];
-    let (a, b, c) = (sheared(p, scale), sheared(q, scale), sheared(r, scale));
-    let (u, v, w) = (edge_function(b, c), edge_function(c, a), edge_function(a, b));
-    let (min, max) = (u.min(v).min(w), u.max(v).max(w));
-    let error_bound = edge_error_bound(a.abs().max(b.abs()).max(c.abs()));
-    let below_zero = u.broadcast(0.0) - max;
-    ([u, v, w], above(min, error_bound) | above(below_zero, error_bound))
-}
-
-/// Vertices in the sheared space.
-#[inline(always)]
-fn sheared<F: F64x4>(v: Vectors4<F>, [x, y]: [F; 2]) -> Vectors4<F> {
-    Vectors4 { x: v.x - x * v.z, y: v.y - y * v.z, z: v.z }
-}
-
-/// The edge functions of edges between sheared vertices.
-#[inline(always)]
-fn edge_function<F: F64x4>(p: Vectors4<F>, q: Vectors4<F>) -> F {
-    p.x * q.y - p.y * q.x
-}
-
-/// The error bounds of the edge functions of vertices whose coordinates are at most so large.
-#[inline(always)]
-fn edge_error_bound<F: F64x4>(Vectors4 { x, y, z }: Vectors4<F>) -> F {
-    let across = x + y;
-    let extent = across + z;
-    let splat = |number: f64| x.broadcast(number);
-    splat(SCALED_EDGE_ROUNDINGS) * (splat(HUGE) * extent * across) + splat(MIN_EDGE_ERROR_BOUND)
-}
-
-/// The unit normals, and the set of those that are accurate.
-#[inline(always)]
-fn normals<F: F64x4>([a, b, c]: [Vectors4<F>; 3]) -> (Vectors4<F>, u32) {
-    let (p, q) = (b.minus(a), c.minus(a));
-    let (normal, along) = (p.cross(q), p.dot(q));
-    let square = normal.dot(normal);
-    let splat = |number: f64| square.broadcast(number);
-    let is_wide = above(square, splat(NEEDLE) * (along * along) + splat(SHORT));
-    (normal.normalized(), is_wide & square.le_mask(splat(f64::MAX)))
-}
-
-/// The set of the lanes where `a` is above `b`. A lane with a NaN is not in it.
-#[inline(always)]
-fn above<F: F64x4>(a: F, b: F) -> u32 {
-    b.le_mask(a) & !a.le_mask(b)
+fn sheared_weights<F: F64x4>(direction: Vector<F>, [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
+    let slopes = [direction.x / direction.z, direction.y / direction.z];
+    let sheared = [sheared(p, slopes), sheared(q, slopes), sheared(r, slopes)];
+    let weights = edge_functions(sheared);
+    (weights, EdgeRange::new(weights, sheared).inside())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, F64x4, Ray, Triangles4};
+    use super::{DVec3, F64x4, Ray, Triangles4, Vector};
     use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
     use crate::primitive::edge_functions::{Sides, edge_error_bound};
@@ -271,7 +224,7 @@ mod tests {
     #[test]
     fn a_lane_at_the_error_bound_is_not_certain() {
         let [a, b] = [DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
-        let bound = edge_error_bound([a, b, DVec3::Z]);
+        let bound = edge_error_bound([a, b, DVec3::Z].map(Vector::from));
         for (step, swap) in (-20..=20).flat_map(|step| [(step, false), (step, true)]) {
             // Two edge functions are this large, since the third corner is so near to the ray.
             let distance = f64::from_bits(bound.to_bits().wrapping_add_signed(step));

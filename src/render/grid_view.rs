@@ -4,14 +4,15 @@
 //! by a coarser rule and has a tolerance at the faces of cells. So the primitives of each cell are counted
 //! here.
 
-use crate::grid::budget::{Budget, TouchedCells};
-use crate::grid::cell_lists::filled_with;
-use crate::grid::dda::Dda;
-use crate::grid::{GridTooLarge, Lattice, voxelize};
+use crate::caster::GridTooLarge;
+use crate::caster::grid::cell_lists::filled_with;
+use crate::caster::grid::dda::Dda;
+use crate::caster::grid::touched_cells::TouchedCells;
+use crate::caster::grid::{Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::scene::{Color, Object, Scene, mesh::Mesh};
-use crate::world::{Placement, course_sphere_box, placements};
+use crate::world::{Placement, placements};
 use glam::DVec3;
 
 /// The distance, in cells, up to which a box next to a cell counts as touching it.
@@ -56,8 +57,7 @@ impl Occupancy {
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            let budget = Budget::unlimited();
-            let mut touched = TouchedCells::new(&budget);
+            let mut touched = TouchedCells::default();
             for placement in placements(scene) {
                 occupancy.insert(&placement.map_err(|_| GridTooLarge)?, meshes, &mut touched)?;
             }
@@ -77,7 +77,6 @@ impl Occupancy {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
                 voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
             }
-            Object::Sphere { center, radius, .. } => insert_box(course_sphere_box(center, radius, placement)),
             Object::Triangle { vertices, .. } => insert_box(Aabb::around(vertices.map(map))),
             Object::Box { min, max, .. } => insert_box(Aabb::around(Aabb { min, max }.corners().map(map))),
             Object::Mesh { mesh, .. } => {
@@ -85,7 +84,10 @@ impl Occupancy {
                 let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
                 triangles.iter().try_for_each(|triangle| insert_box(Aabb::around(corners(triangle))))
             }
-            Object::Plane { .. } | Object::Group(_) | Object::Transform { .. } => Ok(()),
+            _ => placement
+                .object
+                .shape_box()
+                .map_or(Ok(()), |of_object| insert_box(placement.course_box(of_object))),
         }?;
         touched.indices.drain(..).for_each(|index| self.counts[index as usize] += 1);
         Ok(())

@@ -15,7 +15,7 @@ pub use request::{Request, View, Window};
 pub use tracing::Tracing;
 
 use crate::camera::Camera;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::adaptive::{Adaptive, Stratum};

@@ -3,7 +3,7 @@
 use super::layer::Layer;
 use super::request::{Request, View};
 use super::tracing::{RowTracer, Tracing};
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::memory::{self, NoMemory};
 use crate::render::grid_view::Face;

@@ -2,10 +2,9 @@
 
 use super::request::{Request, View};
 use crate::camera::Camera;
+use crate::caster::Caster;
 #[cfg(feature = "fast")]
 use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
-use crate::grid::Caster;
-use crate::math::ray::Visible;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;
 use crate::trace::{Observer, Rules, Tracer};
@@ -125,15 +124,23 @@ impl PlainTracer<'_> {
         observer: &mut O,
     ) {
         let Self { camera, tracer } = self;
-        for (sample, color) in packet.samples_mut().iter_mut().zip(colors) {
+        let samples = packet.samples_mut();
+        // Step by step, since the processor works on the same step of several samples at once.
+        for sample in &mut *samples {
             sample.ray = camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
-            let hit = wanted.hits.then(|| tracer.first_hit(&sample.ray, None, observer)).flatten();
-            sample.visible = hit.map(|hit| Visible { primitive: hit.primitive, t_bound: hit.t });
-            if wanted.surfaces {
-                sample.surface = hit.map(|hit| tracer.rules.surface(&sample.ray, &hit));
+        }
+        for sample in &mut *samples {
+            sample.visible = wanted.hits.then(|| tracer.nearest(&sample.ray, None, observer)).flatten();
+        }
+        if wanted.surfaces {
+            for sample in &mut *samples {
+                sample.surface = sample.visible.map(|visible| tracer.rules.surface(&sample.ray, visible));
             }
-            if wanted.colors {
-                *color = tracer.color_of(&sample.ray, sample.surface, observer);
+        }
+        if wanted.colors {
+            let mut pending = vec![];
+            for (sample, color) in samples.iter().zip(colors) {
+                *color = tracer.color_with(&mut pending, &sample.ray, sample.surface, observer);
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
 use crate::math::exp::exp_of_negative;
-use crate::math::f64x4::{F64x4, Scalar};
-use crate::math::instructions::Portable;
+use crate::math::f64x4::F64x4;
+use crate::math::number::Number;
 use glam::DVec2;
 use serde::Serialize;
 
@@ -57,39 +57,35 @@ impl Filter {
 
     /// The weight of a sample at `position`, relative to the pixel's centre.
     pub fn weight(&self, position: DVec2) -> f64 {
-        match *self {
-            Self::Box { radius } => (position.abs().max_element() <= radius) as u8 as f64,
-            Self::Tent { radius } => (1.0 - position.length() / radius).max(0.0),
-            Self::Gaussian { sigma } => libm::exp(-position.length_squared() / (2.0 * sigma * sigma)),
-            Self::Mitchell { radius } => {
-                let scaled = position.abs() * (2.0 / radius);
-                mitchell(scaled.x) * mitchell(scaled.y)
-            }
-        }
+        self.combined(self.axis_term(position.x), self.axis_term(position.y), libm::exp)
     }
 
-    /// What the weight of a sample depends on along one axis, for four samples at these distances from the
-    /// pixel's centre along it.
-    #[inline(always)]
-    pub(super) fn axis_terms<F: F64x4>(&self, distances: F) -> F {
-        let splat = |x: f64| distances.broadcast(x);
-        match *self {
-            Self::Box { radius } => splat(radius).select_lt(distances.abs(), splat(0.0), splat(1.0)),
-            Self::Tent { .. } | Self::Gaussian { .. } => distances * distances,
-            Self::Mitchell { radius } => mitchell_terms(distances.abs() * splat(2.0 / radius)),
-        }
-    }
-
-    /// The weights of four samples from their terms along both axes, with the bits of
-    /// [`weight`](Self::weight). A Gaussian must have a support of at least a pixel, so that it falls by no
-    /// more than a factor of e^36 within it.
+    /// The weights of four samples from their terms along both axes. A Gaussian must have a support of at least a pixel,
+    /// so that it falls by no more than a factor of e^36 within it.
     #[inline(always)]
     pub(super) fn weights<F: F64x4>(&self, x: F, y: F) -> F {
+        self.combined(x, y, exp_of_negative)
+    }
+
+    /// What the weight of a sample depends on along one axis, at this distance from the pixel's centre along it.
+    #[inline(always)]
+    pub(super) fn axis_term<N: Number>(&self, distance: N) -> N {
+        let splat = |x: f64| distance.broadcast(x);
+        match *self {
+            Self::Box { radius } => splat(radius).select_lt(distance.abs(), splat(0.0), splat(1.0)),
+            Self::Tent { .. } | Self::Gaussian { .. } => distance * distance,
+            Self::Mitchell { radius } => mitchell(distance.abs() * splat(2.0 / radius)),
+        }
+    }
+
+    /// The weight of a sample from its terms along both axes.
+    #[inline(always)]
+    fn combined<N: Number>(&self, x: N, y: N, exp: impl Fn(N) -> N) -> N {
         let splat = |a: f64| x.broadcast(a);
         match *self {
             Self::Box { .. } | Self::Mitchell { .. } => x * y,
             Self::Tent { radius } => (splat(1.0) - (x + y).sqrt() / splat(radius)).max(splat(0.0)),
-            Self::Gaussian { sigma } => exp_of_negative((x + y) / splat(-2.0 * sigma * sigma)),
+            Self::Gaussian { sigma } => exp((x + y) / splat(-2.0 * sigma * sigma)),
         }
     }
 
@@ -104,13 +100,8 @@ impl Filter {
 }
 
 /// Mitchell and Netravali's cubic at x >= 0, which is zero from 2 on.
-fn mitchell(x: f64) -> f64 {
-    mitchell_terms(Scalar::splat(Portable, x)).to_array()[0]
-}
-
-/// The same of four numbers.
 #[inline(always)]
-fn mitchell_terms<F: F64x4>(x: F) -> F {
+fn mitchell<N: Number>(x: N) -> N {
     let splat = |a: f64| x.broadcast(a);
     let (two, six) = (splat(2.0), splat(6.0));
     let square = splat(12.0) * x * x;
@@ -122,6 +113,8 @@ fn mitchell_terms<F: F64x4>(x: F) -> F {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::f64x4::Scalar;
+    use crate::math::instructions::Portable;
 
     #[test]
     fn weights_against_closed_forms() {
@@ -179,7 +172,7 @@ mod tests {
             for (x, shift) in distances.iter().enumerate().flat_map(|(i, x)| [(*x, 0), (*x, i), (-x, 3 * i)])
             {
                 let y: [f64; 4] = std::array::from_fn(|k| distances[(shift + 7 * k) % distances.len()]);
-                let terms = [[x; 4], y].map(|axis| filter.axis_terms(F::new(proof, axis)));
+                let terms = [[x; 4], y].map(|axis| filter.axis_term(F::new(proof, axis)));
                 let found = filter.weights(terms[0], terms[1]).to_array().map(f64::to_bits);
                 assert_eq!(
                     found,

@@ -187,7 +187,7 @@ impl Spread {
         for (k, target) in self.target_columns.iter_mut().enumerate() {
             let distance = F::splat(proof, self.reach as f64 - k as f64);
             for (x_terms, x) in target.x_terms.iter_mut().zip(x) {
-                *x_terms = filter.axis_terms(F::new(proof, *x) + distance).to_array();
+                *x_terms = filter.axis_term(F::new(proof, *x) + distance).to_array();
             }
         }
         let are_finite = colors[..*count].iter().all(|color| is_finite(F::new(proof, *color)));
@@ -195,7 +195,7 @@ impl Spread {
             let distance = F::splat(proof, self.row as f64 - target_row as f64);
             let mut y_terms = [distance; GROUPS];
             for (y_terms, y) in y_terms.iter_mut().zip(y) {
-                *y_terms = filter.axis_terms(F::new(proof, *y) + distance);
+                *y_terms = filter.axis_term(F::new(proof, *y) + distance);
             }
             for TargetColumn { x_terms, weights } in &mut self.target_columns {
                 for ((weights, x_terms), y_terms) in weights.iter_mut().zip(x_terms).zip(y_terms) {

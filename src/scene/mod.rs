@@ -12,6 +12,7 @@ pub mod limits;
 mod list;
 pub mod material;
 pub mod mesh;
+mod object;
 mod mesh_error;
 mod obj_lines;
 mod obj_reader;
@@ -30,9 +31,9 @@ pub(crate) mod excerpt;
 mod transform;
 pub mod warning;
 
-use crate::math::rounded_affine::RoundedAffine;
 use glam::DVec3;
 use material::Material;
+pub use object::Object;
 use serde::Serialize;
 pub(crate) use transform::TRANSFORMATIONS;
 
@@ -146,62 +147,5 @@ pub enum Light {
         color: Color,
         /// The coefficients a0, a1 and a2.
         attenuation: [f64; 3],
-    },
-}
-
-/// A node of the object tree.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Object {
-    /// A list of objects.
-    Group(Vec<ObjectId>),
-    /// A transformed object.
-    Transform {
-        /// The map from the child's space to the parent's. It may be singular.
-        matrix: RoundedAffine,
-        /// The object that is transformed.
-        child: ObjectId,
-        /// The position of the `Transform` in the text.
-        at: Position,
-    },
-    /// A sphere.
-    Sphere {
-        /// The centre.
-        center: DVec3,
-        /// The radius, which is positive.
-        radius: f64,
-        /// The material of the surface.
-        material: MaterialId,
-    },
-    /// The points p with n.p = `offset`, where n is `normal` scaled to unit length.
-    Plane {
-        /// The normal, which need not be a unit vector.
-        normal: DVec3,
-        /// The plane's distance from the origin along its normal.
-        offset: f64,
-        /// The material of the surface.
-        material: MaterialId,
-    },
-    /// A triangle.
-    Triangle {
-        /// The corners, counter-clockwise seen from outside.
-        vertices: [DVec3; 3],
-        /// The material of the surface.
-        material: MaterialId,
-    },
-    /// The axis-aligned box of the 2003 edition.
-    Box {
-        /// The corner with the smallest coordinates.
-        min: DVec3,
-        /// The corner with the largest coordinates.
-        max: DVec3,
-        /// The material of the surface.
-        material: MaterialId,
-    },
-    /// A triangle mesh from a file.
-    Mesh {
-        /// The index of the file in [`Scene::meshes`].
-        mesh: usize,
-        /// The material of the surface.
-        material: MaterialId,
     },
 }

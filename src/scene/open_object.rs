@@ -1,14 +1,12 @@
 //! Groups and transforms that are being read.
 
 use super::list::Announced;
+use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{ObjectId, Position};
 use crate::math::rounded_affine::RoundedAffine;
 use crate::memory::{self, NoMemory};
-
-/// The keywords of objects.
-pub const OBJECTS: [&str; 7] = ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box"];
 
 /// A group or transform whose closing brace has not been read yet.
 pub enum Open {

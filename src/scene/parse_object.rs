@@ -3,9 +3,9 @@
 use super::error::{Problem, SceneError};
 use super::list::Announced;
 use super::material::{Material, Phong};
-use super::open_object::{OBJECTS, Open, close_transform, open_group, open_transform};
+use super::open_object::{Open, close_transform, open_group, open_transform};
 use super::parse_material::{PHONG_KINDS, parse_phong};
-use super::parse_primitive::{parse_box, parse_plane, parse_sphere, parse_triangle};
+use super::parse_primitive::{OBJECTS, PRIMITIVES, parse_primitive};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::TRANSFORMATIONS;
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
@@ -231,7 +231,7 @@ impl ObjectTree {
         match reader.peek().text {
             "Group" => open_group(reader).map(Step::Opened),
             "Transform" => open_transform(reader).map(Step::Opened),
-            "Sphere" | "Plane" | "Triangle" | "TriangleMesh" | "Box" => {
+            word if PRIMITIVES.contains(&word) => {
                 let at = reader.peek().at;
                 self.parse_primitive(reader).map(|object| Step::Finished(object, at))
             }
@@ -250,12 +250,11 @@ impl ObjectTree {
         });
         let name = reader.open()?.text;
         let object = match name {
-            "Sphere" => parse_sphere(reader, material)?,
-            "Plane" => parse_plane(reader, material)?,
-            "Triangle" => parse_triangle(reader, material)?,
-            "Box" => parse_box(reader, material)?,
             "TriangleMesh" => Object::Mesh { mesh: self.parse_mesh_name(reader)?, material },
-            _ => return Err(reader.unexpected("the values of another object", &OBJECTS)),
+            _ => match parse_primitive(name, reader, material) {
+                Some(object) => object?,
+                None => return Err(reader.unexpected("the values of another object", &OBJECTS)),
+            },
         };
         reader.close(name)?;
         Ok(object)

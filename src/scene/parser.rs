@@ -1,11 +1,11 @@
 //! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
 
 use super::error::{Problem, SceneError};
-use super::open_object::OBJECTS;
 use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
 use super::parse_light::parse_lights;
 use super::parse_material::parse_materials;
 use super::parse_object::ObjectTree;
+use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
 use super::recovery::Findings;
 use super::warning::{self, Doubt, SceneWarning};

@@ -1,7 +1,7 @@
 //! What stands around the ray tracer: it measures, compares, explains and shows. The tools use the renderer as any
 //! program does.
 //!
-//! A module uses only those before it in this list. `live` also uses `cli`, in whose words a page says what it shows.
+//! A module uses only those before it in this list.
 
 pub mod warnings;
 pub mod compare;
@@ -9,5 +9,3 @@ pub mod explain;
 pub mod causes;
 pub mod grade;
 pub mod error_report;
-#[cfg(feature = "gui")]
-pub mod live;

@@ -3,9 +3,9 @@
 
 use super::optics::transmittance;
 use super::{Secondary, reflected};
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::instructions::Instructions;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
 use crate::scene::material::{Material, Phong};
@@ -43,13 +43,19 @@ pub trait Rules: Sync {
     /// What rays hit.
     fn world(&self) -> &World;
 
-    /// The first hit on a ray that leaves the primitive `leaves`. That is not hit again, unless it is round.
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit>;
+    /// What a ray hits first that leaves the primitive `leaves`. That is not hit again, unless it is round.
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible>;
 
-    /// The surface at a hit.
+    /// The hit of a ray on what it hits first, with its t.
     #[inline(always)]
-    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        self.world().surface(ray, hit)
+    fn hit(&self, ray: &Ray, visible: Visible) -> Hit {
+        self.world().hit(ray, visible)
+    }
+
+    /// The surface that a ray hits first.
+    #[inline(always)]
+    fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        self.world().visible_surface(ray, visible)
     }
 
     /// The instructions that textures are evaluated with. The bytes are the same with all of them.
@@ -120,7 +126,7 @@ pub trait Rules: Sync {
     /// looks for the nearest hit, even where any hit would do.
     #[inline(always)]
     fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        self.first_hit(ray, leaves, probe).is_some()
+        self.nearest(ray, leaves, probe).is_some()
     }
 
     /// The fraction of light that is left after a way through a transparent object.
@@ -167,8 +173,8 @@ impl Rules for Caster<'_> {
     }
 
     #[inline(always)]
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit> {
-        self.nearest(ray, leaves, probe).map(|visible| self.world.hit(ray, visible))
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        Caster::nearest(self, ray, leaves, probe)
     }
 
     #[inline(always)]

@@ -62,8 +62,8 @@ impl<R: Rules> Tracer<'_, R> {
         let mut is_within = starts_within;
         // The way since the last surface, up to where the ray starts now.
         let mut way = 0.0;
-        while let Some(hit) = self.rules.first_hit(&ray, None, observer) {
-            let surface = self.rules.surface(&ray, &hit);
+        while let Some(visible) = self.rules.nearest(&ray, None, observer) {
+            let (hit, surface) = (self.rules.hit(&ray, visible), self.rules.surface(&ray, visible));
             if at_light.contains(&hit.primitive) {
                 way += hit.t;
                 ray = self.behind(&surface, ray.direction, ray.t_max - hit.t);

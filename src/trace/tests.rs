@@ -1,7 +1,7 @@
 //! Scenes whose colours can be computed by hand from the laws of optics.
 
 use super::*;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 use glam::DVec3;

@@ -2,12 +2,13 @@
 //! its kind.
 
 use super::World;
-use super::placement::{Placement, course_sphere_box};
+use super::placement::Placement;
 use super::point_error::{BoundaryWidth, Finite, PlacementError, PlaneError};
 use super::resting_lights::RestingLights;
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
+use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
@@ -26,9 +27,8 @@ pub struct Builder<'a> {
     /// For each mesh, how many of the objects that are not placed yet use it.
     uses: Vec<usize>,
     world: World,
-    /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, spheres,
-    /// ellipsoids and planes.
-    materials: [Vec<(u32, u32)>; 4],
+    /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, shapes and planes.
+    materials: [Vec<(u32, u32)>; 3],
 }
 
 impl<'a> Builder<'a> {
@@ -164,27 +164,27 @@ impl<'a> Builder<'a> {
         if robust::is_singular(linear) {
             return Err(placement.error(Problem::SingularTransform));
         }
-        let error = PlacementError::new(placement, center.abs() + radius);
-        let half_lengths = if let Some(scale) = robust::similarity_scale(linear) {
-            push_run(&mut self.materials[1], self.world.spheres.len(), material)?;
-            let sphere = Sphere { center: center_in_world, radius: scale * radius };
-            let errors = &mut self.world.flattening_errors;
-            errors.push(Finite::Spheres, self.world.spheres.len(), error)?;
-            memory::push(&mut self.world.spheres, sphere)?;
-            [scale * radius; 3]
-        } else {
-            push_run(&mut self.materials[2], self.world.ellipsoids.len(), material)?;
-            let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
-            let errors = &mut self.world.flattening_errors;
-            errors.push(Finite::Ellipsoids, self.world.ellipsoids.len(), error)?;
-            memory::push(&mut self.world.ellipsoids, ellipsoid)?;
-            ellipsoid.half_lengths()
+        let shape = match robust::similarity_scale(linear) {
+            Some(scale) => Shape::Sphere(Sphere { center: center_in_world, radius: scale * radius }),
+            None => Shape::Ellipsoid(Box::new(Ellipsoid::new(center_in_world, linear * radius))),
         };
-        if half_lengths.iter().any(|&length| length < SMALLEST_RADIUS) {
+        self.shape(shape, placement, material)
+    }
+
+    /// Records a placed shape.
+    fn shape(&mut self, shape: Shape, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
+        let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
+        let reach = of_object.min.abs().max(of_object.max.abs());
+        let (index, error) = (self.world.shapes.len(), PlacementError::new(placement, reach));
+        push_run(&mut self.materials[1], index, material)?;
+        self.world.flattening_errors.push(Finite::Shapes, index, error)?;
+        let (Aabb { min, max }, [smallest, largest]) = (shape.bounds(), shape.half_extents());
+        memory::push(&mut self.world.shapes, shape)?;
+        if smallest < SMALLEST_RADIUS {
             return Err(placement.error(Problem::RadiusTooSmall));
         }
-        let is_in_range = are_in_range(center_in_world) && are_in_range(half_lengths.into());
-        self.grow(course_sphere_box(center, radius, placement), is_in_range, placement)
+        let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::splat(largest));
+        self.grow(placement.course_box(of_object), is_in_range, placement)
     }
 
     fn plane(
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        push_run(&mut self.materials[3], self.world.planes.len(), material)?;
+        push_run(&mut self.materials[2], self.world.planes.len(), material)?;
         let (plane, direction, error) = match placement.transform {
             None => {
                 let plane = Plane { normal: robust::unit(normal), offset };
@@ -222,7 +222,7 @@ impl<'a> Builder<'a> {
     /// The finished world, in which the primitives have their ids.
     pub fn finish(self) -> Result<World, SceneError> {
         let mut world = self.world;
-        let counts = [world.triangles.len(), world.spheres.len(), world.ellipsoids.len(), world.planes.len()];
+        let counts = [world.triangles.len(), world.shapes.len(), world.planes.len()];
         let mut start = 0;
         for (runs, count) in self.materials.into_iter().zip(counts) {
             memory::make_room(&mut world.material_runs, runs.len())?;

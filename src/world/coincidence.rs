@@ -4,11 +4,12 @@
 //! ray to ray, and the picture would be speckled. So it is decided for the pair, by the planes, and not for the ray: of
 //! coincident surfaces a ray sees the one that [`World::comes_first`].
 
-use super::point_error::weights;
+use super::point_error::{Finite, weights};
 use super::{Primitive, World};
 use crate::math::predicate::{area_vector, volume};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::scaled::Scaled;
+use crate::primitive::shape::Form;
 use glam::{DMat3, DVec3};
 
 /// Two surfaces coincide if they are as close as so many roundings of their coordinates, beside what flattening may have
@@ -45,7 +46,7 @@ impl World {
     /// sphere or ellipsoid.
     #[cold]
     pub fn coincide(&self, one: u32, other: u32) -> bool {
-        use Primitive::{Ellipsoid, Plane, Sphere, Triangle};
+        use Primitive::{Plane, Shape, Triangle};
         match (self.primitive(one), self.primitive(other)) {
             (Triangle(i), Triangle(j)) => self.triangles_coincide([i, j]),
             (Triangle(i), Plane(k)) | (Plane(k), Triangle(i)) => self.lies_in_plane(i, k),
@@ -53,7 +54,7 @@ impl World {
                 let (one, other) = (self.planes[i], self.planes[j]);
                 one == other || one == other.reversed()
             }
-            (Sphere(_) | Ellipsoid(_), Sphere(_) | Ellipsoid(_)) => self.rounds_coincide([one, other]),
+            (Shape(i), Shape(j)) => self.shapes_coincide([i, j]),
             _ => false,
         }
     }
@@ -97,35 +98,25 @@ impl World {
         })
     }
 
-    /// Whether each of two spheres or ellipsoids is the unit sphere in the space of the other one.
-    fn rounds_coincide(&self, ids: [u32; 2]) -> bool {
-        let [(center, _, inverse), (other_center, other_linear, _)] = ids.map(|id| self.round(id));
-        let errors = ids.map(|id| {
-            let (center, linear, _) = self.round(id);
+    /// Whether two shapes have the same surface: each of two images of the unit sphere is the unit sphere in the space of the
+    /// other one. Other shapes have the same surface if they are the same.
+    fn shapes_coincide(&self, [i, j]: [usize; 2]) -> bool {
+        let shapes = [&self.shapes[i], &self.shapes[j]];
+        let [Some((center, _, inverse)), Some((other_center, other_linear, _))] =
+            shapes.map(Form::unit_sphere_maps)
+        else {
+            return shapes[0] == shapes[1];
+        };
+        let errors = [i, j].map(|i| {
+            let Some((center, linear, _)) = self.shapes[i].unit_sphere_maps() else { return 0.0 };
             let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
             let rounding = 16.0 * COINCIDENT_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);
-            self.flattening_error(id, center).max_element() + rounding
+            self.flattening_errors.largest_of(Finite::Shapes, i).max_element() + rounding
         });
         let relative = 8.0 * (errors[0] + errors[1]) * largest_number(inverse);
         let (map, moved) = (inverse * other_linear, inverse * (other_center - center));
         let deviation = map * map.transpose() - DMat3::IDENTITY;
         largest_number(deviation) <= relative && moved.abs().max_element() <= relative
-    }
-
-    /// The centre of a sphere or an ellipsoid, the map from the unit sphere and the inverse of that.
-    fn round(&self, id: u32) -> (DVec3, DMat3, DMat3) {
-        match self.primitive(id) {
-            Primitive::Ellipsoid(i) => {
-                let ellipsoid = &self.ellipsoids[i];
-                (ellipsoid.center(), ellipsoid.linear(), ellipsoid.inverse())
-            }
-            Primitive::Sphere(i) => {
-                let scale = |factor: f64| DMat3::from_diagonal(DVec3::splat(factor));
-                let sphere = &self.spheres[i];
-                (sphere.center, scale(sphere.radius), scale(1.0 / sphere.radius))
-            }
-            _ => (DVec3::ZERO, DMat3::ZERO, DMat3::NAN),
-        }
     }
 
     /// Gives each plane that coincides with an earlier one the numbers of that, so that rays hit both at the same t.

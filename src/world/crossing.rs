@@ -2,6 +2,7 @@
 
 use super::{Primitive, World};
 use crate::math::ray::Ray;
+use crate::primitive::shape::Form;
 use crate::primitive::triangle::Shear;
 
 impl World {
@@ -12,8 +13,7 @@ impl World {
             Primitive::Triangle(i) => {
                 Shear::new(ray).intersect(self.corners_in_place(i)).filter(|&t| ray.covers(t))
             }
-            Primitive::Sphere(i) => self.spheres[i].intersect(ray),
-            Primitive::Ellipsoid(i) => self.ellipsoids[i].intersect(ray),
+            Primitive::Shape(i) => self.shapes[i].intersect(ray),
             Primitive::Plane(i) => self.planes[i].intersect(ray),
         }
     }

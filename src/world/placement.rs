@@ -4,7 +4,6 @@ use crate::math::aabb::Aabb;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
 use crate::math::rounded_affine::{RoundedAffine, absolute};
 use crate::memory::{NoMemory, make_room};
-use crate::primitive::sphere::Sphere;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::{Object, ObjectId, Position, Scene};
 use glam::{DAffine3, DMat3, DVec3};
@@ -44,6 +43,15 @@ impl Placement<'_> {
         }
     }
 
+    /// The box by which the course's program bounds a placed box or shape: that of a shape without a transform, and
+    /// otherwise the box around its transformed corners.
+    pub fn course_box(&self, of_object: Aabb) -> Aabb {
+        match self.transform {
+            None => of_object,
+            Some(_) => Aabb::around(of_object.corners().map(|p| self.matrix.transform_point3(p))),
+        }
+    }
+
     /// An error at the transform, or at the start of the text where there is none.
     pub(super) fn error(&self, problem: Problem) -> SceneError {
         SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)
@@ -74,14 +82,4 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, N
             }
         }
     })
-}
-
-/// The box by which the course's program bounds a placed sphere: the tight one of a sphere without a
-/// transform, and otherwise the box around the transformed corners of that one.
-pub fn course_sphere_box(center: DVec3, radius: f64, placement: &Placement) -> Aabb {
-    let tight = Sphere { center, radius }.bounds();
-    match placement.transform {
-        None => tight,
-        Some(_) => Aabb::around(tight.corners().map(|p| placement.matrix.transform_point3(p))),
-    }
 }

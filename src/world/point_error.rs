@@ -9,6 +9,7 @@ use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
 use crate::math::rounded_affine::absolute;
 use crate::math::rounded_point::RoundedPoint;
 use crate::memory::{self, NoMemory};
+use crate::primitive::shape::Form;
 use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
 
@@ -16,13 +17,8 @@ use glam::{DAffine3, DVec3};
 /// two sums two each, and of the quotient one (`proofs/checkerboard.g`).
 const BETWEEN_VERTICES_ROUNDINGS: f64 = 7.0;
 
-/// The error bound of a point at a radius from a centre, in roundings of both: of the unit normal three, of the product
-/// and the sum one each.
-const AT_RADIUS_ROUNDINGS: f64 = 6.0;
-
-/// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes. Most of it is for the
-/// rotations that make the semi-axes orthogonal, which are less than a dozen.
-const ON_ELLIPSOID_ROUNDINGS: f64 = 64.0;
+/// That of any triangle's points, in roundings of the world's largest coordinate, has room for the weights of thin ones.
+const OF_COORDINATES_ROUNDINGS: f64 = 448.0;
 
 /// The error bound of a point that is projected on a plane, in roundings of the point and the offset
 /// (`proofs/checkerboard.g`).
@@ -31,8 +27,8 @@ const ON_PLANE_ROUNDINGS: f64 = 6.0;
 /// How far flattening may have moved the primitives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FlatteningErrors {
-    /// Of triangles, spheres and ellipsoids: runs of primitives of one placement, with the first index of each run.
-    runs: [Vec<(u32, PlacementError)>; 3],
+    /// Of triangles and of shapes: runs of primitives of one placement, with the first index of each run.
+    runs: [Vec<(u32, PlacementError)>; 2],
     planes: Vec<PlaneError>,
 }
 
@@ -120,8 +116,7 @@ impl PlaneError {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Finite {
     Triangles,
-    Spheres,
-    Ellipsoids,
+    Shapes,
 }
 
 impl FlatteningErrors {
@@ -151,7 +146,7 @@ impl FlatteningErrors {
     }
 
     /// How far along each axis any point of a primitive may have moved.
-    fn largest_of(&self, kind: Finite, index: usize) -> DVec3 {
+    pub fn largest_of(&self, kind: Finite, index: usize) -> DVec3 {
         self.run(kind, index).map_or(DVec3::ZERO, |error| error.largest)
     }
 
@@ -189,15 +184,7 @@ impl World {
                 };
                 return of_corner(0) + of_corner(1) + of_corner(2);
             }
-            Primitive::Sphere(i) => {
-                let sphere = &self.spheres[i];
-                AT_RADIUS_ROUNDINGS * (sphere.center.abs() + sphere.radius)
-            }
-            Primitive::Ellipsoid(i) => {
-                let ellipsoid = &self.ellipsoids[i];
-                let size = ellipsoid.half_lengths().into_iter().sum::<f64>();
-                ON_ELLIPSOID_ROUNDINGS * (ellipsoid.center().abs() + size)
-            }
+            Primitive::Shape(i) => self.shapes[i].point_roundings(),
             // Along the plane the point may be anywhere.
             Primitive::Plane(i) => {
                 let plane = &self.planes[i];
@@ -214,8 +201,7 @@ impl World {
     pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> DVec3 {
         match self.primitive(id) {
             Primitive::Triangle(i) => self.flattening_errors.at(Finite::Triangles, i, point),
-            Primitive::Sphere(i) => self.flattening_errors.largest_of(Finite::Spheres, i),
-            Primitive::Ellipsoid(i) => self.flattening_errors.largest_of(Finite::Ellipsoids, i),
+            Primitive::Shape(i) => self.flattening_errors.largest_of(Finite::Shapes, i),
             Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point) * self.planes[i].normal.abs(),
         }
     }
@@ -253,8 +239,9 @@ impl BoundaryWidth {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
         let tilt = largest(&mut errors.planes.iter().map(|error| error.tilt));
         let offset = largest(&mut world.planes.iter().map(|plane| plane.offset.abs()));
-        // The centre and the three semi-axes of an ellipsoid are at most 7 times the largest coordinate.
-        let rounding = 7.0 * ON_ELLIPSOID_ROUNDINGS * world.max_abs_coord + ON_PLANE_ROUNDINGS * offset;
+        let shapes = largest(&mut world.shapes.iter().map(|shape| shape.point_roundings().max_element()));
+        let finite = shapes.max(OF_COORDINATES_ROUNDINGS * world.max_abs_coord);
+        let rounding = finite + ON_PLANE_ROUNDINGS * offset;
         let point = [errors.largest() + rounding * UNIT_ROUNDOFF, tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF];
         let widths = world.materials.iter().filter_map(|material| match material {
             Material::Texture(Texture { pattern: Pattern::Checkerboard, world_to_texture, .. }) => {

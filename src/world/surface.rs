@@ -3,6 +3,7 @@
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
+use crate::primitive::shape::Form;
 use crate::primitive::triangle;
 use crate::scene::MaterialId;
 use glam::DVec3;
@@ -68,8 +69,7 @@ impl World {
         let along = ray.at(t);
         let (normal, position) = match self.primitive(primitive) {
             Primitive::Triangle(i) => self.triangle_surface(i, weights, along),
-            Primitive::Sphere(i) => self.spheres[i].surface(ray, along),
-            Primitive::Ellipsoid(i) => self.ellipsoids[i].surface(ray, t),
+            Primitive::Shape(i) => self.shapes[i].surface(ray, t),
             Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);

@@ -1,10 +1,10 @@
-//! Scenes that no grid can separate, or that lead to a grid far larger than its contents: the size of `-grid
-//! auto` and the work of building it stay within a stated multiple of the number of primitives.
+//! Scenes that no grid can separate, or that lead to a grid far larger than its contents: the size of what is built stays
+//! within a stated multiple of the number of primitives.
 
 use super::support::{automatic, random, world};
 use glam::DVec3;
-use raytracer::grid::options::{GridOptions, Resolution};
-use raytracer::grid::{Caster, Instructions, StructureSize};
+use raytracer::caster::choose::{Layout, Rays, Resolution, Structure};
+use raytracer::caster::{Caster, Instructions, StructureSize};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -96,7 +96,7 @@ fn sizes() -> impl Iterator<Item = usize> {
 /// The numbers of rays for a small picture and for a large one.
 const RAYS: [usize; 2] = [10_000, 100_000_000];
 
-/// The limit that `src/grid/allowance.rs` states.
+/// The limit that `src/caster/choose.rs` states.
 fn most_entries(count: usize) -> usize {
     (16 * count).max(65536)
 }
@@ -106,59 +106,43 @@ fn assert_bounded(name: &str, count: usize, size: StructureSize) {
     assert!(size.references <= most, "{name}, {count}: {size:?}");
     assert!(size.blocks <= most / 4, "{name}, {count}: {size:?}");
     assert!(size.cells <= 2 * most, "{name}, {count}: {size:?}");
-    // This is the number of attempts on each of four levels, although all levels together hardly need those
-    // of one.
-    let tries = 17.0 + (count as f64).log2();
-    assert!(size.cost as f64 <= 16.0 * most as f64 * tries, "{name}, {count}: {size:?}");
 }
 
 #[test]
-fn size_and_work_are_bounded_by_the_number_of_primitives() {
-    // For each number of primitives, the most entries and the most work of any scene. They are measured for
-    // few rays, where one rule chooses the cells. For many rays a grid of more than 200,000 primitives has
-    // two levels from the start, each with its own attempts, so that the work jumps, but within the bound.
-    let mut worst: Vec<(usize, StructureSize)> = vec![];
+fn sizes_are_bounded_by_the_number_of_primitives() {
     for n in sizes() {
-        let mut most = StructureSize::default();
         for (name, scene) in SCENES {
             let world = scene(n);
             let count = world.finite_count();
             for rays in RAYS {
-                let size = automatic(&world, rays, Instructions::available()[0]).size();
-                println!("{name}, {count}, {rays} rays: {size:?}");
-                assert_bounded(name, count, size);
-                if rays == RAYS[0] {
-                    most.references = most.references.max(size.references);
-                    most.cost = most.cost.max(size.cost);
-                }
+                let grid = automatic(&world, rays, Instructions::available()[0]).size();
+                assert_bounded(name, count, grid);
+                let chosen = chosen(&world, rays).size();
+                println!("{name}, {count}, {rays} rays: a grid {grid:?}, what is chosen {chosen:?}");
+                assert_bounded(name, count, chosen);
             }
         }
-        worst.push((n, most));
-    }
-    // For fewer primitives the constant part dominates, so nothing grows.
-    for pair in worst.windows(2).filter(|pair| pair[0].0 >= 10_000) {
-        let [(few, smaller), (many, larger)] = [pair[0], pair[1]];
-        let power = |few: usize, many: usize| (many as f64 / few as f64).ln();
-        let of = |a: usize, b: usize| power(a, b) / power(few, many);
-        let (references, work) = (of(smaller.references, larger.references), of(smaller.cost, larger.cost));
-        println!("from {few} to {many}: entries grow with the power {references:.2}, work with {work:.2}");
-        assert!(references <= 1.1 && work <= 1.15, "{few} to {many}: {references}, {work}");
     }
 }
 
+/// No grid is built for primitives that it does not separate.
 #[test]
-fn primitives_that_no_grid_separates_are_in_a_list() {
+fn primitives_that_no_grid_separates_are_in_a_tree() {
     for (name, scene) in
         SCENES.iter().filter(|(name, _)| ["identical triangles", "identical spheres"].contains(name))
     {
-        for n in sizes().filter(|&n| n <= 10_000) {
+        for n in sizes().filter(|&n| (200..=10_000).contains(&n)) {
             let world = scene(n);
-            let caster = automatic(&world, RAYS[1], Instructions::available()[0]);
-            let size = caster.size();
-            assert!(!caster.has_grid(), "{name}, {n}");
-            assert_eq!((size.references, size.cells), (n, 1), "{name}, {n}");
+            assert_eq!(Layout::chosen(&world, Rays::cast(RAYS[1])), Layout::Tree, "{name}, {n}");
+            let size = chosen(&world, RAYS[1]).size();
+            assert_eq!(size.references, n, "{name}, {n}");
         }
     }
+}
+
+/// The caster that is chosen for this number of rays.
+fn chosen(world: &World, rays: usize) -> Caster<'_> {
+    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), Instructions::available()[0]).unwrap()
 }
 
 /// Rays to the centres of triangles, or to random points in a world without triangles.
@@ -180,7 +164,10 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
         for (n, count) in [(100, 300), (300, 300), (1000, 300), (10_000, 50)] {
             let world = scene(n);
             let everything = Caster::new(&world, None).unwrap();
-            let casters = RAYS.map(|rays| automatic(&world, rays, Instructions::available()[0]));
+            let [few, many] = RAYS;
+            let with = Instructions::available()[0];
+            let tree = Caster::with(&world, Layout::Tree, with).unwrap();
+            let casters = [automatic(&world, many, with), chosen(&world, few), chosen(&world, many), tree];
             let mut hits = 0;
             for ray in rays_at(&world, count) {
                 let expected = everything.closest(&ray, &mut Quiet);
@@ -202,8 +189,8 @@ fn the_grid_for_counting_is_bounded_too() {
         for n in sizes().filter(|&n| n <= 10_000) {
             let world = scene(n);
             let count = world.finite_count();
-            let options = GridOptions::new(Some(Resolution::Auto), &world, RAYS[1], true);
-            let caster = Caster::with(&world, options, Instructions::available()[0]);
+            let layout = Structure::Grid(Resolution::Auto).layout(&world, Rays::cast(RAYS[1]), true);
+            let caster = Caster::with(&world, layout, Instructions::available()[0]);
             let references = caster.unwrap().size().references;
             assert!(references <= most_entries(count), "{name}, {count}: {references} entries");
         }

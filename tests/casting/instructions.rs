@@ -1,11 +1,11 @@
-//! Every hit is the same for all instruction sets that the inner loop is compiled for, and for all rules by
-//! which primitives are inserted into cells, also where crowded cells have trees.
+//! Every hit is the same for all instruction sets that the inner loop is compiled for, and for all
+//! structures.
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
-use raytracer::grid::options::{CellRule, GridOptions};
-use raytracer::grid::packet::PacketRay;
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::packet::PacketRay;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray, Visible};
 use raytracer::stats::{Counts, Quiet};
 
@@ -41,28 +41,35 @@ fn rays() -> impl Iterator<Item = Ray> {
 }
 
 #[test]
-fn hits_depend_neither_on_instructions_nor_on_rule() {
+fn hits_depend_neither_on_instructions_nor_on_structure() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
-    let reference = Caster::with(&world, GridOptions::NONE, Instructions::Portable).unwrap();
+    let reference = Caster::with(&world, Layout::List, Instructions::Portable).unwrap();
     let expected: Vec<(Ray, Option<Hit>)> =
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for instructions in Instructions::available() {
-        for rule in
-            [CellRule::Exact, CellRule::Trees { max_per_cell: 96 }, CellRule::Course { is_bounded: false }]
-        {
-            for cells in [None, Some([1, 1, 1]), Some(FINE)] {
-                let caster = Caster::with(&world, GridOptions { cells, rule }, instructions).unwrap();
+        for layout in [
+            Layout::List,
+            Layout::Grid([1; 3]),
+            Layout::Grid(FINE),
+            Layout::Tree,
+            Layout::Course(None),
+            Layout::Course(Some([1; 3])),
+            Layout::Course(Some(FINE)),
+        ] {
+            {
+                let caster = Caster::with(&world, layout, instructions).unwrap();
+                let is_fine = layout == Layout::Tree || layout.cells() == Some(FINE);
                 // Where every ray is tested against all triangles, fewer do.
-                let single = if cells == Some(FINE) { expected.len() } else { expected.len() / 10 };
+                let single = if is_fine { expected.len() } else { expected.len() / 10 };
                 for (ray, hit) in &expected[..single] {
-                    let context = (instructions, rule, cells, ray);
+                    let context = (instructions, layout, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
                 // Without a grid packets are traced as single rays, and in a single cell they are slow.
-                let count = if cells == Some(FINE) { expected.len() } else { 300 };
+                let count = if is_fine { expected.len() } else { 300 };
                 packets_have_the_hits_of_single_rays(&caster, &expected[..count]);
             }
         }
@@ -76,10 +83,9 @@ fn what_is_tested_first_changes_no_answer() {
     let triangles = world.triangles.len() as u32;
     let round = triangles..world.first_plane();
     for instructions in Instructions::available() {
-        for cells in [None, Some(FINE)] {
-            let options = GridOptions { cells, rule: CellRule::Exact };
-            let caster = Caster::with(&world, options, instructions).unwrap();
-            let step = if cells.is_some() { 1 } else { 50 };
+        for layout in [Layout::List, Layout::Grid(FINE), Layout::Tree] {
+            let caster = Caster::with(&world, layout, instructions).unwrap();
+            let step = if layout == Layout::List { 50 } else { 1 };
             for ray in rays().step_by(step) {
                 let expected = caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive);
                 for leaves in round.clone() {
@@ -95,7 +101,7 @@ fn what_is_tested_first_changes_no_answer() {
 #[test]
 fn the_course_tests_a_sphere_where_it_comes_to_it() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
-    let caster = Caster::with(&world, GridOptions::uniform(FINE), Instructions::available()[0]).unwrap();
+    let caster = Caster::with(&world, Layout::Grid(FINE), Instructions::available()[0]).unwrap();
     let sphere = world.triangles.len() as u32;
     for ray in rays().take(3000) {
         let [plain, leaving] = [None, Some(sphere)].map(|leaves| {

@@ -8,8 +8,8 @@ use super::fuzz_findings::checks::{bytes_and_nans, meshes};
 use super::strategies::{Range, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
-use raytracer::grid::options::{CellRule, GridOptions};
-use raytracer::grid::{Caster, Instructions};
+use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, Instructions};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
 use raytracer::render::Tracing;
@@ -25,8 +25,8 @@ fn of_unit_length(rays: Vec<Ray>) -> Vec<Ray> {
 
 /// The same rays aimed at the world's vertices and primitives, where decisions are close.
 fn aimed(rays: &[Ray], world: &World) -> Vec<Ray> {
-    let spheres = world.spheres.iter().map(|s| s.center + s.radius * DVec3::X);
-    let targets: Vec<DVec3> = world.vertices.iter().copied().chain(spheres).collect();
+    let shapes = world.boxes().map(|bounds| DVec3 { x: bounds.max.x, ..0.5 * (bounds.min + bounds.max) });
+    let targets: Vec<DVec3> = world.vertices.iter().copied().chain(shapes).collect();
     let aim = |(ray, i): (&Ray, usize)| {
         let direction = *targets.get(i % targets.len().max(1))? - ray.origin;
         (direction != DVec3::ZERO).then_some(Ray { direction, ..*ray })
@@ -51,20 +51,18 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
     let Ok(world) = World::new(scene, &meshes()) else { return Ok(()) };
     let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
     let plain = Caster::new(&world, None).expect("no grid");
-    // Then almost every cell is crowded.
-    let nested = |options: GridOptions| GridOptions { rule: CellRule::Trees { max_per_cell: 2 }, ..options };
     let ways = [
-        (GridOptions::uniform(cells), fastest),
-        (GridOptions::uniform(cells), portable),
-        (nested(GridOptions::uniform(cells.map(|n| n.div_ceil(3)))), fastest),
-        (nested(GridOptions::automatic(&world, 1 << 20)), portable),
-        (GridOptions::NONE, portable),
+        (Layout::Grid(cells), fastest),
+        (Layout::Grid(cells), portable),
+        (Layout::Tree, fastest),
+        (Layout::Tree, portable),
+        (Layout::automatic(&world, 1 << 20), fastest),
+        (Layout::List, portable),
     ];
     let casters =
-        ways.map(|(options, instructions)| Caster::with(&world, options, instructions).expect("small grids"));
-    let rule = CellRule::Course { is_bounded: false };
+        ways.map(|(layout, instructions)| Caster::with(&world, layout, instructions).expect("small grids"));
     let as_course = [None, Some(cells)]
-        .map(|cells| Caster::with(&world, GridOptions { cells, rule }, fastest).expect("a small grid"));
+        .map(|cells| Caster::with(&world, Layout::Course(cells), fastest).expect("a small grid"));
     let aimed = aimed(rays, &world);
     for ray in rays.iter().chain(&of_unit_length(aimed)) {
         let expected = hit(&plain, ray, &mut Quiet)?;

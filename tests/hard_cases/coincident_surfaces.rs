@@ -6,7 +6,7 @@ use crate::support::rays;
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::{Primitive, World};

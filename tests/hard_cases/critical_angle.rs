@@ -9,7 +9,7 @@ use crate::support::scenes::scene_of;
 use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::Signed;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{Color, Object};

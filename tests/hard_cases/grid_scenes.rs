@@ -10,10 +10,10 @@ use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::grid::Caster;
-use raytracer::grid::Lattice;
-use raytracer::grid::budget::{Budget, TouchedCells};
-use raytracer::grid::voxelize::of_sphere;
+use raytracer::caster::Caster;
+use raytracer::caster::grid::Lattice;
+use raytracer::caster::grid::touched_cells::TouchedCells;
+use raytracer::caster::grid::voxelize::of_sphere;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::exact_product::exact_product;
 use raytracer::math::ray::Ray;
@@ -244,8 +244,7 @@ fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
         // This difference is exact, since the two numbers are almost equal.
         let top = center.y + radius;
         let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
-        let budget = Budget::unlimited();
-        let mut cells = TouchedCells::new(&budget);
+        let mut cells = TouchedCells::default();
         of_sphere(&lattice, center, radius, 1e-5, &mut cells).expect("a few cells");
         assert!(cells.indices.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
     }

@@ -8,7 +8,7 @@ use crate::support::scenes::{layers_and_nans, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};

@@ -15,7 +15,7 @@ use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::render::Tracing;
 use raytracer::scene::mesh::Mesh;

@@ -9,8 +9,8 @@ use crate::support::scenes::scene_of;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use raytracer::grid::Caster;
-use raytracer::grid::options::GridOptions;
+use raytracer::caster::Caster;
+use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::Instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
@@ -133,7 +133,7 @@ impl Lit {
         let ray = |target: &DVec3| Ray::new(*target + 1e-3 * size * self.plane, -self.plane);
         let mut found = vec![];
         for instructions in Instructions::available() {
-            for cells in [GridOptions::NONE, GridOptions::uniform([4, 5, 6])] {
+            for cells in [Layout::List, Layout::Grid([4, 5, 6])] {
                 let caster = Caster::with(&self.world, cells, instructions).expect("a grid");
                 found.push(
                     targets.iter().map(|target| self.color(&caster, &ray(target), &mut Quiet)).collect(),

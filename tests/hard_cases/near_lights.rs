@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::world_with;
 use crate::support::{failed_ray, rays};
 use glam::{DVec3, Vec3};
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::stats::Quiet;

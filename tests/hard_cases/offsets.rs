@@ -12,7 +12,7 @@ use crate::support::scenes::scene_of;
 use crate::support::secondary::{blocked, secondary};
 use crate::support::textbook_offsets::FIXED;
 use glam::{DAffine3, DMat3, DVec3};
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};

@@ -10,7 +10,7 @@ use crate::support::secondary::secondary;
 use crate::support::textbook_offsets::FIXED;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::Object;
 use raytracer::stats::Quiet;

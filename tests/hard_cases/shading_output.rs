@@ -7,7 +7,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::{layers, scene_of};
 use crate::support::{hex, rays};
 use glam::{DVec2, DVec3};
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::instructions::Instructions;
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, Tracing};

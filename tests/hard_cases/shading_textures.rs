@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use crate::support::textbook_noise::{noise, noise32, truncated_noise};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DVec3};
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::instructions::Instructions;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;

@@ -12,7 +12,7 @@ use crate::support::secondary::blocked;
 use crate::support::textbook_offsets::{FIXED, integer_offset};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::Object;
 use raytracer::scene::mesh::Mesh;

@@ -10,9 +10,10 @@ use crate::transforms::{ROUNDING, length, nested, rotation};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
+use raytracer::primitive::shape::Form;
 use raytracer::scene::error::{Problem, SceneError};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -225,7 +226,7 @@ fn flattened_ellipsoids(n: u64) -> ([u64; 5], [f64; 2]) {
         let wrong = must_refuse_in_double_double(&m).is_some_and(|must| must != refused) as u64;
         let Some(world) = built.ok().filter(|_| !slanted) else { return ([0, 0, 0, 1, wrong], [0.0; 2]) };
         let textbook = !quadratic_hits(&m, &ray) as u64;
-        let Some(t) = world.ellipsoids[0].intersect(&ray) else {
+        let Some(t) = world.shapes[0].intersect(&ray) else {
             failures.note(true, || failed_ray(48, SEED, index, ray.origin, ray.direction));
             return ([0, 1, textbook, 0, wrong], [0.0; 2]);
         };

@@ -12,6 +12,7 @@ use crate::support::textbook::{Edges, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::math::ray::{Ray, Visible};
+use raytracer::primitive::shape::Form;
 use raytracer::primitive::triangle;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
@@ -172,7 +173,7 @@ fn is_outward_seen(world: &World, m: &DAffine3, rng: &mut Rng) -> bool {
     let inside = m.transform_point3(0.5 * rng.in_ball());
     let outside = m.transform_point3(3.0 * rng.direction());
     let normal = |ray: &Ray| {
-        let t = world.ellipsoids[0].intersect(ray).expect("the line goes through the inside");
+        let t = world.shapes[0].intersect(ray).expect("the line goes through the inside");
         world.visible_surface(ray, Visible { primitive: 0, t_bound: t }).normal
     };
     let (into, out) = (Ray::new(outside, inside - outside), Ray::new(inside, outside - inside));

@@ -9,7 +9,7 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{lower, lower_triangle, moller_trumbore};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;

@@ -2,7 +2,7 @@
 
 use crate::support::scenes::layers_and_nans;
 use raytracer::camera::Camera;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene;
 use raytracer::trace::{Effects, Shadows};

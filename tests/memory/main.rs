@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use raytracer::grid::options::{Resolution, Structure};
+use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};

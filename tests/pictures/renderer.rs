@@ -1,6 +1,6 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
-use raytracer::grid::options::{Resolution, Structure};
+use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Progress, Request, Stopped, Tracing, Window};
 use raytracer::renderer::{Meshes, Prepared, Renderer};

@@ -1,7 +1,7 @@
 //! Tables of valid command lines, each with its options.
 
+use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, ShowProgress, parse};
-use raytracer::grid::options::{Resolution, Structure};
 use raytracer::image_io::Format;
 use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;

@@ -1,7 +1,7 @@
 //! `-error_report`: the numbers are those of the pictures, and the page shows them.
 
 use crate::support::{Folder, only_line, scene};
-use raytracer::grid::options::Structure;
+use raytracer::caster::choose::Structure;
 use raytracer::render::{Request, Tracing};
 use raytracer::renderer::Renderer;
 use raytracer::sampling::drand48::Drand48;

@@ -159,13 +159,13 @@ fn names_of_other_systems_are_read_or_corrected() {
         folder.write("s.txt", scene(1, &format!("TriangleMesh {{ obj_file {name} }}")));
         folder.run("-input s.txt -size 9 9 -output o.tga")
     };
-    assert_eq!(run("parts/Cube.OBJ").ok().stderr, "");
+    for name in ["parts/Cube.OBJ", "parts\\Cube.OBJ", ".\\parts\\Cube.OBJ"] {
+        assert_eq!(run(name).ok().stderr, "", "{name}");
+    }
     for (name, hint) in [
         ("parts/Cube.obj", "did you mean `parts/Cube.OBJ`?"),
         ("parts/cube.obj", "did you mean `parts/Cube.OBJ`?"),
-        ("parts\\Cube.OBJ", "did you mean `parts/Cube.OBJ`?"),
         (".\\parts\\cubes.obj", "did you mean `./parts/Cube.OBJ`?"),
-        ("..\\away\\other.obj", "the parts of a path are separated by `/`"),
         ("\"parts/Cube.OBJ\"", "a name has neither quotes nor blanks"),
         ("'my parts/Cube.OBJ'", "a name has neither quotes nor blanks"),
     ] {

@@ -2,7 +2,7 @@
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
-use raytracer::grid::options::Resolution;
+use raytracer::caster::choose::Resolution;
 use raytracer::render::{Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;

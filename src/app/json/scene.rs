@@ -1,6 +1,7 @@
 //! What a scene is made of, in numbers.
 
 use raytracer::math::aabb::Aabb;
+use raytracer::primitive::shape::Shape;
 use raytracer::renderer::Renderer;
 use raytracer::scene::material::{Material, Pattern, Texture};
 use raytracer::scene::{Light, Object, Scene};
@@ -55,6 +56,7 @@ struct Primitives {
 impl SceneSummary {
     pub fn of(renderer: &Renderer) -> Self {
         let (scene, world) = (&renderer.scene, renderer.world());
+        let spheres = count(&world.shapes, |shape| matches!(shape, Shape::Sphere(_)));
         Self {
             file: renderer.source.path.to_string_lossy().into_owned(),
             lights: Lights {
@@ -65,8 +67,8 @@ impl SceneSummary {
             objects: Objects::of(scene),
             primitives: Primitives {
                 triangles: world.triangles.len(),
-                spheres: world.spheres.len(),
-                ellipsoids: world.ellipsoids.len(),
+                spheres,
+                ellipsoids: world.shapes.len() - spheres,
                 planes: world.planes.len(),
             },
             bounds: renderer.bounds(),

@@ -25,8 +25,8 @@ mod tests;
 mod worst_cases;
 
 use crate::camera::{Camera, Eye, Projection};
-use crate::grid::Caster;
-use crate::grid::cell_lists::widened;
+use crate::caster::Caster;
+use crate::caster::grid::cell_lists::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::memory;
@@ -112,7 +112,7 @@ impl VisibilityBuffer {
         // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
         let count = world.triangles.len();
         let max_triangles =
-            if caster.has_grid() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
+            if caster.is_selective() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }

@@ -9,30 +9,66 @@ fn is_identical(a: f64, b: f64) -> bool {
     a == b && a.is_sign_negative() == b.is_sign_negative() || a.is_nan() && b.is_nan()
 }
 
+const NUMBERS: [f64; 10] =
+    [0.0, -0.0, 1.5, -2.75, 7.0, HUGE, -HUGE, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+
+/// The results of every operation on two numbers, with their names.
+fn results<N: Number>(x: N, y: N) -> [(&'static str, N); 11] {
+    [
+        ("sum", x + y),
+        ("difference", x - y),
+        ("product", x * y),
+        ("quotient", x / y),
+        ("negative", -x),
+        ("reciprocal", x.recip()),
+        ("absolute value", x.abs()),
+        ("minimum", x.min(y)),
+        ("maximum", x.max(y)),
+        ("square root", x.sqrt()),
+        ("selection by order", x.select_lt(y, x + y, x - y)),
+    ]
+}
+
+/// The same by plain arithmetic.
+fn expected(a: f64, b: f64) -> [f64; 11] {
+    let (min, max) = (if a < b { a } else { b }, if a > b { a } else { b });
+    let selected = if a < b { a + b } else { a - b };
+    [a + b, a - b, a * b, a / b, -a, 1.0 / a, f64::abs(a), min, max, f64::sqrt(a), selected]
+}
+
+#[test]
+fn one_number_agrees_with_plain_arithmetic() {
+    for (a, b) in NUMBERS.iter().flat_map(|&a| NUMBERS.map(|b| (a, b))) {
+        for ((name, found), expected) in results(a, b).into_iter().zip(expected(a, b)) {
+            assert!(is_identical(found, expected), "{name} of {a} and {b}: {found}");
+        }
+        assert_eq!([a.le_mask(b), a.lt_mask(b)], [u32::from(a <= b), u32::from(a < b)], "{a} {b}");
+    }
+}
+
 /// Checks every operation against scalar arithmetic, for zeros, ordinary and huge numbers, infinities and
 /// NaN.
 fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
-    let numbers = [0.0, -0.0, 1.5, -2.75, 7.0, HUGE, -HUGE, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+    let numbers = NUMBERS;
     let four = |i: usize| [0, 1, 3, 4].map(|k| numbers[(i + k) % numbers.len()]);
     for (a, b) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (four(i), four(j)))) {
         let (x, y) = (F::new(proof, a), F::new(proof, b));
+        for (i, (name, found)) in results(x, y).into_iter().enumerate() {
+            for (k, found) in found.to_array().into_iter().enumerate() {
+                assert!(
+                    is_identical(found, expected(a[k], b[k])[i]),
+                    "{name} of {} and {}: {found}",
+                    a[k],
+                    b[k]
+                );
+            }
+        }
         let check = |name: &str, found: F, expected: fn(f64, f64) -> f64| {
             for (k, found) in found.to_array().into_iter().enumerate() {
                 let expected = expected(a[k], b[k]);
                 assert!(is_identical(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
             }
         };
-        check("sum", x + y, |a, b| a + b);
-        check("difference", x - y, |a, b| a - b);
-        check("product", x * y, |a, b| a * b);
-        check("quotient", x / y, |a, b| a / b);
-        check("reciprocal", x.recip(), |a, _| 1.0 / a);
-        check("absolute value", x.abs(), |a, _| a.abs());
-        check("minimum", x.min(y), |a, b| if a < b { a } else { b });
-        check("maximum", x.max(y), |a, b| if a > b { a } else { b });
-        check("square root", x.sqrt(), |a, _| a.sqrt());
-        let less = x.select_lt(y, x + y, x - y);
-        check("selection by order", less, |a, b| if a < b { a + b } else { a - b });
         check("is positive", x.one_where_positive(), |a, _| f64::from(a > 0.0));
         check(
             "seven where negative",
@@ -47,7 +83,8 @@ fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
             |a, b| if b.is_infinite() { 3.0 } else { a },
         );
         let le_mask = (0..4).filter(|&k| a[k] <= b[k]).map(|k| 1 << k).sum::<u32>();
-        assert_eq!(x.le_mask(y), le_mask, "{a:?} {b:?}");
+        let lt_mask = (0..4).filter(|&k| a[k] < b[k]).map(|k| 1 << k).sum::<u32>();
+        assert_eq!([x.le_mask(y), x.lt_mask(y)], [le_mask, lt_mask], "{a:?} {b:?}");
         let sign_mask = (0..3).filter(|&k| a[k].is_sign_negative()).map(|k| 1 << k).sum::<usize>();
         assert_eq!(x.sign_mask(), sign_mask, "{a:?}");
         let to_f32 = x.to_f32();

@@ -150,8 +150,8 @@ fn a_ray_beside_an_edge_where_rounding_is_worst_hits_one_triangle() {
         let beside = |times: f64| {
             let seen = shear.apply(&p);
             let mut point = p;
-            point[x] = ray.origin[x] + shear.scale.x * seen.z - times * seen.y;
-            point[y] = ray.origin[y] + shear.scale.y * seen.z + times * seen.x;
+            point[x] = ray.origin[x] + shear.slopes[0] * seen.z - times * seen.y;
+            point[y] = ray.origin[y] + shear.slopes[1] * seen.z + times * seen.x;
             point[z] = p[z];
             point
         };

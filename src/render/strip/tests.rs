@@ -1,7 +1,7 @@
 //! How many rows a strip has, and what it keeps.
 
 use super::*;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::render::Tracing;
 use crate::render::View;
 use crate::sampling::adaptive::Adaptive;

@@ -4,8 +4,8 @@
 use super::finding::find_causes;
 use super::paint::paint;
 use super::{Cause, Finding, Original, PixelChange, RequestChange, Rule, SceneChange, SelfHitting, rules};
-use crate::grid::options::Structure;
-use crate::math::ray::{Hit, Ray};
+use crate::caster::choose::Structure;
+use crate::math::ray::{Ray, Visible};
 use crate::picture::Picture;
 use crate::render::{Request, Tracing};
 use crate::renderer::{Meshes, Renderer};
@@ -253,8 +253,8 @@ impl<R: Rules> Rules for Rounded<'_, R> {
         self.right.world()
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit> {
-        self.right.first_hit(ray, leaves, probe)
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        self.right.nearest(ray, leaves, probe)
     }
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {

@@ -3,7 +3,7 @@
 use super::object_space::ObjectSpaces;
 use super::rules::Rule;
 use crate::math::instructions::Instructions;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::unit;
 use crate::math::rounded_point::RoundedPoint;
 use crate::scene::material::{Material, Pattern, Phong, Texture};
@@ -106,8 +106,8 @@ pub fn color<R: Rules>(tracer: &Tracer<Mistaken<R>>, ray: &Ray) -> Color {
 /// The colour along a ray. The colours of secondary rays are added up ray by ray, not all at once, since some mistakes
 /// happen there.
 fn seen<R: Rules>(tracer: &Tracer<Mistaken<R>>, SecondaryRay { ray, leaves, path }: &SecondaryRay) -> Color {
-    let hit = tracer.first_hit(ray, *leaves, &mut Quiet);
-    let surface = hit.map(|hit| tracer.rules.surface(ray, &hit));
+    let visible = tracer.nearest(ray, *leaves, &mut Quiet);
+    let surface = visible.map(|visible| tracer.rules.surface(ray, visible));
     let mut branches = vec![];
     let mut color = tracer.local_color(ray, path, surface, &mut branches, &mut Quiet);
     while let Some(mut branch) = branches.pop() {
@@ -122,15 +122,19 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
         self.right.world()
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit> {
-        self.right.first_hit(ray, leaves, probe)
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        self.right.nearest(ray, leaves, probe)
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let surface = self.right.surface(ray, hit);
-        let object_normal = || self.spaces.normal(hit.primitive, surface.normal);
+    fn hit(&self, ray: &Ray, visible: Visible) -> Hit {
+        self.right.hit(ray, visible)
+    }
+
+    fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        let surface = self.right.surface(ray, visible);
+        let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
         let normal = match self.rule {
-            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(hit.primitive) * object_normal()),
+            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
             Some(Rule::NormalsOfObjectSpace) => unit(object_normal()),
             _ => return surface,
         };
@@ -204,11 +208,11 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
     fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
         let (mut ray, mut leaves) = (*ray, leaves);
         let mut mixture = Mixture::default();
-        while let Some(hit) = self.first_hit(&ray, leaves, probe) {
+        while let Some(visible) = self.nearest(&ray, leaves, probe) {
             if !self.breaks(Rule::GlassWithoutShadows) {
                 return true;
             }
-            let surface = self.surface(&ray, &hit);
+            let (hit, surface) = (self.hit(&ray, visible), self.surface(&ray, visible));
             if self.material(&surface, &mut mixture).phong.transparent == Color::ZERO {
                 return true;
             }

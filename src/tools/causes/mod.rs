@@ -29,7 +29,7 @@ pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use rules::{Rule, SelfHitting};
 pub use scenes::SceneChange;
 
-use crate::grid::options::Structure;
+use crate::caster::choose::{Rays, Structure};
 use crate::picture::{FloatPicture, Picture};
 use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};
@@ -119,8 +119,7 @@ impl<'a> Original<'a> {
         let request = Request { layers: vec![layer], window: None, ..request.clone() };
         // The tracer casts all rays, also those that the renderer need not cast.
         let rays = request.camera_rays();
-        let prepared =
-            renderer.prepare(structure.resolution(renderer.world(), rays), rays, Tracing::Fast).ok()?;
+        let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
         let colors = prepared.render(&request).ok()?.pop()?;
         Some(Self { prepared, structure, request, colors })
     }

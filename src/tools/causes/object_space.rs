@@ -1,6 +1,5 @@
 //! The transforms around the primitives, which the world has applied to them.
 
-use crate::math::robust::similarity_scale;
 use crate::memory::{self, NoMemory};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
@@ -11,8 +10,8 @@ use glam::{DMat3, DVec3};
 #[derive(Debug)]
 pub struct ObjectSpaces<'a> {
     world: &'a World,
-    /// Of triangles, spheres, ellipsoids and planes: the index of the first that a matrix took to the world.
-    runs: [Vec<(usize, DMat3)>; 4],
+    /// Of triangles, shapes and planes: the index of the first that a matrix took to the world.
+    runs: [Vec<(usize, DMat3)>; 3],
 }
 
 /// How many triangles a box has.
@@ -22,7 +21,7 @@ impl<'a> ObjectSpaces<'a> {
     /// The world is that of the scene and its meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh], world: &'a World) -> Result<Self, NoMemory> {
         let mut spaces = Self { world, runs: Default::default() };
-        let mut counts = [0; 4];
+        let mut counts = [0; 3];
         for placement in placements(scene) {
             let placement = placement?;
             let Some((kind, count)) = primitives(&placement, meshes) else { continue };
@@ -42,9 +41,8 @@ impl<'a> ObjectSpaces<'a> {
     pub fn matrix(&self, primitive: u32) -> DMat3 {
         let (kind, index) = match self.world.primitive(primitive) {
             Primitive::Triangle(index) => (0, index),
-            Primitive::Sphere(index) => (1, index),
-            Primitive::Ellipsoid(index) => (2, index),
-            Primitive::Plane(index) => (3, index),
+            Primitive::Shape(index) => (1, index),
+            Primitive::Plane(index) => (2, index),
         };
         let runs = &self.runs[kind];
         let run = runs.partition_point(|&(first, _)| first <= index);
@@ -54,14 +52,11 @@ impl<'a> ObjectSpaces<'a> {
 
 /// The kind of the primitives that become of an object, and their number.
 fn primitives(placement: &Placement, meshes: &[Mesh]) -> Option<(usize, usize)> {
-    // The world makes ellipsoids of the others.
-    let is_sphere_in_world = similarity_scale(placement.matrix.matrix3).is_some();
     match *placement.object {
         Object::Triangle { .. } => Some((0, 1)),
         Object::Box { .. } => Some((0, BOX_TRIANGLES)),
         Object::Mesh { mesh, .. } => Some((0, meshes.get(mesh)?.triangles.len())),
-        Object::Sphere { .. } => Some((if is_sphere_in_world { 1 } else { 2 }, 1)),
-        Object::Plane { .. } => Some((3, 1)),
-        Object::Group(_) | Object::Transform { .. } => None,
+        Object::Plane { .. } => Some((2, 1)),
+        _ => placement.object.shape_box().map(|_| (1, 1)),
     }
 }

@@ -243,8 +243,8 @@ pub fn colors(
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);
     let camera = renderer.camera(request);
     let seen = |ray: &Ray| {
-        let hit = rules.first_hit(ray, None, &mut Quiet);
-        hit.map(|hit| (hit.t, rules.surface(ray, &hit)))
+        let visible = rules.nearest(ray, None, &mut Quiet);
+        visible.map(|visible| (rules.hit(ray, visible).t, rules.surface(ray, visible)))
     };
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
     match request.layers.first() {
@@ -345,7 +345,7 @@ fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::Structure;
+    use crate::caster::choose::Structure;
     use crate::render::{Request, Window};
     use crate::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, filter::Filter, sampler};

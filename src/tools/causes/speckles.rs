@@ -9,7 +9,7 @@ use super::requests::has_secondary_rays;
 use super::{Original, SelfHitting};
 use crate::camera::Camera;
 use crate::math::instructions::Instructions;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
 use crate::memory;
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
@@ -132,8 +132,8 @@ impl<R: Rules> Rules for SelfHits<'_, R> {
         self.right.world()
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit> {
-        self.right.first_hit(ray, leaves, probe)
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        self.right.nearest(ray, leaves, probe)
     }
 
     fn instructions(&self) -> Instructions {

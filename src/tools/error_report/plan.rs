@@ -1,7 +1,7 @@
 //! The plan: which settings are measured for a scene, and in which order. Only what the scene can show is among them.
 
 use super::setting::{Axis, Samples, Setting};
-use crate::grid::options::{Resolution, Structure};
+use crate::caster::choose::{Resolution, Structure};
 use crate::render::Request;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;

@@ -1,6 +1,6 @@
 //! A setting of the renderer, as the flags of a command line.
 
-use crate::grid::options::{Resolution, Structure};
+use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;

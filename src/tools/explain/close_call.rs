@@ -4,6 +4,7 @@ use super::objects::ObjectPart;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::primitive::edge_functions::Sides;
+use crate::primitive::shape::{Form, Shape};
 use crate::primitive::triangle::Shear;
 use crate::world::{Primitive, World};
 use serde::Serialize;
@@ -91,18 +92,7 @@ impl Search<'_> {
         let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
         match self.world.primitive(id) {
             Primitive::Triangle(i) => self.of_triangle(id, i, &reach),
-            Primitive::Sphere(i) => {
-                let sphere = &self.world.spheres[i];
-                let middle = (sphere.center - self.ray.origin).dot(self.ray.direction);
-                let is_tangent = reach.covers(middle) && sphere.is_almost_tangent(self.ray);
-                self.of_round(id, is_tangent, || sphere.roots(self.ray.origin, self.ray.direction))
-            }
-            Primitive::Ellipsoid(i) => {
-                let ellipsoid = &self.world.ellipsoids[i];
-                let middle = (ellipsoid.center() - self.ray.origin).dot(self.ray.direction);
-                let is_tangent = reach.covers(middle) && ellipsoid.is_almost_tangent(self.ray);
-                self.of_round(id, is_tangent, || ellipsoid.roots(self.ray))
-            }
+            Primitive::Shape(i) => self.of_shape(id, &self.world.shapes[i], &reach),
             Primitive::Plane(i) => self.of_plane(id, i, &reach),
         }
     }
@@ -116,16 +106,11 @@ impl Search<'_> {
         }
     }
 
-    fn of_round(
-        &self,
-        id: u32,
-        is_tangent: bool,
-        roots: impl FnOnce() -> Option<[f64; 2]>,
-    ) -> Option<CloseCallKind> {
-        if is_tangent {
+    fn of_shape(&self, id: u32, shape: &Shape, reach: &Ray) -> Option<CloseCallKind> {
+        if shape.tangent_at(self.ray).is_some_and(|t| reach.covers(t)) {
             return Some(CloseCallKind::Tangent);
         }
-        roots()?.into_iter().find_map(|t| self.same_t(t, id))
+        shape.roots(self.ray)?.into_iter().find_map(|t| self.same_t(t, id))
     }
 
     fn of_plane(&self, id: u32, i: usize, reach: &Ray) -> Option<CloseCallKind> {

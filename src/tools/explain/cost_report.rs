@@ -1,7 +1,7 @@
 //! What a cost map says in words.
 
 use super::CostMap;
-use crate::grid::Fullness;
+use crate::caster::Fullness;
 use crate::render::Cost;
 use crate::stats::RULE;
 use std::fmt;

@@ -77,13 +77,8 @@ impl<'r> Objects<'r> {
         let scene = &renderer.scene;
         let mut copy = scene.clone();
         for (id, object) in copy.objects.iter_mut().enumerate() {
-            match object {
-                Object::Sphere { material, .. }
-                | Object::Plane { material, .. }
-                | Object::Triangle { material, .. }
-                | Object::Box { material, .. }
-                | Object::Mesh { material, .. } => *material = id,
-                Object::Group(_) | Object::Transform { .. } => {}
+            if let Some(material) = object.material_mut() {
+                *material = id;
             }
         }
         Ok(Self { scene, labelled: World::new(&copy, renderer.meshes())? })
@@ -92,15 +87,12 @@ impl<'r> Objects<'r> {
     /// The object that a primitive belongs to.
     pub fn of(&self, primitive: u32) -> Option<ObjectPart> {
         let (run, id) = self.labelled.material_run(primitive);
-        let name = match self.scene.objects.get(id)? {
-            Object::Sphere { .. } => "Sphere".into(),
-            Object::Plane { .. } => "Plane".into(),
-            Object::Triangle { .. } => "Triangle".into(),
-            Object::Box { .. } => "Box".into(),
-            Object::Mesh { mesh, .. } => format!("TriangleMesh {}", self.scene.meshes.get(*mesh)?.name),
-            Object::Group(_) | Object::Transform { .. } => return None,
+        let object = self.scene.objects.get(id)?;
+        let name = match object {
+            Object::Mesh { mesh, .. } => format!("{} {}", object.name(), self.scene.meshes.get(*mesh)?.name),
+            _ => object.name().into(),
         };
-        let has_parts = matches!(self.scene.objects[id], Object::Box { .. } | Object::Mesh { .. });
+        let has_parts = matches!(object, Object::Box { .. } | Object::Mesh { .. });
         let triangle = has_parts.then(|| primitive - run.start);
         Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
     }

@@ -4,7 +4,7 @@ use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_
 use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
 use super::stoppable::{Stop, Stoppable};
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
@@ -17,7 +17,7 @@ use crate::scene::material::Material;
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
-use crate::trace::{Observer, Rules, Tracer};
+use crate::trace::{Observer, Tracer};
 use crate::world::World;
 use glam::DVec2;
 use serde::Serialize;
@@ -260,7 +260,9 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let first = shadow.crossed.first().map(|crossing| crossing.hit);
         let sees = first.or_else(|| {
             let exclude = ((leaves as usize) < world.triangles.len()).then_some(leaves);
-            caster.first_hit(&shadow.ray, exclude, &mut Counts::default())
+            caster
+                .nearest(&shadow.ray, exclude, &mut Counts::default())
+                .map(|visible| world.hit(&shadow.ray, visible))
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, RayEnds { leaves: Some(leaves), sees });

@@ -1,8 +1,8 @@
 //! Tracing that can be stopped.
 
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::instructions::Instructions;
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Ray, Visible};
 use crate::stats::Probe;
 use crate::trace::Rules;
 use crate::world::World;
@@ -47,8 +47,8 @@ impl Rules for Stoppable<'_, '_> {
         self.caster.world()
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Hit> {
-        if self.stop.is_over() { None } else { self.caster.first_hit(ray, leaves, probe) }
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        if self.stop.is_over() { None } else { self.caster.nearest(ray, leaves, probe) }
     }
 
     fn instructions(&self) -> Instructions {

@@ -2,6 +2,7 @@
 
 use super::{Warning, known};
 use crate::math::aabb::Aabb;
+use crate::primitive::shape::Shape;
 use crate::scene::material::Material;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color, Light, MaterialId, Scene};
@@ -74,7 +75,7 @@ fn reason(light: &Light, scene: &Scene, world: &World, effects: &Effects) -> Opt
         return Some(Reason::TooFar);
     }
     let sphere = enclosing_sphere(position, scene, world, effects)?;
-    Some(Reason::Enclosed { line: line_of(sphere, scene, world) })
+    Some(Reason::Enclosed { line: line_of(sphere, scene) })
 }
 
 /// Whether the light changes no pixel by a quarter of a level, wherever it meets a surface from the front.
@@ -116,7 +117,8 @@ fn enclosing_sphere(position: DVec3, scene: &Scene, world: &World, effects: &Eff
     };
     // A rounding more or less decides nothing here, and silence is right where it would.
     const CLEARLY: f64 = 1e-6;
-    world.spheres.iter().enumerate().position(|(index, sphere)| {
+    world.shapes.iter().enumerate().position(|(index, shape)| {
+        let Shape::Sphere(sphere) = shape else { return false };
         let distance = |point: DVec3| (point - sphere.center).length() / sphere.radius;
         let id = (world.triangles.len() + index) as u32;
         distance(position) < 1.0 - CLEARLY
@@ -137,11 +139,11 @@ fn is_opaque(material: MaterialId, materials: &[Material]) -> bool {
     }
 }
 
-/// The line of the sphere with this index, where every sphere of the scene is a sphere of the world.
-fn line_of(sphere: usize, scene: &Scene, world: &World) -> Option<u32> {
-    let spheres = scene.objects.iter().zip(&scene.positions).filter_map(|(object, at)| match object {
+/// The line of the sphere with this index among the shapes of the world, where each sphere is placed once.
+fn line_of(sphere: usize, scene: &Scene) -> Option<u32> {
+    let mut spheres = scene.objects.iter().zip(&scene.positions).filter_map(|(object, at)| match object {
         crate::scene::Object::Sphere { .. } => Some(at.line),
         _ => None,
     });
-    world.ellipsoids.is_empty().then(|| spheres.clone().nth(sphere)).flatten()
+    spheres.nth(sphere)
 }

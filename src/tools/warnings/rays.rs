@@ -3,7 +3,7 @@
 use super::idle::Idle;
 use super::{Warning, known};
 use crate::scene::material::{Material, Pattern};
-use crate::scene::{MaterialId, Object, Scene};
+use crate::scene::{MaterialId, Scene};
 use crate::trace::{Effects, Shadows};
 use std::fmt;
 
@@ -100,23 +100,12 @@ fn used(scene: &Scene) -> impl Iterator<Item = (MaterialId, Secondary)> {
     let all = secondary_rays(&scene.materials);
     let mut is_used = vec![false; all.len()];
     for object in &scene.objects {
-        if let Some(used) = material_of(object).and_then(|material| is_used.get_mut(material)) {
+        if let Some(used) = object.material().and_then(|material| is_used.get_mut(material)) {
             *used = true;
         }
     }
     let of = move |id: MaterialId| (id, all[id]);
     is_used.into_iter().enumerate().filter(|&(_, is_used)| is_used).map(move |(id, _)| of(id))
-}
-
-fn material_of(object: &Object) -> Option<MaterialId> {
-    match *object {
-        Object::Group(_) | Object::Transform { .. } => None,
-        Object::Sphere { material, .. }
-        | Object::Plane { material, .. }
-        | Object::Triangle { material, .. }
-        | Object::Box { material, .. }
-        | Object::Mesh { material, .. } => Some(material),
-    }
 }
 
 /// For every material. A texture comes after those that it mixes.

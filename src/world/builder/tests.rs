@@ -69,7 +69,7 @@ fn a_sphere_has_the_radius_and_the_semi_axes_of_its_transform() {
         world_of(&format!("Transform {{ Scale {scale} Sphere {{ {sphere} }} }}"), &[])
     };
     let world = transformed("3 3 3", "center 1 0 0 radius 0.5").unwrap();
-    assert_eq!(world.spheres, [Sphere { center: DVec3::X * 3.0, radius: 1.5 }]);
+    assert_eq!(world.shapes[0], Shape::Sphere(Sphere { center: DVec3::X * 3.0, radius: 1.5 }));
     let world = transformed("3 4 8", "center 0 1 0 radius 0.5").unwrap();
     assert_eq!(
         world.boxes().collect::<Vec<_>>(),

@@ -3,7 +3,7 @@
 use super::meshes::bunny;
 use super::scenes::world_of_mesh;
 use glam::{DAffine3, DVec3};
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::material::Material;
 use raytracer::scene::mesh::Mesh;

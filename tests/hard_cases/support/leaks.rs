@@ -7,7 +7,7 @@ use super::rng::Rng;
 use super::scenes::world_of_mesh;
 use super::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbore, plucker, woop};
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::stats::Quiet;

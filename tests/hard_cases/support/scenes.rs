@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};

@@ -1,7 +1,7 @@
 //! Secondary rays as the renderer casts them.
 
 use glam::DVec3;
-use raytracer::grid::Caster;
+use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::offset_origin;
 use raytracer::stats::Quiet;

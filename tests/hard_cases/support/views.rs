@@ -6,6 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 use raytracer::camera::Camera;
 use raytracer::primitive::ellipsoid::Ellipsoid;
 use raytracer::primitive::plane::Plane;
+use raytracer::primitive::shape::Shape;
 use raytracer::primitive::sphere::Sphere;
 use raytracer::scene;
 use raytracer::scene::mesh::Mesh;
@@ -140,10 +141,11 @@ impl View {
             let size = self.scale * f64::powf(10.0, rng.range(-4.0, 0.0));
             let center = self.point(rng);
             if rng.below(2) == 0 {
-                world.spheres.push(Sphere { center, radius: size });
+                world.shapes.push(Shape::Sphere(Sphere { center, radius: size }));
             } else {
                 let axes = [rng.direction(), rng.direction(), rng.direction()].map(|axis| size * axis);
-                world.ellipsoids.push(Ellipsoid::new(center, DMat3::from_cols(axes[0], axes[1], axes[2])));
+                let linear = DMat3::from_cols(axes[0], axes[1], axes[2]);
+                world.shapes.push(Shape::Ellipsoid(Box::new(Ellipsoid::new(center, linear))));
             }
         }
         world.bounds = world.boxes().fold(world.bounds, |all, bounds| all.union(bounds));

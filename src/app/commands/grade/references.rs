@@ -3,10 +3,10 @@
 use super::folder::entries;
 use crate::app::failed;
 use rayon::ThreadPool;
+use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::distinct_files::ReadAs;
 use raytracer::escape::quoted;
-use raytracer::grid::options::Structure;
 use raytracer::image_io::{Format, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};

@@ -1,5 +1,5 @@
 use super::*;
-use crate::grid::Caster;
+use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;

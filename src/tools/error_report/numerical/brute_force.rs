@@ -1,6 +1,7 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
-use crate::math::ray::{Hit, Ray, Visible};
+use crate::math::ray::{Ray, Visible};
+use crate::primitive::shape::Form;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::trace::Rules;
@@ -18,8 +19,7 @@ impl BruteForce<'_> {
         let all = 0..(world.finite_count() + world.planes.len()) as u32;
         let hit = move |id| match world.primitive(id) {
             Primitive::Triangle(i) => shear.intersect(world.corners_in_place(i)).filter(|&t| ray.covers(t)),
-            Primitive::Sphere(i) => world.spheres[i].intersect(ray),
-            Primitive::Ellipsoid(i) => world.ellipsoids[i].intersect(ray),
+            Primitive::Shape(i) => world.shapes[i].intersect(ray),
             Primitive::Plane(i) => world.planes[i].intersect(ray),
         };
         all.filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
@@ -31,7 +31,7 @@ impl Rules for BruteForce<'_> {
         self.world
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Hit> {
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Visible> {
         let exclude = leaves.filter(|&id| self.world.is_triangle(id));
         let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
         let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
@@ -41,6 +41,6 @@ impl Rules for BruteForce<'_> {
             if self.world.comes_first(other.1, best.1) { other } else { best }
         };
         let (t, primitive) = coincident.reduce(first)?;
-        Some(self.world.hit(ray, Visible { primitive, t_bound: t }))
+        Some(Visible { primitive, t_bound: t })
     }
 }

@@ -111,8 +111,8 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &impl Rules, other:
     let camera = renderer.camera(request);
     let height = request.size[1];
     let differs = |ray: &Ray| {
-        let exact = exact.first_hit(ray, None, &mut Quiet).map(|hit| hit.primitive);
-        exact != other.first_hit(ray, None, &mut Quiet).map(|hit| hit.primitive)
+        let exact = exact.nearest(ray, None, &mut Quiet).map(|visible| visible.primitive);
+        exact != other.nearest(ray, None, &mut Quiet).map(|visible| visible.primitive)
     };
     let of_column = |i: usize| {
         let rays = request.rows().flat_map(|j| {
@@ -127,7 +127,7 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &impl Rules, other:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::options::Structure;
+    use crate::caster::choose::Structure;
     use crate::render::Tracing;
     use crate::renderer::Meshes;
     use crate::scene_io::load;

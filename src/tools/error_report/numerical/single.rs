@@ -1,7 +1,9 @@
 //! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
-use crate::math::ray::{Hit, Ray};
+use crate::math::ray::{Hit, Ray, Visible};
+use crate::primitive::shape::{Form, Shape};
+use crate::primitive::sphere::Sphere;
 use crate::stats::Probe;
 use crate::trace::Rules;
 use crate::world::{Primitive, SurfacePoint, World};
@@ -47,16 +49,16 @@ impl SinglePrecision<'_> {
     fn hit(&self, ray: &SingleRay, id: u32) -> Option<f32> {
         let t = match self.world.primitive(id) {
             Primitive::Triangle(i) => triangle(ray, self.world.corners(i).map(|corner| corner.as_vec3())),
-            Primitive::Sphere(i) => {
-                let sphere = &self.world.spheres[i];
-                quadratic(ray, ray.origin - sphere.center.as_vec3(), ray.direction, sphere.radius as f32)
-            }
-            Primitive::Ellipsoid(i) => {
-                let ellipsoid = &self.world.ellipsoids[i];
-                let inverse = ellipsoid.inverse().as_mat3();
-                let origin = inverse * (ray.origin - ellipsoid.center().as_vec3());
-                quadratic(ray, origin, inverse * ray.direction, 1.0)
-            }
+            Primitive::Shape(i) => match &self.world.shapes[i] {
+                Shape::Sphere(Sphere { center, radius }) => {
+                    quadratic(ray, ray.origin - center.as_vec3(), ray.direction, *radius as f32)
+                }
+                shape => {
+                    let (center, _, inverse) = shape.unit_sphere_maps()?;
+                    let (center, inverse) = (center.as_vec3(), inverse.as_mat3());
+                    quadratic(ray, inverse * (ray.origin - center), inverse * ray.direction, 1.0)
+                }
+            },
             Primitive::Plane(i) => {
                 let (normal, offset) =
                     (self.world.planes[i].normal.as_vec3(), self.world.planes[i].offset as f32);
@@ -72,13 +74,17 @@ impl SinglePrecision<'_> {
                 let [a, b, c] = self.world.corners(i).map(|corner| corner.as_vec3());
                 (b - a).cross(c - a).normalize_or_zero()
             }
-            Primitive::Sphere(i) => (position - self.world.spheres[i].center.as_vec3()).normalize_or_zero(),
-            Primitive::Ellipsoid(i) => {
-                let ellipsoid = &self.world.ellipsoids[i];
-                let inverse: Mat3 = ellipsoid.inverse().as_mat3();
-                let on_sphere = inverse * (position - ellipsoid.center().as_vec3());
-                (inverse.transpose() * on_sphere).normalize_or_zero()
-            }
+            Primitive::Shape(i) => match (&self.world.shapes[i], self.world.shapes[i].unit_sphere_maps()) {
+                (Shape::Sphere(Sphere { center, .. }), _) => {
+                    (position - center.as_vec3()).normalize_or_zero()
+                }
+                (_, Some((center, _, inverse))) => {
+                    let inverse: Mat3 = inverse.as_mat3();
+                    let on_sphere = inverse * (position - center.as_vec3());
+                    (inverse.transpose() * on_sphere).normalize_or_zero()
+                }
+                (_, None) => Vec3::ZERO,
+            },
             Primitive::Plane(i) => self.world.planes[i].normal.as_vec3(),
         }
     }
@@ -93,19 +99,23 @@ impl Rules for SinglePrecision<'_> {
         self.world
     }
 
-    fn first_hit<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Hit> {
+    fn nearest<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Visible> {
         let ray = SingleRay::new(ray);
         let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
-        Some(Hit { t: t.into(), primitive, weights: None })
+        Some(Visible { primitive, t_bound: t.into() })
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let position = SingleRay::new(ray).at(hit.t as f32);
+    fn hit(&self, _: &Ray, Visible { primitive, t_bound: t }: Visible) -> Hit {
+        Hit { t, primitive, weights: None }
+    }
+
+    fn surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
+        let position = SingleRay::new(ray).at(t as f32);
         SurfacePoint {
             position: position.as_dvec3(),
-            normal: self.normal(position, hit.primitive).as_dvec3(),
-            material: self.world.material_of(hit.primitive),
+            normal: self.normal(position, primitive).as_dvec3(),
+            material: self.world.material_of(primitive),
             primitive: None,
             triangle: None,
         }

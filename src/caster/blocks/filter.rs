@@ -1,0 +1,357 @@
+//! The conservative test of eight triangles in single precision: which of them a ray may hit.
+//!
+//! The filter reports only what it can prove. For each triangle it says that the ray certainly misses it,
+//! certainly hits it, or that double precision must decide.
+//!
+//! It is the test of Moeller and Trumbore ("Fast, Minimum Storage Ray/Triangle Intersection", Journal of
+//! Graphics Tools 2(1), 1997) without the division, rearranged so that the cross product of the edges can be
+//! stored. Let s be the vector from the ray's origin to the triangle's first corner, e1 the edge from the
+//! second corner to the first, e2 the edge from the first corner to the third, n = e1 x e2, q = d x s, and
+//! det = n.d the determinant. The ray hits the triangle if u = e2.q, v = e1.q and w = det - u - v have the
+//! sign of the determinant, at t = n.s / det.
+//!
+//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate
+//! of the block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of
+//! its corners. In the block's [`Frame`](crate::caster::blocks::triangle8::Frame) the ray's origin, which is moved along the
+//! ray to where it enters the box, has coordinates of at most 1, the largest coordinate of the direction is
+//! 1, and b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a
+//! determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is reached
+//! when all are 1 or -1. With p the vector from the first corner to the point where the ray meets the
+//! triangle's plane, s = t d - p; hence q = p x d, which is small for a small triangle. This table
+//! leaves out terms of less than r/10:
+//!
+//! | quantity | at most | error at most, portable | with fused multiply-add |
+//! |---|---|---|---|
+//! | s | 2 c | 2 r c: corner and origin r c / 2 each, their difference r c | |
+//! | n | 2 b^2 | 2 r b^2 | |
+//! | det = n.d | 4 b^2 | 18 r b^2: n 4, d 2, rounding 3 * 4 | 16 |
+//! | q = d x s | 2 b | by its own rounding 2 r c of the products and 2 r b | 1; 2 |
+//! | u = e2.q | 4 b^2 | 18 r b c: d 4, s 8, q 6; 20 r b^2: e2 4, q 4, rounding 3 * 4 | 15; 18 |
+//! | v = e1.q | 4 b^2 | as u | |
+//! | w | 4 b^2 | 36 r b c of u and v; 66 r b^2: u and v 40, det 18, rounding 8 | 30; 60 |
+//! | n.s | 8 b^2 c | 40 r b^2 c: n 8, s 8, rounding 3 * 8 | 36 |
+//! | n.s - t det | | 81 r b^2 c + 4 r b^3 for a hit at t <= 2.03, see [`Verdict::depths`] | 74 |
+//!
+//! `proofs/filter_portable.g` and `proofs/filter_fma.g` prove these sums, including the terms of second order
+//! and the error of the test in double precision: a few 2^-53 of the distance to the ray's origin, which is
+//! below r for origins up to 2^20 frame units away. Rays from farther away are not tested by the filter.
+//! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
+//! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
+
+use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES};
+use crate::math::f64x4::{F64x4, Scalar};
+use crate::math::instructions::{Instructions, Portable};
+
+/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
+/// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
+/// The part above 2 is for the errors of the box's and of the ray's coordinates, and far more than these.
+pub const MAX_DEPTH: f64 = 2.03125;
+
+/// A ray in single precision, in the coordinates of a frame. Its origin lies in the frame's box.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterRay {
+    /// Where the ray enters the box; the fourth lane is unused.
+    pub origin: [f32; 4],
+    /// The direction, with a largest absolute coordinate of 1; the fourth lane is unused.
+    pub direction: [f32; 4],
+    /// Depth up to which a hit counts.
+    pub max_depth: f32,
+}
+
+/// The filter's result for a block. Sets of lanes have bit 0 for the first lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Verdict {
+    /// The lanes that may be hit; all others are certainly missed.
+    pub possible: u32,
+    /// The lanes that are certainly hit, before the ray's maximum depth.
+    pub certain: u32,
+    /// n.s of each lane, negated where the determinant is negative. It is valid only for possible hits.
+    depth: [f32; LANES],
+    /// The absolute value of the determinant of each lane, under the same condition.
+    det: [f32; LANES],
+}
+
+impl Verdict {
+    const NONE: Self = Self { possible: 0, certain: 0, depth: [0.0; LANES], det: [0.0; LANES] };
+
+    /// A lower and an upper bound on the depth of the hit in a lane that is certain.
+    ///
+    /// Of the error bound 32 r b^2 c are for s and the roundings of n.s, 28.5 for d and the roundings of det, 16.3 for
+    /// the roundings of these quotients, and 4 for the arithmetic in double precision that follows. The error of n
+    /// moves n.s and t det together: it counts times n.(s - t d) = -n.p, which makes 4 r b^3.
+    #[inline(always)]
+    pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
+        let (depth, det) = (self.depth[lane], self.det[lane]);
+        let negated_bound = block.error_bounds.depth;
+        [(depth + negated_bound) / det, (depth - negated_bound) / det]
+    }
+}
+
+/// An implementation of the filter. It is at the same time the proof that the processor has its instructions.
+/// The verdicts of different kernels may differ, but all of them are correct, so that hits do not depend on
+/// the kernel.
+pub(crate) trait Kernel: Copy {
+    /// The lanes in double precision for the same instructions.
+    type F64x4: F64x4<Proof = Self>;
+    /// Tests a block against a ray. The triangles with one of two ids are left out.
+    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict;
+}
+
+/// Tests a block against a ray with an instruction set chosen at run time, for tests of the filter alone.
+pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+    match instructions {
+        Instructions::Portable => Portable.test(block, ray, left_out),
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2(avx2) => avx2.test(block, ray, left_out),
+    }
+}
+
+impl Kernel for Portable {
+    type F64x4 = Scalar;
+
+    #[inline(always)]
+    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+        let FilterErrorBounds { edge: edge_error_bound, depth: depth_error_bound } = block.error_bounds;
+        let mut verdict = Verdict::NONE;
+        for lane in (0..LANES).filter(|&lane| !left_out.contains(&block.index.ids[lane])) {
+            let [e1, e2] = block.edges.map(|edge| edge.map(|c| c[lane]));
+            let n = block.normal.map(|c| c[lane]);
+            let [dx, dy, dz, _] = ray.direction;
+            let s: [f32; 3] = std::array::from_fn(|axis| block.corner[axis][lane] - ray.origin[axis]);
+            let q = cross([dx, dy, dz], s);
+            let (det, u, v, depth) = (dot(n, [dx, dy, dz]), dot(e2, q), dot(e1, q), dot(n, s));
+            // All quantities are negated where the determinant is negative.
+            let (u, v, depth) = if det < 0.0 { (-u, -v, -depth) } else { (u, v, depth) };
+            let det = det.abs();
+            let w = det - (u + v);
+            let inside = u.min(v).min(w);
+            let before = ray.max_depth * det - depth;
+            // An empty lane, which holds NaN, fails the comparisons. `min` ignores a NaN in one operand, but
+            // in an empty lane all three operands are NaN.
+            let possible =
+                inside >= edge_error_bound && depth >= depth_error_bound && before >= depth_error_bound;
+            let certain =
+                inside > -edge_error_bound && depth > -depth_error_bound && before > -depth_error_bound;
+            verdict.possible |= (possible as u32) << lane;
+            verdict.certain |= (certain as u32) << lane;
+            verdict.depth[lane] = depth;
+            verdict.det[lane] = det;
+        }
+        verdict
+    }
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    //! The kernel for AVX2 and FMA: each quantity of the eight lanes is in one register.
+
+    use super::*;
+    use crate::math::avx::Avx;
+    use crate::math::instructions::Avx2;
+    use std::arch::x86_64::*;
+
+    impl Kernel for Avx2 {
+        type F64x4 = Avx;
+
+        #[inline(always)]
+        fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+            // SAFETY: `self` proves that the processor has AVX2 and FMA.
+            unsafe { test(block, ray, left_out) }
+        }
+    }
+
+    // No value of these instructions goes through a function of the standard library, such as an array's `map`: that
+    // is not compiled for them, so that each call would pass its values through memory unless it happens to be
+    // inlined.
+
+    /// The three axes of eight lanes.
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn load(axes: &[[f32; LANES]; 3]) -> [__m256; 3] {
+        [bytemuck::cast(axes[0]), bytemuck::cast(axes[1]), bytemuck::cast(axes[2])]
+    }
+
+    /// Each of the first three lanes in all lanes of its axis.
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn splat([x, y, z, _]: [f32; 4]) -> [__m256; 3] {
+        [_mm256_set1_ps(x), _mm256_set1_ps(y), _mm256_set1_ps(z)]
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn store(lanes: __m256) -> [f32; LANES] {
+        bytemuck::cast(lanes)
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn cross(a: [__m256; 3], b: [__m256; 3]) -> [__m256; 3] {
+        [
+            _mm256_fmsub_ps(a[1], b[2], _mm256_mul_ps(a[2], b[1])),
+            _mm256_fmsub_ps(a[2], b[0], _mm256_mul_ps(a[0], b[2])),
+            _mm256_fmsub_ps(a[0], b[1], _mm256_mul_ps(a[1], b[0])),
+        ]
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn dot(a: [__m256; 3], b: [__m256; 3]) -> __m256 {
+        _mm256_fmadd_ps(a[0], b[0], _mm256_fmadd_ps(a[1], b[1], _mm256_mul_ps(a[2], b[2])))
+    }
+
+    /// The set of lanes with one of two ids.
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn lanes_with(ids: &[u32; LANES], either: [u32; 2]) -> u32 {
+        let ids: __m256i = bytemuck::cast(*ids);
+        let a = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[0] as i32));
+        let b = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[1] as i32));
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(a, b))) as u32
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline]
+    fn test(block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+        let (o, d) = (splat(ray.origin), splat(ray.direction));
+        let corner = load(&block.corner);
+        let (e1, e2, n) = (load(&block.edges[0]), load(&block.edges[1]), load(&block.normal));
+        let s =
+            [_mm256_sub_ps(corner[0], o[0]), _mm256_sub_ps(corner[1], o[1]), _mm256_sub_ps(corner[2], o[2])];
+        let q = cross(d, s);
+        let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
+        // All quantities are negated where the determinant is negative.
+        let sign_bit = _mm256_set1_ps(-0.0);
+        let sign = _mm256_and_ps(det, sign_bit);
+        let det = _mm256_andnot_ps(sign_bit, det);
+        let (u, v, depth) = (_mm256_xor_ps(u, sign), _mm256_xor_ps(v, sign), _mm256_xor_ps(depth, sign));
+        let w = _mm256_sub_ps(det, _mm256_add_ps(u, v));
+        let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
+        let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
+        let depth_inside = _mm256_min_ps(depth, before);
+        let FilterErrorBounds { edge, depth: along } = block.error_bounds;
+        let (edge_error_bound, depth_error_bound) = (_mm256_set1_ps(edge), _mm256_set1_ps(along));
+        let possible = _mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge_error_bound),
+            _mm256_cmp_ps::<_CMP_GE_OQ>(depth_inside, depth_error_bound),
+        );
+        let possible = _mm256_movemask_ps(possible) as u32;
+        if possible == 0 {
+            return Verdict::NONE;
+        }
+        let left_out = lanes_with(&block.index.ids, left_out);
+        let possible = possible & !left_out;
+        if possible == 0 {
+            return Verdict::NONE;
+        }
+        let certain = _mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge_error_bound, sign_bit)),
+            _mm256_cmp_ps::<_CMP_GT_OQ>(depth_inside, _mm256_xor_ps(depth_error_bound, sign_bit)),
+        );
+        let certain = _mm256_movemask_ps(certain) as u32 & !left_out;
+        Verdict { possible, certain, depth: store(depth), det: store(det) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::blocks::triangle8::{BlockIndex, Frame, NONE};
+    use crate::math::aabb::Aabb;
+    use crate::scene::mesh::Mesh;
+    use crate::scene::parser::parse;
+    use crate::world::World;
+    use glam::DVec3;
+
+    /// A ray along z from -0.75 on, for a distance of 1.
+    const RAY: FilterRay =
+        FilterRay { origin: [0.0, 0.0, -0.75, 0.0], direction: [0.0, 0.0, 1.0, 0.0], max_depth: 1.0 };
+
+    /// Triangles across the z axis, each by its corners and its z.
+    fn block(triangles: [([[f64; 2]; 3], f64); LANES]) -> Block {
+        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+             Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
+        let vertices = triangles.iter().flat_map(|(corners, z)| corners.map(|[x, y]| DVec3::new(x, y, *z)));
+        let mesh = Mesh {
+            vertices: vertices.collect(),
+            triangles: (0..LANES as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        };
+        let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
+        let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
+        let mut block: Block = bytemuck::Zeroable::zeroed();
+        block.fill(&world, &frame, false, &BlockIndex::new(std::array::from_fn(|i| i as u32)));
+        block
+    }
+
+    #[test]
+    fn what_is_clear_is_decided_and_what_is_within_an_error_bound_is_not() {
+        let [front, aside, edge] = [
+            [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]],
+            [[0.2, -0.5], [0.8, -0.5], [0.5, 0.5]],
+            [[0.0, -0.5], [0.5, 0.0], [0.0, 0.5]],
+        ];
+        let back = [front[0], front[2], front[1]];
+        let block = block([
+            (front, 0.0),
+            (front, -0.75),
+            (front, 0.25),
+            (aside, 0.0),
+            (edge, 0.0),
+            (back, 0.125),
+            (front, -0.875),
+            (front, 0.5),
+        ]);
+        for instructions in Instructions::available() {
+            let verdict = test(instructions, &block, &RAY, [NONE; 2]);
+            assert_eq!((verdict.possible, verdict.certain), (0b0011_0111, 0b0010_0001), "{instructions:?}");
+            for (lane, t) in [(0, 0.75), (5, 0.875)] {
+                let [min, max] = verdict.depths(lane, &block);
+                assert!(min < t && t < max && max - min < 1e-3, "{instructions:?} {min} {max}");
+            }
+        }
+    }
+
+    /// The filter neither rejects it nor is certain of it, and the others are decided as without it.
+    #[test]
+    fn a_triangle_far_larger_than_the_frame_is_left_undecided() {
+        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
+        for size in [1e5, 1e30, 1e60] {
+            let large = (front.0.map(|corner| corner.map(|x| size * x)), 0.25);
+            let block = block([front, large, front, large, front, large, front, large]);
+            for instructions in Instructions::available() {
+                let verdict = test(instructions, &block, &RAY, [NONE; 2]);
+                assert_eq!((verdict.possible, verdict.certain), (0b1111_1111, 0b0101_0101), "{size}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_in_neither_set() {
+        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
+        // Close to the ray's origin, so that double precision would have to decide.
+        let near = (front.0, -0.75);
+        let block = block([front, near, front, near, front, near, front, near]);
+        for instructions in Instructions::available() {
+            for (left_out, possible, certain) in [
+                ([NONE; 2], 0b1111_1111, 0b0101_0101),
+                ([2, NONE], 0b1111_1011, 0b0101_0001),
+                ([7, 2], 0b0111_1011, 0b0101_0001),
+                ([0, 0], 0b1111_1110, 0b0101_0100),
+                ([8, 9], 0b1111_1111, 0b0101_0101),
+            ] {
+                let verdict = test(instructions, &block, &RAY, left_out);
+                assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! The choice of the acceleration structure: a list, a uniform grid or a tree. All policies are here, and nowhere else.
+//!
+//! *Memory.* A grid of chosen resolution for n primitives holds at most max(16 n, 65,536) references. (A reference is a
+//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer where their boxes touch more
+//! cells than that. A tree holds each primitive once, and has fewer nodes than leaves.
+
+use crate::caster::grid::insertion::{bounds_of, most_references};
+use crate::caster::grid::lattice::Lattice;
+use crate::math::aabb::Aabb;
+use crate::world::World;
+use serde::Serialize;
+
+/// The acceleration structure that is built. Hits are the same with each of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// A list of the primitives that rays may hit.
+    List,
+    /// A uniform grid with this number of cells along each axis.
+    Grid([usize; 3]),
+    /// A tree of boxes.
+    Tree,
+    /// As in the course's program, so that counts compare with its own: a list of all primitives, or a grid with this number
+    /// of cells along each axis.
+    Course(Option<[usize; 3]>),
+}
+
+/// The acceleration structure that is asked for. Pictures are the same with each of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Structure {
+    /// The one with the least total time.
+    #[default]
+    Any,
+    /// A list of all primitives.
+    List,
+    /// A uniform grid.
+    Grid(Resolution),
+}
+
+/// The requested number of cells along each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resolution {
+    /// Exactly this number, whatever it costs.
+    Cells([usize; 3]),
+    /// Chosen according to the scene and the number of rays.
+    Auto,
+}
+
+/// About the number of rays for which a structure is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rays {
+    /// From the camera.
+    pub camera: usize,
+    /// Those that are cast through the structure, of all kinds.
+    pub cast: usize,
+}
+
+impl Rays {
+    /// So many from the camera, all of which are cast.
+    pub fn cast(camera: usize) -> Self {
+        Self { camera, cast: camera }
+    }
+}
+
+impl Structure {
+    /// What is built in a world for about this number of rays, which are counted or not. Where any structure will do, that
+    /// is a list for what the course's program counts.
+    pub fn layout(self, world: &World, rays: Rays, is_counted: bool) -> Layout {
+        let grid = match self {
+            Self::Any if !is_counted => return Layout::chosen(world, rays),
+            Self::Any | Self::List => None,
+            Self::Grid(Resolution::Cells(cells)) => Some(cells),
+            Self::Grid(Resolution::Auto) => Some(automatic_cells(world, rays.camera)),
+        };
+        match grid {
+            _ if is_counted => Layout::Course(grid),
+            Some(cells) => Layout::Grid(cells),
+            None => Layout::List,
+        }
+    }
+}
+
+impl Layout {
+    /// The cells along each axis, if it is a grid.
+    pub fn cells(self) -> Option<[usize; 3]> {
+        match self {
+            Self::Grid(cells) => Some(cells),
+            Self::Course(cells) => cells,
+            Self::List | Self::Tree => None,
+        }
+    }
+
+    /// The uniform grid of `-grid auto` for about this number of rays from the camera.
+    pub fn automatic(world: &World, rays: usize) -> Self {
+        Self::Grid(automatic_cells(world, rays))
+    }
+
+    /// The layout with the least total time for building and for these rays.
+    ///
+    /// Measured, a grid pays from 36 triangles on, and a sphere takes as long as 9 triangles. A grid of many
+    /// primitives takes as long to build as 32 rays through their list. A tree takes three times as long to build as a
+    /// grid; it is faster for very many primitives, and for those that no uniform grid separates, because most of them are
+    /// close together or extend through many cells.
+    pub fn chosen(world: &World, rays: Rays) -> Self {
+        const MIN_TRIANGLES: usize = 36;
+        const TRIANGLES_PER_OTHER: usize = 9;
+        const MIN_RAYS: usize = 32;
+        let count = world.finite_count();
+        let others = count - world.triangles.len();
+        let triangles = world.hittable_count() - others;
+        let work = triangles.saturating_add(TRIANGLES_PER_OTHER * others);
+        if work < MIN_TRIANGLES || rays.cast < MIN_RAYS {
+            return Self::List;
+        }
+        if count >= MANY_PRIMITIVES && rays.camera >= MANY_RAYS * count {
+            return Self::Tree;
+        }
+        let wanted = wanted_cells(world, rays.camera);
+        if is_uneven(world, wanted, rays.camera) {
+            return Self::Tree;
+        }
+        let cells = affordable_cells(world, wanted);
+        let total = |cells: [usize; 3]| cells.iter().product::<usize>();
+        if MOST_COARSER * total(cells) < total(wanted) { Self::Tree } else { Self::Grid(cells) }
+    }
+}
+
+/// From this number of primitives on, a tree is faster than a grid, which takes less time to build.
+const MANY_PRIMITIVES: usize = 100_000;
+
+/// From this number of rays per primitive on, the time per ray matters more than the time to build.
+const MANY_RAYS: usize = 8;
+
+/// No tree pays if a primitive shares its cell with fewer than this on average: five times the mean of the occupied cells
+/// of an evenly tessellated mesh.
+const FEW_IN_CELL: usize = 96;
+
+/// For each ray, a tree takes as long to build per primitive as it takes to test so many primitives.
+const TESTS_PER_PRIMITIVE: usize = 64;
+
+/// A grid that must be this many times coarser than wanted is none.
+const MOST_COARSER: usize = 16;
+
+/// The cells of the automatic grid.
+fn automatic_cells(world: &World, rays: usize) -> [usize; 3] {
+    affordable_cells(world, wanted_cells(world, rays))
+}
+
+/// Cubic cells, one per primitive. Measured, half or twice as many cells cost a few percent of time, and eight times as
+/// many a quarter. If there are so few rays that building dominates, there are 0.4 cells per primitive.
+fn wanted_cells(world: &World, rays: usize) -> [usize; 3] {
+    let count = world.finite_count();
+    let per_primitive = if rays < MANY_RAYS * count { 0.4 } else { 1.0 };
+    cubic(&world.bounds, per_primitive * count as f64)
+}
+
+/// The wanted cells, or so many fewer that the primitives' boxes touch no more of them than the memory is for.
+fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
+    const REFERENCES_PER_PRIMITIVE: u64 = 16;
+    const REFERENCES_IN_ANY_CASE: u64 = 65536;
+    let most = REFERENCES_IN_ANY_CASE.max(REFERENCES_PER_PRIMITIVE * world.finite_count() as u64);
+    let bounds = bounds_of(world);
+    let mut cells = wanted;
+    while most_references(world, &Lattice::new(bounds, cells)) > most {
+        let fewer = cells.map(|n| (3 * n / 4).max(1));
+        if fewer == cells {
+            break;
+        }
+        cells = fewer;
+    }
+    cells
+}
+
+/// Whether a primitive shares its cell with so many others, by their middles, that a tree pays for these rays.
+fn is_uneven(world: &World, cells: [usize; 3], rays: usize) -> bool {
+    let count = world.finite_count();
+    let [nx, ny, nz] = cells;
+    let mut counts = vec![0u32; nx * ny * nz];
+    let lattice = Lattice::new(bounds_of(world), cells);
+    for id in 0..count as u32 {
+        let Aabb { min, max } = world.box_of(id);
+        let at = lattice.to_cells(0.5 * (min + max)).to_array();
+        // The conversion saturates, and maps NaN to 0.
+        let [x, y, z] = [0, 1, 2].map(|axis| (at[axis] as usize).min(cells[axis] - 1));
+        counts[(z * ny + y) * nx + x] += 1;
+    }
+    let squares: u64 = counts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
+    let mean = squares / count.max(1) as u64;
+    let few = FEW_IN_CELL.max(TESTS_PER_PRIMITIVE.saturating_mul(count) / rays.max(1));
+    mean > few as u64
+}
+
+/// The number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
+/// thousandth of the largest side, so that a flat scene is divided along its two long sides.
+pub fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
+    const MIN_RELATIVE_SIDE: f64 = 1e-3;
+    let extent = bounds.extent();
+    let largest = extent.max_element();
+    if bounds.is_empty() || largest == 0.0 {
+        return [1; 3];
+    }
+    // Sides are relative to the largest one, since the volume of the box may overflow or underflow.
+    let sides = (extent / largest).max(glam::DVec3::splat(MIN_RELATIVE_SIDE)).to_array();
+    let edge = libm::cbrt(sides.iter().product::<f64>() / total.max(1.0));
+    sides.map(|side| ((side / edge).round() as usize).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+    use glam::DVec3;
+
+    fn boxed(extent: DVec3, total: f64) -> [usize; 3] {
+        cubic(&Aabb { min: DVec3::ONE, max: DVec3::ONE + extent }, total)
+    }
+
+    #[test]
+    fn cells_are_cubic() {
+        assert_eq!(boxed(DVec3::ONE, 1000.0), [10, 10, 10]);
+        assert_eq!(boxed(DVec3::new(4.0, 2.0, 1.0), 8000.0), [40, 20, 10]);
+        assert_eq!(boxed(DVec3::new(1.0, 0.0, 1.0), 1000.0), [100, 1, 100]);
+        assert_eq!(boxed(DVec3::ZERO, 5.0), [1; 3]);
+        assert_eq!(cubic(&Aabb::EMPTY, 9.0), [1; 3]);
+        assert_eq!(boxed(DVec3::splat(4.0), 0.0), [1; 3]);
+    }
+
+    #[test]
+    fn a_side_counts_as_at_least_a_thousandth_of_the_largest() {
+        let sides = [1e-9, 0.0].map(|y| boxed(DVec3::new(1.0, y, 1e-3), 1000.0));
+        assert_eq!(sides[0], sides[1]);
+        let flat = Aabb { min: DVec3::ZERO, max: DVec3::new(8.0, 8e-3, 0.0) };
+        assert_eq!(cubic(&flat, 1e9), [100_000, 100, 100]);
+    }
+
+    fn world(objects: &[String]) -> World {
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }}
+             Group {{ numObjects {} Material {{ }} {} }}",
+            objects.len(),
+            objects.join(" ")
+        );
+        World::new(&parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    fn identical(triangles: usize, spheres: usize) -> World {
+        let triangle = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }".to_string();
+        let sphere = "Sphere { center 0 0 0 radius 1 }".to_string();
+        let plane = "Plane { normal 0 1 0 offset 0 }".to_string();
+        world(&[vec![triangle; triangles], vec![sphere; spheres], vec![plane]].concat())
+    }
+
+    /// Small triangles around points that fill the unit cube evenly, or a part of it.
+    fn scattered(count: usize, part: f64, size: f64) -> World {
+        let triangle = |i: usize| {
+            let [x, y, z] = (part * (DVec3::new(0.618, 0.754, 0.569) * i as f64).fract()).to_array();
+            let (right, up) = (x + size, y + size);
+            format!("Triangle {{ vertex0 {x} {y} {z} vertex1 {right} {y} {z} vertex2 {x} {up} {z} }}")
+        };
+        let far = "Triangle { vertex0 1 1 1 vertex1 1.01 1 1 vertex2 1 1.01 1 }".to_string();
+        world(&(0..count).map(triangle).chain([far]).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn where_any_structure_will_do_a_list_is_built_unless_another_pays() {
+        let is_list = |(triangles, spheres), cast| {
+            Layout::chosen(&identical(triangles, spheres), Rays::cast(cast)) == Layout::List
+        };
+        assert_eq!(
+            [(35, 0), (36, 0), (0, 3), (0, 4), (27, 1)].map(|counts| is_list(counts, 32)),
+            [true, false, true, false, false]
+        );
+        assert!(is_list((1000, 0), 31) && is_list((0, 0), 1000));
+    }
+
+    #[test]
+    fn even_primitives_get_a_grid_and_crowded_ones_a_tree() {
+        let rays = Rays::cast(1 << 20);
+        assert_eq!(Layout::chosen(&scattered(2000, 1.0, 0.02), rays), Layout::Grid([13, 13, 12]));
+        assert_eq!(Layout::chosen(&scattered(2000, 0.01, 0.0002), rays), Layout::Tree);
+        // They are at even places, but each is in many cells.
+        assert_eq!(Layout::chosen(&scattered(2000, 0.2, 9.0), rays), Layout::Tree);
+    }
+
+    #[test]
+    fn a_tree_is_built_for_enough_rays_only() {
+        let crowded = scattered(2000, 0.01, 0.0002);
+        assert!(matches!(Layout::chosen(&crowded, Rays::cast(50)), Layout::Grid(_)));
+        assert_eq!(Layout::chosen(&crowded, Rays::cast(1000)), Layout::Tree);
+    }
+
+    #[test]
+    fn for_few_rays_there_are_fewer_cells() {
+        let world = scattered(2196, 1.0, 0.01);
+        assert_eq!(Layout::automatic(&world, 8 * 2197), Layout::Grid([13; 3]));
+        assert_eq!(Layout::automatic(&world, 8 * 2197 - 1), Layout::Grid([10; 3]));
+    }
+
+    #[test]
+    fn what_is_asked_for_is_built() {
+        let (world, rays) = (identical(1000, 0), Rays::cast(1000));
+        assert_eq!(Structure::List.layout(&world, rays, false), Layout::List);
+        let literal = Structure::Grid(Resolution::Cells([5, 1, 9]));
+        assert_eq!(literal.layout(&world, Rays::default(), false), Layout::Grid([5, 1, 9]));
+        assert_eq!(literal.layout(&world, rays, true), Layout::Course(Some([5, 1, 9])));
+        for structure in [Structure::Any, Structure::List] {
+            assert_eq!(structure.layout(&world, rays, true), Layout::Course(None));
+        }
+        let automatic = Structure::Grid(Resolution::Auto).layout(&world, rays, false);
+        assert_eq!(automatic, Layout::automatic(&world, 1000));
+    }
+}

@@ -1,0 +1,85 @@
+use super::*;
+use crate::caster::choose::Layout;
+use crate::caster::{Caster, Instructions};
+use crate::math::f64x4::Scalar;
+use crate::math::instructions::Portable;
+use crate::scene::parser::parse;
+use crate::stats::Quiet;
+use crate::world::World;
+use glam::DVec3;
+
+#[test]
+fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
+    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
+         Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
+    let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+    let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3])).unwrap();
+    let is_in_proven_range = |x: f64| {
+        let ray = Ray::new(DVec3::X * x, DVec3::Y);
+        !matches!(structure.ray_entry::<Scalar>(Portable, &ray, f64::INFINITY), Entry::TooFar)
+    };
+    assert!([1000.0, 600.0, 1400.0].into_iter().all(is_in_proven_range));
+    assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));
+}
+
+/// A unit cube of small triangles, two large ones and a few spheres, and a speck of tiny triangles in its middle.
+fn world_with_crowds() -> World {
+    let spheres: String = (0..30)
+        .map(|k| {
+            let [x, y, z] = point(f64::from(k) + 0.25).to_array();
+            format!("Sphere {{ center {x} {y} {z} radius 0.02 }}")
+        })
+        .collect();
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+         Group {{ numObjects 31 Material {{ }} TriangleMesh {{ obj_file a.obj }} {spheres} }}"
+    );
+    let mut vertices = vec![];
+    for k in 0..900 {
+        let (corner, size) = match k % 3 {
+            0 => (0.6 + 1e-6 * point(f64::from(k)), 3e-7),
+            _ => (point(f64::from(k)), 0.04),
+        };
+        vertices.extend([DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + size * side));
+    }
+    for z in [0.3, 0.7] {
+        vertices.extend([DVec3::new(-0.2, -0.2, z), DVec3::new(0.9, 0.1, z), DVec3::new(0.2, 0.8, z + 0.1)]);
+    }
+    let triangles = (0..902).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = crate::scene::mesh::Mesh { vertices, triangles };
+    World::new(&parse(&text).unwrap(), &[mesh]).unwrap()
+}
+
+/// A point of a sequence that fills the unit cube evenly.
+fn point(k: f64) -> DVec3 {
+    (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract()
+}
+
+/// A branch of the tree has a frame of its own. Some rays start too far away for the error bounds there.
+#[test]
+fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
+    let world = world_with_crowds();
+    let plain = Caster::with(&world, Layout::List, Instructions::Portable).unwrap();
+    for instructions in Instructions::available() {
+        let crowded = Caster::with(&world, Layout::Tree, instructions).unwrap();
+        let structure = crowded.structure.as_ref().unwrap();
+        let Order::Tree(tree) = &structure.order else { panic!("a tree was asked for") };
+        assert!(!tree.small.is_empty() && tree.nodes.len() > 20);
+        let (mut hits, mut tiny) = (0, 0);
+        for k in 0..6000 {
+            let target = match k % 3 {
+                0 => 0.6 + 1e-6 * point(7.3 * f64::from(k) + 0.5),
+                _ => point(7.3 * f64::from(k) + 0.5),
+            };
+            let far = if k % 30 == 0 { 1e6 } else { 1.0 };
+            let from = far * (3.0 * point(f64::from(k)) - 1.0);
+            let ray = Ray { t_max: 1.2, ..Ray::new(from, target - from) };
+            let expected = plain.closest(&ray, &mut Quiet);
+            assert_eq!(crowded.closest(&ray, &mut Quiet), expected, "{instructions:?} {ray:?}");
+            assert_eq!(crowded.any(&ray, &mut Quiet), expected.is_some(), "{instructions:?} {ray:?}");
+            hits += usize::from(expected.is_some());
+            tiny += usize::from(expected.is_some_and(|hit| hit.primitive % 3 == 0 && hit.primitive < 900));
+        }
+        assert!((1000..5900).contains(&hits) && tiny > 100, "{hits} {tiny}");
+    }
+}

@@ -1,0 +1,199 @@
+//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives per
+//! leaf.
+//!
+//! Where the primitives of a branch are too small for the coordinates of the frame, the branch gets a frame of its own.
+
+use crate::caster::blocks::triangle8::{Frame, LANES, NONE};
+use crate::caster::error::GridTooLarge;
+use crate::caster::grid::cell_lists::{widened, with_room_for};
+use crate::caster::ray_aabb::SimdAabb;
+use crate::caster::reach::max_origin_distance;
+use crate::caster::tree::box8::Box8;
+use crate::math::aabb::Aabb;
+use crate::math::prefetch::prefetch;
+use crate::memory;
+use crate::world::World;
+use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
+use division::{Bounds, Item, ItemRun};
+use rayon::prelude::*;
+
+pub use binary::MAX_LEVELS;
+
+pub(super) mod box8;
+mod binary;
+mod division;
+
+/// A branch of a tree is a node with this index, or has one of the following bits.
+pub type Branch = u32;
+
+/// The branch is a leaf, and the other bits are the index of its block.
+pub const LEAF: Branch = 1 << 31;
+
+/// The branch has a frame of its own, and the other bits are its index among such branches.
+pub const SMALL: Branch = 1 << 30;
+
+/// The number of levels that a branch with a frame of its own counts as, so that at most eight are nested.
+const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
+
+/// The tree.
+#[derive(Debug)]
+pub struct Tree {
+    /// Everything, which is not a leaf.
+    pub root: Branch,
+    /// The nodes.
+    pub nodes: Vec<Box8>,
+    /// The branches with frames of their own.
+    pub small: Vec<Small>,
+}
+
+/// The leaves of a tree.
+#[derive(Debug)]
+pub struct Leaves {
+    /// The ids of the primitives in each leaf, in ascending order and followed by [`NONE`].
+    pub ids: Vec<[u32; LANES]>,
+    /// From which leaf on which frame holds.
+    pub frames: Vec<(usize, Frame)>,
+}
+
+/// A branch with a frame of its own.
+#[derive(Debug)]
+pub struct Small {
+    /// The branch in these coordinates.
+    pub branch: Branch,
+    /// The bounds of its primitives.
+    pub simd_bounds: SimdAabb,
+    /// The frame of these bounds.
+    pub frame: Frame,
+    /// The error bounds of the filter hold for rays whose origin is at most this far from the frame's centre along
+    /// each axis.
+    pub max_origin_distance: f64,
+}
+
+impl Tree {
+    /// The tree of all primitives that rays may hit, in the coordinates of a frame whose box contains them, and its leaves.
+    pub fn new(world: &World, frame: &Frame) -> Result<(Self, Leaves), GridTooLarge> {
+        let ids =
+            (0..world.finite_count() as u32).filter(|&id| !world.is_triangle(id) || world.may_be_hit(id));
+        let ids: Vec<u32> = ids.collect();
+        let tree = Self { root: 0, nodes: vec![], small: vec![] };
+        let mut growing = Growing { tree, leaves: Leaves { ids: vec![], frames: vec![(0, *frame)] }, world };
+        let mut items = growing.items(&ids, frame)?;
+        let ItemRun { items, bounds, is_small, .. } = ItemRun::new(&mut items);
+        growing.tree.root = match items.len() {
+            0..=LANES => growing.add_single_leaf(items, bounds)?,
+            _ if is_small => growing.add_small(items, frame, 0)?,
+            _ => growing.add_tree(items, frame, 0)?,
+        };
+        let fits = growing.tree.nodes.len() <= SMALL as usize && growing.leaves.ids.len() <= SMALL as usize;
+        if fits { Ok((growing.tree, growing.leaves)) } else { Err(GridTooLarge) }
+    }
+
+    /// Prefetches a branch that is a node.
+    #[inline(always)]
+    pub fn prefetch_node(&self, branch: Branch) {
+        if let Some(node) = self.nodes.get(branch as usize) {
+            prefetch(node);
+        }
+    }
+
+    /// Whether a condition holds for the block of any leaf of a branch. The leaves after it are not visited.
+    pub fn any_leaf(&self, branch: Branch, holds: &mut impl FnMut(u32) -> bool) -> bool {
+        if branch >= LEAF {
+            holds(branch - LEAF)
+        } else if branch >= SMALL {
+            self.any_leaf(self.small[(branch - SMALL) as usize].branch, holds)
+        } else {
+            self.nodes[branch as usize].branches().any(|child| self.any_leaf(child, holds))
+        }
+    }
+}
+
+/// A tree that is being built.
+struct Growing<'w> {
+    tree: Tree,
+    leaves: Leaves,
+    world: &'w World,
+}
+
+impl Growing<'_> {
+    /// Adds a node with nothing but a leaf.
+    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Result<Branch, GridTooLarge> {
+        let mut node = Box8::EMPTY;
+        node.set(0, [bounds.min, bounds.max], self.add_leaf(items)?);
+        self.push_node(node)
+    }
+
+    fn add_leaf(&mut self, items: &[Item]) -> Result<Branch, GridTooLarge> {
+        let mut ids = [NONE; LANES];
+        ids.iter_mut().zip(items).for_each(|(id, item)| *id = item.id);
+        ids.sort_unstable();
+        memory::push(&mut self.leaves.ids, ids).map_err(|_| GridTooLarge)?;
+        Ok(LEAF | (self.leaves.ids.len() as u32 - 1))
+    }
+
+    fn add_small(&mut self, items: &[Item], outer: &Frame, level: usize) -> Result<Branch, GridTooLarge> {
+        let boxes = items.iter().map(|item| self.world.box_of(item.id));
+        let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
+        let frame = Frame::new(&bounds);
+        self.set_frame(frame)?;
+        let ids: Vec<u32> = items.iter().map(|item| item.id).collect();
+        let mut items = self.items(&ids, &frame)?;
+        let branch = self.add_tree(&mut items, &frame, level + LEVELS_OF_SMALL)?;
+        let small = Small {
+            branch,
+            simd_bounds: SimdAabb::new(&bounds),
+            frame,
+            max_origin_distance: max_origin_distance(&bounds, f64::INFINITY),
+        };
+        self.set_frame(*outer)?;
+        memory::push(&mut self.tree.small, small).map_err(|_| GridTooLarge)?;
+        Ok(SMALL | (self.tree.small.len() as u32 - 1))
+    }
+
+    /// Sets the frame of the leaves that follow.
+    fn set_frame(&mut self, frame: Frame) -> Result<(), GridTooLarge> {
+        memory::push(&mut self.leaves.frames, (self.leaves.ids.len(), frame)).map_err(|_| GridTooLarge)
+    }
+
+    /// Adds the nodes of more items than fit into a leaf, below so many levels.
+    fn add_tree(&mut self, items: &mut [Item], frame: &Frame, level: usize) -> Result<Branch, GridTooLarge> {
+        let tree = BinaryTree::new(items, level).map_err(|_| GridTooLarge)?;
+        self.add_node(&tree, tree.root(), items, frame)
+    }
+
+    fn add_node(
+        &mut self,
+        tree: &BinaryTree,
+        half: &Half,
+        items: &[Item],
+        frame: &Frame,
+    ) -> Result<Branch, GridTooLarge> {
+        let index = self.push_node(Box8::EMPTY)?;
+        for (lane, child) in tree.children(half).into_iter().enumerate() {
+            let own = &items[child.items.clone()];
+            let branch = match child.content {
+                BranchContent::Leaf => self.add_leaf(own)?,
+                BranchContent::Small { level } => self.add_small(own, frame, level)?,
+                BranchContent::Halves(_) => self.add_node(tree, child, items, frame)?,
+            };
+            let Bounds { min, max } = child.bounds;
+            self.tree.nodes[index as usize].set(lane, [min, max], branch);
+        }
+        Ok(index)
+    }
+
+    fn push_node(&mut self, node: Box8) -> Result<Branch, GridTooLarge> {
+        memory::push(&mut self.tree.nodes, node).map_err(|_| GridTooLarge)?;
+        Ok(self.tree.nodes.len() as u32 - 1)
+    }
+
+    /// Some primitives in the coordinates of a frame.
+    fn items(&self, ids: &[u32], frame: &Frame) -> Result<Vec<Item>, GridTooLarge> {
+        let mut items = with_room_for(ids.len())?;
+        ids.par_iter().map(|&id| Item::new(frame, &self.world.box_of(id), id)).collect_into_vec(&mut items);
+        Ok(items)
+    }
+}
+
+#[cfg(test)]
+mod tests;

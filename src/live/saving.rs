@@ -1,0 +1,88 @@
+//! Writes the pictures that the command line names, and no others.
+
+use super::painter::{Painter, Subject, Unpainted};
+use crate::caster::choose::Structure;
+use crate::cli::Output;
+use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
+use crate::escape::quoted;
+use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
+use crate::render::{Layer, Request, Tracing};
+use crate::renderer::{Prepared, Renderer};
+use crate::scene_io::mesh_places;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Writes these pictures of a view, all or none, and returns a line that says so; an error is a line too.
+/// `compared` has the pictures that the command line compares.
+pub fn save(
+    subject: &Subject,
+    outputs: &[Output],
+    compared: &[PathBuf],
+    painter: &Painter,
+) -> Result<String, String> {
+    if outputs.is_empty() {
+        return Err("the command line names no picture to write; copy the one below".into());
+    }
+    check(subject, outputs, compared).map_err(|error| error.to_string())?;
+    let files = outputs.iter().map(|output| complete(subject, output, painter));
+    let files = files.collect::<Result<_, _>>()?;
+    put_in_place(files).map_err(|error| error.to_string())?;
+    let names: Vec<String> = outputs.iter().map(|output| quoted(&output.file)).collect();
+    Ok(format!("saved {}", names.join(", ")))
+}
+
+/// An error if two pictures go to one file, or if one goes to a file that is read.
+fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<(), SameFile> {
+    let files = WrittenFiles::of_saving(outputs)?;
+    let renderer = &subject.scene.renderer;
+    let scene = &renderer.source.path;
+    files.check_read(ReadAs::Scene, scene)?;
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let mut meshes = renderer.scene.meshes.iter().flat_map(|mesh| mesh_places(&mesh.name, folder));
+    meshes.try_for_each(|mesh| files.check_read(ReadAs::Mesh, &mesh))?;
+    compared.iter().try_for_each(|picture| files.check_read(ReadAs::Picture, picture))
+}
+
+fn complete(subject: &Subject, output: &Output, painter: &Painter) -> Result<CompleteFile, String> {
+    // A pipe would wait for a reader.
+    if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
+        return Err(format!("{} is no file", quoted(&output.file)));
+    }
+    let file = OutputFile::prepare_as(&output.file, output.format).map_err(|error| error.to_string())?;
+    let failed = |error: ImageError| error.to_string();
+    if let Layer::Cost(cost) = output.layer {
+        let subject = Subject { cost: Some(cost), sketch: None, ..subject.clone() };
+        // A page of its own, so that nothing overtakes it.
+        let painted = painter.paint(subject, u64::MAX, 0).map_err(|error| error.to_string())?;
+        return file.complete(&painted.picture).map_err(failed);
+    }
+    let request = Request { camera: subject.camera, layers: vec![output.layer], ..subject.options.request() };
+    let prepared = prepare(&subject.scene.renderer, subject, &request)?;
+    let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
+    let picture = pictures.first().ok_or("nothing was rendered")?;
+    let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
+    let mut writer = file.begin_with(picture.size, content, None).map_err(failed)?;
+    picture.colors.chunks_exact(picture.size[0]).try_for_each(|row| writer.row(row)).map_err(failed)?;
+    writer.complete().map_err(failed)
+}
+
+fn prepare<'r>(renderer: &'r Renderer, subject: &Subject, request: &Request) -> Result<Prepared<'r>, String> {
+    let prepared = match subject.options.structure {
+        Structure::Grid(grid) if subject.options.visualize_grid => {
+            renderer.prepare_cells(grid, request.camera_rays(), Tracing::Fast)
+        }
+        structure => renderer.prepare_for(structure, request, Tracing::Fast),
+    };
+    prepared.map_err(|error| error.to_string())
+}
+
+impl std::fmt::Display for Unpainted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Overtaken => "overtaken by a later request",
+            Self::TooSlow => "this picture takes longer than a page may: choose a smaller one",
+            Self::Busy => "too many pictures are waiting",
+            Self::Failed(reason) => reason,
+        })
+    }
+}

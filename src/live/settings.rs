@@ -1,0 +1,192 @@
+//! What the page's controls say, as flags of a command line: checked as those of the program, and limited.
+
+use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
+use crate::caster::choose::{Resolution, Structure};
+use crate::cli::{self, Command, Options, ShowProgress};
+use crate::escape::shell_word;
+use crate::render::Cost;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// The most that a picture may ask for: what the command line asks for, or the limits of any page.
+#[derive(Clone, Copy, Debug)]
+pub struct Most {
+    side: usize,
+    samples: u32,
+    bounces: u32,
+    support: usize,
+    cells: usize,
+}
+
+impl Most {
+    /// The limits for pages of this command line.
+    pub fn of(line: &Options) -> Self {
+        Self {
+            side: line.size.into_iter().fold(MAX_SIDE, usize::max),
+            samples: samples(line).max(MAX_SAMPLES),
+            bounces: line.effects.bounces.max(MAX_BOUNCES),
+            support: line.filter.support().max(MAX_SUPPORT),
+            cells: cells(line).max(MAX_CELLS),
+        }
+    }
+
+    /// What these flags ask for. Errors: the message of the command line's parser, a flag that a page cannot give, or
+    /// more than the limits allow.
+    pub fn options(&self, words: &[String]) -> Result<Options, String> {
+        let line = ["raytracer", "-input", "scene.txt"].into_iter().chain(words.iter().map(String::as_str));
+        let options = match cli::parse(line.map(OsString::from)) {
+            Ok(Command::Render(options)) if shapes_a_picture(&options) => *options,
+            Ok(_) => return Err("these flags cannot be given here".into()),
+            Err(error) => return Err(error.to_string()),
+        };
+        let limits = [
+            ("-size", options.size[0].max(options.size[1]), self.side),
+            ("the number of samples", samples(&options) as usize, self.samples as usize),
+            ("-bounces", options.effects.bounces as usize, self.bounces as usize),
+            ("the filter's support", options.filter.support(), self.support),
+            ("the number of the grid's cells", cells(&options), self.cells),
+        ];
+        match limits.into_iter().find(|&(_, value, most)| value > most) {
+            Some((name, value, most)) => {
+                Err(format!("{name}: {value} is more than this page allows, {most}"))
+            }
+            None => Ok(options),
+        }
+    }
+}
+
+fn samples(options: &Options) -> u32 {
+    options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most)
+}
+
+fn cells(options: &Options) -> usize {
+    match options.structure {
+        Structure::Grid(Resolution::Cells(cells)) => cells.into_iter().product(),
+        _ => 0,
+    }
+}
+
+/// Whether the options do nothing but shape a picture: no file is named, and nothing else is asked for.
+fn shapes_a_picture(options: &Options) -> bool {
+    let Options { outputs, region, comparison, stats, strict, json, pixel, preview, page, threads, .. } =
+        options;
+    outputs.is_empty()
+        && region.is_none()
+        && !strict
+        && comparison.is_none()
+        && !stats
+        && json.is_none()
+        && pixel.is_none()
+        && !preview
+        && page.is_none()
+        && threads.is_none()
+        && options.progress == ShowProgress::OnTerminal
+}
+
+/// The command line that writes a picture.
+pub fn command_line(input: &Path, words: &[String], cost: Option<Cost>, output: Option<&Path>) -> String {
+    let name = |path: &Path| path.to_string_lossy().into_owned();
+    let output = output.map_or("picture.png".into(), name);
+    let kind = match cost {
+        None => vec!["-output"],
+        Some(Cost::Rays) => vec!["-cost_map", "rays"],
+        Some(Cost::Tests) => vec!["-cost_map", "tests"],
+        Some(Cost::Cells) => vec!["-cost_map", "cells"],
+    };
+    let head = ["raytracer".to_owned(), "-input".to_owned(), name(input)];
+    let tail = kind.into_iter().map(str::to_owned).chain([output]);
+    let words = head.into_iter().chain(words.iter().cloned()).chain(tail);
+    words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    fn line(flags: &str) -> Options {
+        let all = format!("raytracer -input s.txt {flags}");
+        match cli::parse(all.split_whitespace().map(OsString::from)) {
+            Ok(Command::Render(options)) => *options,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn flags_that_shape_a_picture_are_understood() {
+        let most = Most::of(&line(""));
+        for flags in [
+            "",
+            "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
+            "-transparent_shadows -jittered_samples 9 -seed 3 -gaussian_filter .5 -grid 3 4 5",
+            "-adaptive_samples 64 1 -mitchell_filter 2",
+        ] {
+            assert_eq!(
+                most.options(&words(flags)),
+                Ok(Options { input: Some("scene.txt".into()), ..line(flags) })
+            );
+        }
+    }
+
+    #[test]
+    fn no_flag_reaches_a_file_or_starts_anything_else() {
+        let most = Most::of(&line(""));
+        for flags in [
+            "-output a.png",
+            "-depth 1 2 a.png",
+            "-normals a.png",
+            "-cost_map rays a.png",
+            "-render_samples a.png 3",
+            "-compare a.png",
+            "-reference a.png",
+            "-json -",
+            "-stats",
+            "-pixel 0 0",
+            "-gui",
+            "-gui -port 80",
+            "-gouraud",
+            "-threads 4096",
+            "-region 0 0 1 1",
+            "-strict",
+            "-progress",
+            "-quiet",
+            "-merge a.png",
+            "-help",
+            "-version",
+            "-input other.txt",
+            "--output a.png",
+            "a.png",
+        ] {
+            assert!(most.options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+
+    #[test]
+    fn the_limits_are_those_of_the_page_or_of_the_line() {
+        let message = "-bounces: 17 is more than this page allows, 16";
+        let too_much = words("-bounces 17");
+        assert_eq!(Most::of(&line("")).options(&too_much), Err(message.into()));
+        assert!(Most::of(&line("-bounces 17")).options(&too_much).is_ok());
+        for flags in [
+            "-size 4 2049",
+            "-random_samples 1025",
+            "-box_filter 17",
+            "-grid 1000 1000 3",
+            "-size 70000 1",
+            "-bounces x",
+        ] {
+            assert!(Most::of(&line("")).options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+
+    #[test]
+    fn the_command_line_can_be_copied() {
+        let shown = command_line(Path::new("my scenes/a.txt"), &words("-size 7 9"), None, None);
+        assert_eq!(shown, "raytracer -input 'my scenes/a.txt' -size 7 9 -output picture.png");
+        let shown = command_line(Path::new("a.txt"), &[], Some(Cost::Tests), Some(Path::new("c.png")));
+        assert_eq!(shown, "raytracer -input a.txt -cost_map tests c.png");
+    }
+}

@@ -1,0 +1,174 @@
+//! Vectors of numbers in one or in four lanes.
+
+use super::f64x4::F64x4;
+use super::number::Number;
+use glam::DVec3;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// One vector, or one in each of several lanes, axis by axis. The operations are those of [`DVec3`] and give the same
+/// bits.
+#[derive(Clone, Copy, Debug)]
+pub struct Vector<N> {
+    pub x: N,
+    pub y: N,
+    pub z: N,
+}
+
+impl<N: Number> Vector<N> {
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub fn splat(proof: N::Proof, v: DVec3) -> Self {
+        Self { x: N::splat(proof, v.x), y: N::splat(proof, v.y), z: N::splat(proof, v.z) }
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> N {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
+    /// The absolute values.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+
+    /// The maxima, axis by axis, as [`Number::max`] takes them.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
+    }
+
+    /// The unit vectors.
+    #[inline(always)]
+    pub fn normalized(self) -> Self {
+        self * self.dot(self).sqrt().recip()
+    }
+}
+
+impl<F: F64x4> Vector<F> {
+    /// Four vectors.
+    #[inline(always)]
+    pub fn new(proof: F::Proof, [a, b, c, d]: [&DVec3; 4]) -> Self {
+        Self {
+            x: F::new(proof, [a.x, b.x, c.x, d.x]),
+            y: F::new(proof, [a.y, b.y, c.y, d.y]),
+            z: F::new(proof, [a.z, b.z, c.z, d.z]),
+        }
+    }
+
+    /// The four vectors.
+    #[inline(always)]
+    pub fn to_array(self) -> [DVec3; 4] {
+        let ([a, b, c, d], [e, f, g, h]) = (self.x.to_array(), self.y.to_array());
+        let [i, j, k, l] = self.z.to_array();
+        [DVec3::new(a, e, i), DVec3::new(b, f, j), DVec3::new(c, g, k), DVec3::new(d, h, l)]
+    }
+}
+
+impl From<DVec3> for Vector<f64> {
+    #[inline(always)]
+    fn from(DVec3 { x, y, z }: DVec3) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl From<Vector<f64>> for DVec3 {
+    #[inline(always)]
+    fn from(Vector { x, y, z }: Vector<f64>) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<N: Number> Add for Vector<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl<N: Number> Sub for Vector<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl<N: Number> Mul<N> for Vector<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: N) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl<N: Number> Div<N> for Vector<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: N) -> Self {
+        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::f64x4::Scalar;
+    use crate::math::instructions::Portable;
+
+    /// Results of every operation on two vectors and a number.
+    fn results<N: Number>([p, q]: [Vector<N>; 2], factor: N) -> [Vector<N>; 9] {
+        let splat = Vector::splat(factor.proof(), DVec3::new(-3.7, -0.0, 1.0));
+        let dot = Vector { x: p.dot(q), ..p };
+        [p + q, p - q, p * factor, p / factor, dot, p.cross(q), p.abs(), p.max(q), p.normalized() + splat]
+    }
+
+    /// The same by the library.
+    fn expected([p, q]: [DVec3; 2], factor: f64) -> [DVec3; 9] {
+        let splat = DVec3::new(-3.7, -0.0, 1.0);
+        let max = |axis: usize| crate::math::extremes::max(p[axis], q[axis]);
+        let (dot, max) = (DVec3 { x: p.dot(q), ..p }, DVec3::new(max(0), max(1), max(2)));
+        [p + q, p - q, p * factor, p / factor, dot, p.cross(q), p.abs(), max, p.normalize() + splat]
+    }
+
+    fn computes_as_the_library<F: F64x4>(proof: F::Proof) {
+        let numbers = [0.0, -0.0, 1.0, -3.7, 1e-200, -1e200, f64::INFINITY, f64::NAN, 0.1, 7e-9];
+        let vector =
+            |k: usize| DVec3::new(numbers[k % 10], numbers[k / 3 % 10], numbers[(7 * k + k / 10) % 10]);
+        let bits = |v: DVec3| v.to_array().map(|x| if x.is_nan() { 0 } else { x.to_bits() });
+        for k in 0..2000 {
+            let [p, q] = [0, 1009].map(|shift| [k, k + 1, k + 2, k + 3].map(|k| vector(5 * k + shift)));
+            let four = [p, q].map(|v| Vector::<F>::new(proof, v.each_ref()));
+            let found = results(four, F::new(proof, q.map(|v| v.y))).map(Vector::to_array);
+            for lane in 0..4 {
+                let (p, q) = (p[lane], q[lane]);
+                let expected = expected([p, q], q.y).map(bits);
+                assert_eq!(
+                    results([p.into(), q.into()], q.y).map(DVec3::from).map(bits),
+                    expected,
+                    "{p} {q}"
+                );
+                assert_eq!(found.map(|four| four[lane]).map(bits), expected, "{p} {q}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_vector_and_four_have_the_bits_of_the_library_s() {
+        computes_as_the_library::<Scalar>(Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(proof) = crate::math::instructions::Avx2::detect() {
+            computes_as_the_library::<crate::math::avx::Avx>(proof);
+        }
+    }
+}
