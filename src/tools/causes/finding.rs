@@ -59,6 +59,9 @@ const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
 const MIN_PRECISION: f64 = 0.7;
 /// The share of the pixels left wrong that must lie elsewhere then.
 const MIN_ELSEWHERE: f64 = 0.5;
+/// The share of all pixels that may differ by one level from the picture of the one mistake that was made. Of more pixels
+/// something else is wrong, too, as where colours are rounded.
+const MAX_LEVELS: f64 = 0.2;
 /// A cause of another kind leaves so many times the error at least.
 const MIN_LEAD: f64 = 2.0;
 
@@ -172,9 +175,22 @@ impl<'p> Search<'p> {
         }
         let effect = Effect::of(made, self.picture, self.reference, levels);
         let elsewhere = after - (effect.changed - effect.right);
+        if std::env::var_os("CAUSES_DEBUG").is_some() {
+            eprintln!(
+                "DBG {cause:?} share {:.3} before {before} after {after} changed {} right {} contra {} elsewhere {elsewhere}",
+                self.whole.share_gone(rest),
+                effect.changed,
+                effect.right,
+                effect.contradicted
+            );
+        }
         effect.changed > 0.0
             && effect.contradicted <= max_contradicted(cause) * effect.changed
             && (effect.right >= MIN_PRECISION * effect.changed || elsewhere >= MIN_ELSEWHERE * after)
+    }
+
+    fn pixels(&self) -> f64 {
+        colors(self.picture).len() as f64
     }
 
     fn finding(&self) -> Finding {
@@ -184,8 +200,10 @@ impl<'p> Search<'p> {
             return Finding::Unknown { tried };
         };
         let &Candidate { cause, rest } = best;
-        match rest.visibly {
-            0 if whole.visibly > 0 || rest.differing == 0 => Finding::Equal { cause, pixels: rest.differing },
+        let is_equal = rest.visibly == 0 && rest.differing as f64 <= MAX_LEVELS * self.pixels();
+        match rest.differing {
+            0 => Finding::Equal { cause, pixels: 0 },
+            pixels if is_equal && whole.visibly > 0 => Finding::Equal { cause, pixels },
             _ if !self.leads(best) => Finding::Unknown { tried },
             _ => Finding::Part { cause, share: whole.share_gone(&rest) },
         }
@@ -293,7 +311,7 @@ impl Original<'_> {
     }
 
     /// What is found, or speckles if that is nothing. The pictures are whole.
-    fn or_speckles(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
+    pub(super) fn or_speckles(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
         let Finding::Unknown { tried } = found else { return found };
         let tried = tried + usize::from(can_show(self));
         speckles(self, a, b).map_or(Finding::Unknown { tried }, |Speckles { pixels, rays }| {
