@@ -61,7 +61,7 @@ complete -c raytracer -o grade -d 'Compares the pictures in every folder of this
 complete -c raytracer -o commands -d 'The pictures to grade by are those that the command lines in this file render'
 complete -c raytracer -o report -d 'Writes what -grade finds as a page, .html, and as a table beside it, .csv'
 complete -c raytracer -o error_report -d 'Measures what samples, filters, bounces and grids cost and buy for the scene and the other flags; writes report.html and report.csv'
-complete -c raytracer -o target -d 'Prints the cheapest setting with at most this root mean square error, in levels'
+complete -c raytracer -o target -d 'Answers with the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3 if there is none'
 complete -c raytracer -o stats -d 'Prints counters and times after rendering'
 complete -c raytracer -o cost_map -d 'Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them'
 complete -c raytracer -o pixel -d 'Prints the rays behind one pixel, and what each of them meets'

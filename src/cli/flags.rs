@@ -355,7 +355,7 @@ flags! {
     TARGET: f64 = Flag::new(Section::ErrorReport, "target")
         .values(&[number("rmse")])
         .default("none")
-        .help("Prints the cheapest setting with at most this root mean square error, in levels.")
+        .help("Answers with the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3 if there is none.")
         .example("-target 2")
         .after("-input scene.txt -size 60 60 -error_report folder")
         .needs(&ERROR_REPORT.flag)

@@ -9,11 +9,13 @@ use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
-use raytracer::escape::{escape, quoted, shell_word};
+use raytracer::escape::{quoted, shell_word};
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
-use raytracer::tools::error_report::{Bench, ErrorReport, Setting, Sweep, SweepProgress, csv, page, text};
+use raytracer::tools::error_report::{
+    Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
+};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -46,9 +48,13 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     let mut report = report.map_err(failed)?;
     report.stages.insert(0, ("reading the scene", reading));
 
-    let advice = target.map(|error| advice(&report, options, error));
-    let page_file =
-        page_file.complete(&page(&report, &asked_for(options), advice.as_deref())).map_err(failed)?;
+    let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
+    let command = |setting: &Setting| command(options, setting);
+    let asked_for = command(&Setting::of(&request, options.structure)).join(" ");
+    let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
+    let answers: Vec<Answer> =
+        targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
+    let page_file = page_file.complete(&page(&report, &asked_for, &answers)).map_err(failed)?;
     let csv_file = csv_file.complete(&csv(&report)).map_err(failed)?;
     if page_file.is_stream() || csv_file.is_stream() {
         // The signal that has ended the measurements does not end this.
@@ -58,8 +64,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     if report.measured() < report.planned {
         tell("note: the run was ended; the report has what was measured until then");
     }
-    let advice = advice.map_or(String::new(), |advice| escape(&advice) + "\n");
-    Ok(Outcome { text: text(&report) + &advice, passes: true })
+    let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
+    Ok(Outcome { text: text(&report, &answers), passes })
 }
 
 /// The page and the table in a folder, which is made if there is none.
@@ -96,35 +102,18 @@ fn told(progress: SweepProgress, elapsed: Duration) -> String {
     format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
 }
 
-/// The cheapest setting that reaches an error, as a command line.
-fn advice(report: &ErrorReport, options: &Options, error: f64) -> String {
-    let cheapest = report.cheapest(error).and_then(|one| Some((one, one.setting.flags()?)));
-    match cheapest {
-        Some((one, flags)) => format!(
-            "RMSE {:.3} in {:.4} s: {} {flags}{} -output picture.png",
-            one.error,
-            one.least(),
-            start_of_command(options),
-            seed(options),
-        ),
-        None => format!("no setting that was measured reaches an RMSE of {error}"),
-    }
-}
-
-/// The command line that is measured.
-fn asked_for(options: &Options) -> String {
-    let own = Setting::of(&options.request(), options.structure);
-    format!("{} {}{}", start_of_command(options), own.flags().unwrap_or_default(), seed(options))
-}
-
-fn start_of_command(options: &Options) -> String {
+/// The program, and the flags of a setting, each with its values.
+fn command(options: &Options, setting: &Setting) -> Vec<String> {
     let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
     let [width, height] = options.size;
-    format!("raytracer -input {} -size {width} {height}", shell_word(&*input))
-}
-
-fn seed(options: &Options) -> String {
-    options.sampler.rng().seed().map_or(String::new(), |seed| format!(" -seed {seed}"))
+    let mut words = vec![
+        "raytracer".into(),
+        format!("-input {}", shell_word(&*input)),
+        format!("-size {width} {height}"),
+    ];
+    words.extend(separate(&setting.flags().unwrap_or_default()));
+    words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
+    words
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@
 //! terminal, as a table ([`csv`]) and as a [`page`].
 //!
 //! What the request asks for, with endlessly many samples, is right. Each filter makes pictures of its own, so that a
-//! setting is measured by the reference of its filter, and compared with the settings of the same filter alone.
+//! setting is measured by the reference of its filter. An [`Answer`] chooses among all settings of all filters.
 
+mod answer;
 mod csv;
 mod curve;
 mod numerical;
@@ -17,10 +18,11 @@ mod setting;
 mod sweep;
 mod text;
 
+pub use answer::{Answer, USUAL_TARGETS};
 pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag};
+pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag, separate};
 pub use sweep::{Bench, Sweep, SweepError, SweepProgress};
 pub use text::text;
 
@@ -116,15 +118,11 @@ impl Measurement {
 }
 
 impl MeasuredFilter {
-    /// Which measurements are on the front: none is as fast and better, or as good and faster. Grids are not
-    /// compared, nor what no flags can ask for.
+    /// Which measurements are on the front of this filter: none is as fast and better, or as good and faster. Grids are
+    /// not compared, nor what no flags can ask for.
     pub fn front(&self) -> Vec<bool> {
-        let candidates: Vec<usize> =
-            (0..self.measurements.len()).filter(|&index| self.measurements[index].is_candidate()).collect();
-        let points: Vec<Point> = candidates.iter().map(|&index| self.measurements[index].point()).collect();
-        let mut front = vec![false; self.measurements.len()];
-        candidates.iter().zip(curve::front(&points)).for_each(|(&index, is_on)| front[index] = is_on);
-        front
+        let is_on = front_of(self.measurements.iter().filter(|one| one.is_candidate()));
+        self.measurements.iter().map(|one| is_on.iter().any(|other| std::ptr::eq(*other, one))).collect()
     }
 
     /// The measurements of one kind of sampling with all that was asked for.
@@ -150,12 +148,14 @@ impl MeasuredFilter {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         curve::cost_of(LEVEL, &points)
     }
+}
 
-    /// The cheapest measurement that flags can ask for and whose error is at most this.
-    pub fn cheapest(&self, error: f64) -> Option<&Measurement> {
-        let reaches = |one: &&Measurement| one.error <= error && one.is_candidate();
-        self.measurements.iter().filter(reaches).min_by(|a, b| a.least().total_cmp(&b.least()))
-    }
+/// Those that nothing else beats, in the order given.
+fn front_of<'a>(measurements: impl Iterator<Item = &'a Measurement>) -> Vec<&'a Measurement> {
+    let all: Vec<&Measurement> = measurements.collect();
+    let points: Vec<Point> = all.iter().map(|one| one.point()).collect();
+    let is_on = curve::front(&points);
+    all.into_iter().zip(is_on).filter(|(_, is_on)| *is_on).map(|(one, _)| one).collect()
 }
 
 impl ErrorReport {
@@ -171,8 +171,20 @@ impl ErrorReport {
         self.groups.iter().map(|group| group.measurements.len()).sum()
     }
 
-    /// The cheapest setting that flags can ask for and whose error is at most this, with the filter that was asked for.
-    pub fn cheapest(&self, error: f64) -> Option<&Measurement> {
-        self.groups.first()?.cheapest(error)
+    /// What flags can ask for, of all filters.
+    fn candidates(&self) -> impl Iterator<Item = &Measurement> {
+        self.groups.iter().flat_map(|group| &group.measurements).filter(|one| one.is_candidate())
+    }
+
+    /// What nothing else beats, of all filters: none is as fast and better, or as good and faster. The fastest first.
+    pub fn front(&self) -> Vec<&Measurement> {
+        let mut front = front_of(self.candidates());
+        front.sort_by(|a, b| a.least().total_cmp(&b.least()));
+        front
+    }
+
+    /// The pixels that other structures change, of which there must be none.
+    pub fn pixels_changed(&self) -> u64 {
+        self.groups.iter().flat_map(|group| &group.measurements).filter_map(|one| one.changed).sum()
     }
 }

@@ -1,7 +1,9 @@
-//! The page of a report: one file, without anything from elsewhere and without scripts.
+//! The page of a report: one file, without anything from elsewhere. Its one script copies commands.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Departure, ErrorReport, MeasuredFilter, Measurement, Numerical, SamplingKind, filter_flag};
+use super::{
+    Answer, Departure, ErrorReport, MeasuredFilter, Measurement, Numerical, SamplingKind, filter_flag,
+};
 use crate::escape::html;
 use crate::image_io::embedded::file;
 use crate::picture::Picture;
@@ -10,14 +12,16 @@ use crate::tools::explain::color_scale::cubehelix;
 
 const STYLE: &str = include_str!("page.css");
 
-/// Only what stands in the page itself is shown, and nothing is run.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'";
+const SCRIPT: &str = include_str!("page.js");
+
+/// Only what stands in the page itself is shown and run.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'";
 
 /// A difference of so many levels is white in the maps.
 const BRIGHTEST: u8 = 64;
 
-/// The page. `command` is the command line that was measured, `advice` a line about the cheapest setting.
-pub fn page(report: &ErrorReport, command: &str, advice: Option<&str>) -> String {
+/// The page. `command` is the command line that was measured.
+pub fn page(report: &ErrorReport, command: &str, answers: &[Answer<'_>]) -> String {
     let head = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
@@ -27,11 +31,13 @@ pub fn page(report: &ErrorReport, command: &str, advice: Option<&str>) -> String
     let groups: String = report.groups.iter().map(|one| group(report, one)).collect();
     let numerical = report.numerical.as_ref().map(numerical).unwrap_or_default();
     let pictures = report.groups.first().map(pictures).unwrap_or_default();
-    let (summary, stages) = (summary(report, command, advice), stages(report));
-    format!("{head}<body>\n{summary}{groups}{pictures}{numerical}{stages}</body>\n</html>\n")
+    let (summary, answers, stages) = (summary(report, command), recommendations(answers), stages(report));
+    format!(
+        "{head}<body>\n{summary}{answers}{groups}{pictures}{numerical}{stages}<script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+    )
 }
 
-fn summary(report: &ErrorReport, command: &str, advice: Option<&str>) -> String {
+fn summary(report: &ErrorReport, command: &str) -> String {
     let [width, height] = report.size;
     let (measured, planned) = (report.measured(), report.planned);
     let came = match measured == planned {
@@ -40,14 +46,38 @@ fn summary(report: &ErrorReport, command: &str, advice: Option<&str>) -> String 
             format!("<strong>The run was ended: {measured} of {planned} settings were measured.</strong>")
         }
     };
-    let advice = advice.map_or(String::new(), |advice| format!("<p>{}</p>\n", html(advice)));
     format!(
-        "<h1>Speed against error</h1>\n<p><code>{}</code></p>\n{advice}<p>{came} Pictures of {width} x {height} pixels. \
+        "<h1>Speed against error</h1>\n<p><code>{}</code></p>\n<p>{came} Pictures of {width} x {height} pixels. \
          What the command line asks for with endlessly many samples is right. The reference has 2 x 1024 jittered samples \
          in each pixel, and its own noise cancels: MSE = mean((I - R1)(I - R2)) over the clamped colours. Errors are in \
          levels, the steps from one byte to the next. The time is the processor's time for rendering alone, on one \
          thread, without reading the scene and building a grid; the shortest and the median of the repeats.</p>\n",
         html(command)
+    )
+}
+
+/// Each answer as a command to copy.
+fn recommendations(answers: &[Answer<'_>]) -> String {
+    let rows: String = answers.iter().map(recommendation).collect();
+    format!(
+        "<h2>What to choose</h2>\n<p>The cheapest of everything that was measured, adaptive samples and all filters \
+         included. Another filter makes another picture, and is measured against its own.</p>\n\
+         <div class=\"answers\">\n{rows}</div>\n"
+    )
+}
+
+fn recommendation(answer: &Answer<'_>) -> String {
+    let Answer { target, chosen, command } = answer;
+    let found = format!("{:.4} s, RMSE {:.3}", chosen.least(), chosen.error);
+    let said = match answer.is_reached() {
+        true => format!("RMSE of at most {target}: {found}"),
+        false => format!(
+            "RMSE of at most {target}: <em>not reached by anything measured; the nearest</em> {found}"
+        ),
+    };
+    format!(
+        "<p>{said}</p>\n<div><code>{}</code><button type=\"button\">Copy</button></div>\n",
+        html(&command.join(" "))
     )
 }
 

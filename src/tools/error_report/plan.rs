@@ -123,8 +123,7 @@ pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     changed
 }
 
-/// The structures that rays can be traced through, the one asked for first. There is nothing to build for a world of
-/// planes alone.
+/// The other structures that rays can be traced through. There is nothing to build for a world of planes alone.
 fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     let count = world.finite_count();
     if count == 0 {
@@ -136,9 +135,8 @@ fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     let list = (tests <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));
-    let others = others.filter(|&structure| structure != own.structure);
-    std::iter::once(own.structure)
-        .chain(others)
+    others
+        .filter(|&structure| structure != own.structure)
         .map(|structure| Setting { axis: Axis::Structure, samples: STRUCTURE_SAMPLES, structure, ..own })
         .collect()
 }
@@ -169,17 +167,17 @@ mod tests {
         let matt = settings("numMaterials 1 Material { }", 5);
         assert_eq!(of(Axis::Samples, &matt).len(), 4 * 20, "four filters");
         assert!(of(Axis::Secondary, &matt).is_empty() && of(Axis::Octaves, &matt).is_empty());
-        let structures = ["", " -grid none", " -grid auto", " -grid 10 10 10", " -grid 40 40 40"];
+        let structures = [" -grid none", " -grid auto", " -grid 10 10 10", " -grid 40 40 40"];
         assert_eq!(of(Axis::Structure, &matt), structures.map(|flag| format!("-jittered_samples 4{flag}")));
         let mirror = "numMaterials 1 Material { reflectiveColor 1 1 1 }";
         assert!(of(Axis::Secondary, &settings(mirror, 0)).is_empty());
-        let flags = ["", " -bounces 1", " -bounces 2", " -bounces 4"].map(str::to_owned);
+        let flags = [" -bounces 0", " -bounces 1", " -bounces 2", " -bounces 4"].map(str::to_owned);
         let weights = [0.01, 0.03, 0.1, 0.3].map(|weight| format!(" -bounces 5 -weight {weight}"));
         let expected = flags.into_iter().chain(weights).map(|flags| format!("-jittered_samples 64{flags}"));
         assert_eq!(of(Axis::Secondary, &settings(mirror, 5)), expected.collect::<Vec<_>>());
         let noise =
             "numMaterials 3 Material { } Material { } Noise { materialIndex 0 materialIndex 1 octaves 3 }";
-        let expected = [1, 2].map(|n| format!("-jittered_samples 64, octaves {n}"));
+        let expected = [1, 2].map(|n| format!("-jittered_samples 64 with at most {n} octaves in the scene"));
         assert_eq!(of(Axis::Octaves, &settings(noise, 5)), expected);
     }
 }

@@ -129,10 +129,23 @@ impl Setting {
         let samples = self.samples_flag();
         match self.axis {
             Axis::Samples => samples,
+            // Without bounces this is the default, and differs from what was asked for.
+            Axis::Secondary if self.effects.bounces == 0 => {
+                format!("{samples} -bounces 0{}", secondary_flags(&self.effects))
+            }
             Axis::Secondary => format!("{samples}{}", secondary_flags(&self.effects)),
-            Axis::Octaves => format!("{samples}, octaves {}", self.octaves.unwrap_or_default()),
+            Axis::Octaves => {
+                format!("{samples} with at most {} octaves in the scene", self.octaves.unwrap_or_default())
+            }
             Axis::Structure => format!("{samples}{}", structure_flag(self.structure)),
         }
+    }
+
+    /// What tells it from those of all axes and filters.
+    pub fn label_with_filter(&self) -> String {
+        let (label, samples) = (self.label(), self.samples_flag());
+        let rest = label.strip_prefix(&samples).unwrap_or_default();
+        format!("{samples} {}{rest}", filter_flag(self.filter))
     }
 
     /// All its flags, separated by spaces; none where there is no flag for what it does.
@@ -155,6 +168,13 @@ impl Setting {
             Samples::Adaptive(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
         }
     }
+}
+
+/// Flags that are separated by spaces, each with its values.
+pub fn separate(flags: &str) -> Vec<String> {
+    let mut parts = flags.split(" -");
+    let first = parts.next().map(str::to_owned);
+    first.into_iter().chain(parts.map(|part| format!("-{part}"))).collect()
 }
 
 /// The flag of a filter.
@@ -200,6 +220,10 @@ mod tests {
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
         assert_eq!(setting.flags().as_deref(), Some(flags));
         assert_eq!(setting.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
+        assert_eq!(
+            setting.label_with_filter(),
+            "-jittered_samples 9 -tent_filter 1.5 -bounces 3 -weight 0.25"
+        );
         let samples = Samples::Adaptive(Adaptive { most: 64, error: 0.5 });
         let plain = Setting {
             samples,

@@ -196,7 +196,11 @@ impl<'a> Sweep<'a> {
         for setting in settings {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
             if setting.axis == Axis::Structure {
-                let asked_for = measurements.iter().find(|other| other.setting.axis == Axis::Structure);
+                let is_asked_for = |other: &&Measurement| {
+                    Setting { axis: Axis::Structure, structure: self.structure, ..*setting }
+                        == Setting { axis: Axis::Structure, ..other.setting }
+                };
+                let asked_for = measurements.iter().find(is_asked_for);
                 measured.changed =
                     asked_for.map(|other| pixels_that_differ(&other.picture, &measured.picture));
             }

@@ -1,80 +1,147 @@
-//! The measurements as a block like that of the statistics.
+//! A report for a terminal of 100 columns: the answer first, then what nothing beats.
 
-use super::{Departure, ErrorReport, MeasuredFilter, Measurement, Numerical, SamplingKind, filter_flag};
+use super::setting::separate;
+use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
 use crate::stats::RULE;
 use std::fmt::Write;
 
-/// The table of each filter. A star marks the front: nothing else with this filter is as fast and better, or as good
-/// and faster. A row ends with `numerical` if the program's roundings are more than a tenth of its error, and with
-/// `f32` if those of single precision would be.
-pub fn text(report: &ErrorReport) -> String {
-    let [width, height] = report.size;
-    let mut text = format!("{RULE}\nSPEED AGAINST ERROR\n");
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "  size                       {width}x{height}");
-    let _ = writeln!(text, "  settings measured          {} of {}", report.measured(), report.planned);
-    for (stage, time) in &report.stages {
-        let _ = writeln!(text, "  {stage:<26} {:.3} s", time.as_secs_f64());
+/// The most rows of the front that are shown.
+const MOST_ROWS: usize = 12;
+
+/// The most columns of a line.
+const COLUMNS: usize = 100;
+
+/// The answers, one as a command or several as rows, and the front of all filters. The page and the table have the rest.
+pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
+    let mut lines = vec![RULE.to_owned(), "SPEED AGAINST ERROR".to_owned()];
+    match answers {
+        [] => lines.push("  nothing was measured".into()),
+        [answer] => add_answer(&mut lines, answer),
+        several => add_answers(&mut lines, several),
     }
-    if let Some(numerical) = &report.numerical {
-        add_numerical(&mut text, numerical);
+    add_front(&mut lines, report);
+    lines.extend(report.numerical.iter().flat_map(numerical));
+    add_notes(&mut lines, report);
+    lines.push(RULE.to_owned());
+    lines.into_iter().map(|line| line + "\n").collect()
+}
+
+fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>) {
+    let Answer { target, chosen, command } = answer;
+    let (seconds, error) = (chosen.least(), chosen.error);
+    lines.push(match answer.is_reached() {
+        true => format!("  an RMSE of {target} is reached in {seconds:.4} s, with {error:.3}:"),
+        false => {
+            format!(
+                "  nothing measured reaches an RMSE of {target}; the nearest is {error:.3} in {seconds:.4} s:"
+            )
+        }
+    });
+    // The shells of Windows have no common sign for a line that goes on.
+    if cfg!(windows) {
+        lines.push(command.join(" "));
+    } else {
+        lines.extend(wrapped(command, "    ", "      ", " \\"));
     }
-    report.groups.iter().for_each(|group| add_group(&mut text, report, group));
-    text + RULE + "\n"
+}
+
+fn add_answers(lines: &mut Vec<String>, answers: &[Answer<'_>]) {
+    lines.push("  for an RMSE of     CPU s     RMSE  choose".into());
+    for answer in answers {
+        let reached = if answer.is_reached() { " " } else { "*" };
+        add_row(lines, &format!("  {:>13}{reached}", answer.target), answer.chosen);
+    }
+    if answers.iter().any(|answer| !answer.is_reached()) {
+        lines.push("  * nothing measured reaches it; this comes nearest".into());
+    }
+}
+
+/// The front, thinned evenly where it has too many rows.
+fn add_front(lines: &mut Vec<String>, report: &ErrorReport) {
+    let front = report.front();
+    if front.is_empty() {
+        return;
+    }
+    lines.push("  the front          CPU s     RMSE  setting".into());
+    let shown = front.len().min(MOST_ROWS);
+    let last = (shown - 1).max(1);
+    for row in 0..shown {
+        add_row(lines, &" ".repeat(16), front[row * (front.len() - 1) / last]);
+    }
+}
+
+fn add_row(lines: &mut Vec<String>, start: &str, one: &Measurement) {
+    let start = format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error);
+    let flags = separate(&one.setting.label_with_filter());
+    lines.extend(wrapped(&flags, &start, &" ".repeat(start.len()), ""));
 }
 
 /// What roundings do.
-fn add_numerical(text: &mut String, numerical: &Numerical) {
+fn numerical(numerical: &Numerical) -> [String; 3] {
     let Numerical { size: [width, height], samples, program, single } = numerical;
-    let _ =
-        writeln!(text, "against brute force in double precision, {samples} samples, {width}x{height} pixels");
-    for (name, found) in [("this program", program), ("single precision", single)] {
+    let line = |name: &str, found: &Departure| {
         let Departure { bytes, largest, error, hits } = found;
-        let _ = writeln!(
-            text,
-            "  {name:<26} {hits} hits and {bytes} bytes differ, by at most {largest} levels, RMSE {error:.6}"
-        );
+        format!(
+            "  {name:<26} {hits} hits and {bytes} bytes differ, by at most {largest} levels, RMSE {error:.4}"
+        )
+    };
+    [
+        format!("against brute force in double precision, {samples} samples, {width}x{height} pixels"),
+        line("this program", program),
+        line("single precision", single),
+    ]
+}
+
+fn add_notes(lines: &mut Vec<String>, report: &ErrorReport) {
+    let (measured, planned, filters) = (report.measured(), report.planned, report.groups.len());
+    let seconds: f64 = report.stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
+    let [width, height] = report.size;
+    let all = if measured == planned { "all".into() } else { format!("{measured} of") };
+    let mut note = format!(
+        "{all} {planned} settings of {filters} filters, adaptive samples among them, at {width}x{height}: {seconds:.0} s"
+    );
+    let changed = report.pixels_changed();
+    if changed > 0 {
+        // Writing to a string cannot fail.
+        let _ = write!(note, "; OTHER GRIDS CHANGE {changed} PIXELS");
     }
+    lines.push(note);
+    lines.push(
+        "each against its own filter's converged picture; report.html and report.csv have everything".into(),
+    );
 }
 
-fn add_group(text: &mut String, report: &ErrorReport, group: &MeasuredFilter) {
-    let _ = writeln!(text, "{}, noise of the reference {:.3} levels", filter_flag(group.filter), group.noise);
-    let head = ["CPU s", "median", "Mrays/s", "RMSE", "PSNR", "FLIP", "> 1 level", "slope", "s to 1"];
-    let head: String = head.map(|word| format!(" {word:>9}")).concat();
-    let _ = writeln!(text, "    {:<45}{head}", "setting");
-    for (measurement, is_on_front) in group.measurements.iter().zip(group.front()) {
-        let star = if is_on_front { '*' } else { ' ' };
-        let numerical = match report.is_numerical(measurement) {
-            [true, _] => " numerical",
-            [false, true] => " f32",
-            [false, false] => "",
-        };
-        let (label, numbers) = (measurement.setting.label(), numbers(group, measurement));
-        let _ = writeln!(text, "  {star} {label:<45}{numbers}{numerical}");
+/// Words in lines, those after the first with another indentation. `end` stands behind a line that goes on.
+fn wrapped(words: &[String], first: &str, next: &str, end: &str) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = first.to_owned();
+    for (index, word) in words.iter().enumerate() {
+        let is_last = index + 1 == words.len();
+        let room = COLUMNS - if is_last { 0 } else { end.len() };
+        let is_full = line.chars().count() + 1 + word.chars().count() > room;
+        if index > 0 && is_full {
+            lines.push(std::mem::replace(&mut line, next.to_owned()) + end);
+        } else if index > 0 {
+            line.push(' ');
+        }
+        line += word;
     }
+    lines.push(line);
+    lines
 }
 
-/// The measures of a setting, and behind the last setting of a kind those of the whole curve.
-fn numbers(group: &MeasuredFilter, one: &Measurement) -> String {
-    let kind = one.setting.kind();
-    let is_last = group.curve(kind).last().is_some_and(|last| std::ptr::eq(last, one));
-    let curve = if is_last { curve(group, kind) } else { Default::default() };
-    let changed = one.changed.map_or(String::new(), |pixels| format!(" {pixels} pixels changed"));
-    let numbers = [
-        format!("{:.5}", one.least()),
-        format!("{:.5}", one.median()),
-        format!("{:.2}", one.megarays()),
-        format!("{:.3}", one.error),
-        format!("{:.2}", one.psnr()),
-        format!("{:.4}", one.flip),
-        format!("{:.2}%", 100.0 * one.off),
-    ];
-    let numbers: String = numbers.into_iter().chain(curve).map(|number| format!(" {number:>9}")).collect();
-    format!("{numbers}{changed}").trim_end().to_owned()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The slope and the time to an error of one level.
-fn curve(group: &MeasuredFilter, kind: SamplingKind) -> [String; 2] {
-    let optional = |number: Option<f64>| number.map_or("-".into(), |number| format!("{number:.3}"));
-    [optional(group.slope(kind)), optional(group.seconds_to_a_level(kind))]
+    #[test]
+    fn lines_end_before_the_last_column() {
+        let words: Vec<String> = (0..30).map(|n| format!("-flag{n} {n}")).collect();
+        let lines = wrapped(&words, "  ", "    ", " \\");
+        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= COLUMNS));
+        let (last, others) = lines.split_last().unwrap();
+        assert!(others.iter().all(|line| line.ends_with(" \\")) && !last.ends_with('\\'));
+        let joined: String = lines.join(" ").replace(" \\", "");
+        assert_eq!(joined.split_whitespace().collect::<Vec<_>>().join(" "), words.join(" "));
+    }
 }

@@ -1,0 +1,37 @@
+//! The answer to a target: which setting to choose, as a command line.
+
+use super::{ErrorReport, Measurement, Setting};
+
+/// The targets that are answered if none is asked for, in levels.
+pub const USUAL_TARGETS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+
+/// Which setting to choose for a target.
+#[derive(Clone, Debug)]
+pub struct Answer<'a> {
+    /// The largest root mean square error that is wanted, in levels.
+    pub target: f64,
+    /// The cheapest setting that reaches it, or else the one that comes nearest.
+    pub chosen: &'a Measurement,
+    /// The command line of the setting: the program, and then each flag with its values.
+    pub command: Vec<String>,
+}
+
+impl<'a> Answer<'a> {
+    /// The choice among all that flags can ask for, whatever its samples and its filter; none if nothing was measured.
+    pub fn new(
+        report: &'a ErrorReport,
+        target: f64,
+        command: impl Fn(&Setting) -> Vec<String>,
+    ) -> Option<Self> {
+        let cheaper = |a: &&Measurement, b: &&Measurement| a.least().total_cmp(&b.least());
+        let nearer = |a: &&Measurement, b: &&Measurement| a.error.total_cmp(&b.error).then(cheaper(a, b));
+        let cheapest = report.candidates().filter(|one| one.error <= target).min_by(cheaper);
+        let chosen = cheapest.or_else(|| report.candidates().min_by(nearer))?;
+        Some(Self { target, chosen, command: command(&chosen.setting) })
+    }
+
+    /// Whether the setting reaches the target.
+    pub fn is_reached(&self) -> bool {
+        self.chosen.error <= self.target
+    }
+}
