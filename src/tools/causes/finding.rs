@@ -54,11 +54,9 @@ const MIN_PIXELS: f64 = 0.1;
 const MAX_CONTRADICTED: f64 = 0.03;
 /// The same of rays that hit what they leave: some do not, by their roundings.
 const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
-/// The share of the pixels that a cause changes which it makes right at least, unless as much is wrong elsewhere. What
-/// is only similar to the mistake leaves its error in the same place.
-const MIN_PRECISION: f64 = 0.7;
-/// The share of the pixels left wrong that must lie elsewhere then.
-const MIN_ELSEWHERE: f64 = 0.5;
+/// The share of the pixels that a cause changes which it makes right at least. What is only similar to the mistake leaves
+/// its error in the same place.
+const MIN_PRECISION: f64 = 0.75;
 /// The share of all pixels that may differ by one level from the picture of the one mistake that was made. Of more pixels
 /// something else is wrong, too, as where colours are rounded.
 const MAX_LEVELS: f64 = 0.2;
@@ -174,19 +172,9 @@ impl<'p> Search<'p> {
             return false;
         }
         let effect = Effect::of(made, self.picture, self.reference, levels);
-        let elsewhere = after - (effect.changed - effect.right);
-        if std::env::var_os("CAUSES_DEBUG").is_some() {
-            eprintln!(
-                "DBG {cause:?} share {:.3} before {before} after {after} changed {} right {} contra {} elsewhere {elsewhere}",
-                self.whole.share_gone(rest),
-                effect.changed,
-                effect.right,
-                effect.contradicted
-            );
-        }
         effect.changed > 0.0
             && effect.contradicted <= max_contradicted(cause) * effect.changed
-            && (effect.right >= MIN_PRECISION * effect.changed || elsewhere >= MIN_ELSEWHERE * after)
+            && effect.right >= MIN_PRECISION * effect.changed
     }
 
     fn pixels(&self) -> f64 {

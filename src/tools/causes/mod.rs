@@ -112,8 +112,8 @@ pub struct Original<'a> {
 }
 
 impl<'a> Original<'a> {
-    /// Renders the request's first layer, or else its colours, with this structure; none where there is no memory for it. The renderer must have
-    /// kept the meshes.
+    /// Renders the request's first layer, or else its colours, with this structure; none where there is no memory for it.
+    /// The renderer must have kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
         let request = Request { layers: vec![layer], window: None, ..request.clone() };

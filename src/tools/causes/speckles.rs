@@ -26,11 +26,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 const MIN_PIXELS: f64 = 3.0;
 /// The share of the differing pixels away from edges that must be speckles.
 const MIN_SHARE: f64 = 0.6;
+/// The same where most pixels show it, so that they are less mixed with others.
+const MIN_SHARE_OF_DENSE: f64 = 0.95;
 /// The share of all differing pixels that must be away from edges.
-const MIN_SHARE_OF_ALL: f64 = 0.25;
+const MIN_SHARE_OF_ALL: f64 = 0.1;
 /// Of the pairs of neighbours of which one differs at least, the share whose differences are unlike. Among pixels that
 /// differ at random with probability p it is 2 (1 - p) / (2 - p); in a region of any size it is small.
-const MIN_MIXED: f64 = 0.3;
+const MIXED: f64 = 0.3;
+/// The same where nearly all of them are speckles.
+const MIN_MIXED: f64 = 0.1;
 /// So many pixels are looked at, evenly spread over those that differ.
 const MAX_PIXELS: usize = 1 << 12;
 /// So many choices of rays are tried for a pixel.
@@ -70,7 +74,8 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
         original.renderer().on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
     };
     let found = count(SelfHitting::All);
-    if found < MIN_PIXELS || found < MIN_SHARE * looked_at.len() as f64 {
+    let min_share = if differing.mixed < MIXED { MIN_SHARE_OF_DENSE } else { MIN_SHARE };
+    if found < MIN_PIXELS || found < min_share * looked_at.len() as f64 {
         return None;
     }
     let one_kind = [SelfHitting::Shadow, SelfHitting::Secondary];

@@ -18,8 +18,8 @@ pub struct TellingWindow {
     pub pictures: Vec<usize>,
 }
 
-/// The windows of so many camera rays at most in which wrong pictures are judged. A picture belongs to a window that holds at least half as many of
-/// its differing pixels as any other does. A few pictures may belong to none.
+/// The windows of so many camera rays at most in which wrong pictures are judged. A picture belongs to a window that
+/// holds at least half as many of its differing pixels as any other does. A few pictures may belong to none.
 pub fn telling_windows(
     wrong: &[Picture],
     reference: &Picture,

@@ -106,8 +106,8 @@ impl Folder {
     }
 }
 
-/// The pictures in a folder and the folders in it, by their paths from there. What cannot be read is left out, and so are
-/// links, and names that start with a dot.
+/// The pictures in a folder and the folders in it, by their paths from there. What cannot be read is left out, and so
+/// are links, and names that start with a dot.
 fn pictures(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut waiting = vec![(PathBuf::new(), 0)];
