@@ -21,8 +21,6 @@ FILES = {
     "first_hits": ["src/fast/raster/mod.rs", "src/fast/raster/bins.rs", "src/fast/raster/tile.rs", "src/fast/raster/triangle_bounds.rs",
                    "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/parallel_view.rs"],
     "shadow_maps": ["src/fast/raster/shadow_map.rs", "src/fast/raster/light_view.rs"],
-    "packets": ["src/caster/packet.rs", "src/caster/packet_setup.rs", "src/caster/grid/dda4.rs"],
-    "side_by_side": ["src/fast/side_by_side.rs"],
     "avx2": ["src/math/avx.rs"],
     "plain_meshes": ["src/scene/plain_obj.rs"],
 }

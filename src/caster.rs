@@ -19,10 +19,7 @@ mod query;
 mod ray_entry;
 mod descent;
 mod traverse;
-mod packet_setup;
 #[doc(hidden)]
-pub mod packet;
-
 pub use crate::math::instructions::Instructions;
 pub use build::StructureSize;
 pub use error::GridTooLarge;
@@ -46,7 +43,7 @@ use std::sync::{Arc, OnceLock};
 
 /// The primitive that a ray leaves.
 #[derive(Clone, Copy)]
-pub(super) struct Left {
+struct Left {
     /// Its id, or [`triangle8::NONE`].
     primitive: u32,
     /// Whether it is a sphere or an ellipsoid that the ray may hit again.
@@ -54,11 +51,6 @@ pub(super) struct Left {
 }
 
 impl Left {
-    /// A primitive that the ray is known not to hit again, or [`triangle8::NONE`].
-    pub fn for_good(primitive: u32) -> Self {
-        Self { primitive, may_return: false }
-    }
-
     #[inline(always)]
     fn of(caster: &Caster, primitive: Option<u32>) -> Self {
         let primitive = primitive.unwrap_or(triangle8::NONE);
@@ -157,7 +149,7 @@ impl<'w> Caster<'w> {
     ///
     /// `leaves` is the primitive that the ray leaves. A triangle is not tested, because the ray cannot hit it again.
     /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
-    #[inline]
+    #[inline(always)]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
         self.run::<P, false>(ray, Left::of(self, leaves), probe)
     }
@@ -271,15 +263,6 @@ impl<'w> Caster<'w> {
             return self.foremost(&stored, leaves, query.best);
         }
         query.best
-    }
-
-    /// What a ray sees after its query.
-    #[inline(always)]
-    pub(super) fn seen(&self, query: &RayQuery, leaves: Left) -> Option<Visible> {
-        if query.is_undecided() {
-            return Some(self.foremost(query.ray, leaves, query.best));
-        }
-        query.visible()
     }
 
     /// What a ray sees of the primitives that coincide with the nearest one. They are looked for by another query, since

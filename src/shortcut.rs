@@ -10,10 +10,6 @@ pub enum Shortcut {
     FirstHits,
     /// What stands before a light is found by rasterization.
     ShadowMaps,
-    /// Rays are prepared for a grid several at a time.
-    Packets,
-    /// The secondary rays of several camera rays are followed side by side.
-    SideBySide,
     /// The instructions of AVX2 are used where the processor has them.
     Avx2,
     /// Meshes of positions and triangles alone have a reader of their own.
@@ -22,16 +18,13 @@ pub enum Shortcut {
 
 impl Shortcut {
     /// All shortcuts.
-    pub const ALL: [Self; 6] =
-        [Self::FirstHits, Self::ShadowMaps, Self::Packets, Self::SideBySide, Self::Avx2, Self::PlainMeshes];
+    pub const ALL: [Self; 4] = [Self::FirstHits, Self::ShadowMaps, Self::Avx2, Self::PlainMeshes];
 
     /// Its name in the environment variable.
     pub fn name(self) -> &'static str {
         match self {
             Self::FirstHits => "first_hits",
             Self::ShadowMaps => "shadow_maps",
-            Self::Packets => "packets",
-            Self::SideBySide => "side_by_side",
             Self::Avx2 => "avx2",
             Self::PlainMeshes => "plain_meshes",
         }

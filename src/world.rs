@@ -10,10 +10,8 @@ mod placement;
 mod point_error;
 mod resting_lights;
 mod surface;
-pub(crate) mod surfaces;
 
 use crate::math::aabb::Aabb;
-use crate::math::prefetch::prefetch;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
@@ -193,15 +191,6 @@ impl World {
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
-    /// Prefetches the vertices of a triangle whose surface will be computed soon. Other primitives are not
-    /// prefetched.
-    #[inline(always)]
-    pub fn prefetch(&self, primitive: u32) {
-        if let Some(corners) = self.triangles.get(primitive as usize) {
-            corners.iter().for_each(|&corner| prefetch(&self.vertices[corner as usize]));
-        }
-    }
-
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
     /// The nearer hit precedes. At equal t triangles are ordered by the coordinates of their vertices, and other
@@ -245,14 +234,6 @@ impl World {
     #[inline(always)]
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         self.material_run(primitive).1
-    }
-
-    /// The materials of four primitives, most of which are neighbours.
-    #[inline(always)]
-    pub(crate) fn materials_of(&self, primitives: [u32; 4]) -> [MaterialId; 4] {
-        let (run, material) = self.material_run(primitives[0]);
-        primitives
-            .map(|primitive| if run.contains(&primitive) { material } else { self.material_of(primitive) })
     }
 
     /// The run of primitives around this one that share its material, and the material.

@@ -66,12 +66,6 @@ impl CellContents {
         self.indices.len()
     }
 
-    /// The first block of the cell with this entry, or none if the entry is not that of a cell with blocks.
-    #[inline(always)]
-    pub fn first_block_of(blocks: &[Block], entry: u32) -> Option<&Block> {
-        if entry < NO_BLOCKS && entry != EMPTY { blocks.get((entry >> COUNT_BITS) as usize) } else { None }
-    }
-
     /// The blocks of the cell with this entry, which must be that of a cell with blocks.
     #[inline(always)]
     pub fn blocks_of(blocks: &[Block], entry: u32) -> &[Block] {

@@ -6,7 +6,6 @@ pub(super) mod lattice;
 mod fixed_t;
 #[doc(hidden)]
 pub mod dda;
-pub(crate) mod dda4;
 #[doc(hidden)]
 pub mod touched_cells;
 #[doc(hidden)]

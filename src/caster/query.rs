@@ -50,24 +50,18 @@ pub struct FilterState {
     unit: f64,
 }
 
-/// The points of rays at t = `entry`, in the coordinates of a frame with this centre and scale.
-#[inline(always)]
-pub fn to_frame<F: F64x4>(ray_lanes: &RayLanes<F>, center: F, entry: F, scale: F) -> F {
-    (ray_lanes.origin - center + entry * ray_lanes.direction) * scale
-}
-
 impl FilterState {
     /// The ray on its interval in the bounds, up to t = `last`.
     #[inline(always)]
     pub fn on_interval<F: F64x4>(interval: &RayInterval<F>, frame: &Frame, last: f64) -> Self {
         let RayInterval { entry, ray_lanes, .. } = interval;
-        let (entry, RayLanes { direction, inv_direction, .. }) = (*entry, *ray_lanes);
+        let (entry, RayLanes { origin, direction, inv_direction }) = (*entry, *ray_lanes);
         let largest = direction.abs().max3();
         // The inverse of the largest component, without another division.
         let inv_largest = inv_direction.abs().min3();
         let scale = direction.broadcast(frame.scale);
         let center = F::new(direction.proof(), frame.center);
-        let origin = to_frame(ray_lanes, center, direction.broadcast(entry), scale);
+        let origin = (origin - center + direction.broadcast(entry) * direction) * scale;
         let ray = [origin.to_f32(), (direction * direction.broadcast(inv_largest)).to_f32()];
         Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
     }

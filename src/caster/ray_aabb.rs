@@ -5,7 +5,7 @@ use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
-use crate::math::ray_lanes::{RayLanes, RayPacket4};
+use crate::math::ray_lanes::RayLanes;
 use crate::math::robust::UNIT_ROUNDOFF;
 use glam::DVec3;
 
@@ -52,12 +52,6 @@ impl SimdAabb {
     fn all_axes<F: F64x4>(&self, proof: F::Proof) -> [F; 2] {
         [F::new(proof, self.min), F::new(proof, self.max)]
     }
-
-    /// The lower and upper face of one axis, for four rays.
-    #[inline(always)]
-    fn axis<F: F64x4>(&self, proof: F::Proof, axis: usize) -> [F; 2] {
-        [F::splat(proof, self.min[axis]), F::splat(proof, self.max[axis])]
-    }
 }
 
 /// The t at which rays cross the two faces of a slab, the nearer first.
@@ -95,33 +89,6 @@ pub fn intersect_aabb<F: F64x4>(
     // are padded so that no primitive reaches the faces. A ray with a zero direction has an infinite exit.
     let passes = near.le_mask(far) & 7 == 7 && entry <= exit && entry <= t_max && exit < f64::INFINITY;
     passes.then_some(RayInterval { entry, exit, ray_lanes })
-}
-
-/// The t at which four rays enter and leave a box.
-#[derive(Clone, Copy, Debug)]
-pub struct RayIntervals<F> {
-    /// The set of rays that meet the box, bit 0 for the first. The lanes of the others are meaningless.
-    pub set: u32,
-    /// As in [`RayInterval`].
-    pub entry: F,
-    /// As in [`RayInterval`].
-    pub exit: F,
-}
-
-/// The counterpart of [`intersect_aabb`] for four rays. It gives the same bits.
-#[inline(always)]
-pub fn intersect_aabb4<F: F64x4>(simd_bounds: &SimdAabb, packet: &RayPacket4<F>) -> RayIntervals<F> {
-    let [x, y, z] = &packet.axes;
-    let proof = packet.t_min.proof();
-    let [near_x, far_x] = crossings(simd_bounds.axis(proof, 0), x);
-    let [near_y, far_y] = crossings(simd_bounds.axis(proof, 1), y);
-    let [near_z, far_z] = crossings(simd_bounds.axis(proof, 2), z);
-    let entry = near_x.max(near_y).max(near_z).max(packet.t_min);
-    let exit = far_x.min(far_y).min(far_z);
-    let is_ordered = near_x.le_mask(far_x) & near_y.le_mask(far_y) & near_z.le_mask(far_z);
-    let is_finite = exit.le_mask(exit.broadcast(f64::MAX));
-    let set = is_ordered & entry.le_mask(exit) & entry.le_mask(packet.t_max) & is_finite;
-    RayIntervals { set, entry, exit }
 }
 
 #[cfg(test)]
@@ -168,30 +135,5 @@ mod tests {
         let simd_bounds = SimdAabb::new(&Aabb { min: DVec3::ZERO, max: DVec3::splat(size) });
         let touching = Ray::new(DVec3::new(-1.0, 1.0, 0.5) * size, DVec3::new(1.0, -1.0, 0.0));
         assert!(!simd_bounds.is_surely_missed(&touching));
-    }
-
-    #[test]
-    fn four_rays_together_hit_the_boxes_that_each_one_hits() {
-        use crate::math::{f64x4::Scalar, instructions::Portable};
-        let simd_bounds = SimdAabb::new(&Aabb { min: DVec3::ZERO, max: DVec3::ONE });
-        let coordinates = [-1.0, 0.0, 0.5, 1.0, 2.0];
-        let points = (0..125).map(|k| DVec3::from([k / 25, k / 5 % 5, k % 5].map(|i| coordinates[i])));
-        let mut hits = 0;
-        for (origin, to) in points.clone().flat_map(|from| points.clone().map(move |to| (from, to))) {
-            let ray = Ray::new(origin, to - origin);
-            let one = intersect_aabb(
-                &simd_bounds,
-                RayLanes::<Scalar>::all_axes(Portable, &ray),
-                ray.t_min,
-                ray.t_max,
-            );
-            let four = intersect_aabb4(&simd_bounds, &RayPacket4::<Scalar>::new(Portable, [&ray; 4]));
-            assert_eq!(four.set, if one.is_some() { 15 } else { 0 }, "{ray:?}");
-            if let Some(one) = one {
-                assert_eq!((four.entry.to_array(), four.exit.to_array()), ([one.entry; 4], [one.exit; 4]));
-                hits += 1;
-            }
-        }
-        assert!(hits > 1000, "{hits}");
     }
 }

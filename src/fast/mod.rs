@@ -2,15 +2,15 @@
 //! without it, by `--no-default-features`, makes the same bytes.
 //!
 //! The first hits of camera rays are found by rasterization where that is certain; so is what stands between a surface
-//! and a light. Other rays are prepared for the grid several at a time, and surfaces and secondary rays are computed
-//! four at a time. It serves one tracer only, and counts nothing but rays.
+//! and a light. Surfaces are computed four at a time. It serves one tracer only, and counts nothing but rays.
 //!
 //! Its one door is [`FastTracer`].
 
 mod raster;
 mod row;
 mod shading;
-mod side_by_side;
+mod surfaces;
+mod triangle4;
 
 use crate::camera::Camera;
 use crate::caster::Caster;

@@ -4,29 +4,17 @@
 
 use super::FastRow;
 use super::raster::{Seen, VisibilityBuffer};
+use super::surfaces::find_surfaces;
 use crate::camera::Camera;
 use crate::caster::Caster;
-use crate::caster::packet::PacketRay;
 #[cfg(target_arch = "x86_64")]
 use crate::math::avx::Avx;
 use crate::math::f64x4::{F64x4, LANES, Scalar};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
-use crate::math::ray::{Ray, Visible};
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
-
-impl PacketRay for Sample {
-    #[inline(always)]
-    fn ray(&self) -> &Ray {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn set_visible(&mut self, visible: Option<Visible>) {
-        self.visible = visible;
-    }
-}
+use crate::stats::Quiet;
 
 /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted.
 pub fn trace(
@@ -75,14 +63,12 @@ fn trace_with<F: F64x4>(
         cast(packet, &rows.caster, rows.visibility.as_ref(), j);
     }
     if wanted.surfaces {
-        rows.caster.world.find_surfaces::<F, _>(proof, packet.samples_mut());
+        find_surfaces::<F>(proof, rows.caster.world, packet);
     }
     if wanted.colors {
-        let samples = packet.samples();
-        for (i, (color, Sample { ray, surface, .. })) in colors.iter_mut().zip(samples).enumerate() {
-            *color = shading.local_color(ray, surface.as_ref(), i, memory);
+        for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
+            *color = shading.color(ray, surface.as_ref(), memory);
         }
-        shading.add_secondary(&mut colors[..samples.len()], memory);
     }
 }
 
@@ -102,18 +88,18 @@ fn aim<F: F64x4>(proof: F::Proof, packet: &mut SamplePacket, camera: &Camera, j:
 /// Finds the first hit of each ray. `visibility` has those of rays through row `j`, as far as they are known.
 #[inline(always)]
 fn cast(packet: &mut SamplePacket, caster: &Caster, visibility: Option<&VisibilityBuffer>, j: usize) {
-    let Some(visibility) = visibility else {
-        return caster.nearest_of_packet(packet.samples_mut());
-    };
-    let mut unsure = vec![];
     for sample in packet.samples_mut() {
-        match visibility.seen(caster.world, &sample.ray, sample.source.column, j) {
-            Seen::Nothing => sample.visible = None,
-            Seen::Primitive(visible) => sample.visible = Some(visible),
-            Seen::Unsure => unsure.push(sample),
-        }
+        let Sample { ray, source, .. } = &sample;
+        let seen = match visibility {
+            Some(buffer) => buffer.seen(caster.world, ray, source.column, j),
+            None => Seen::Unsure,
+        };
+        sample.visible = match seen {
+            Seen::Nothing => None,
+            Seen::Primitive(visible) => Some(visible),
+            Seen::Unsure => caster.nearest(ray, None, &mut Quiet),
+        };
     }
-    caster.nearest_of_packet(&mut unsure);
 }
 
 #[cfg(test)]
@@ -121,6 +107,7 @@ mod tests {
     use super::*;
     use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
+    use crate::math::ray::Visible;
     use crate::primitive::shape::Form;
     use crate::scene::parser::parse;
     use crate::world::{SurfacePoint, World};
@@ -171,7 +158,7 @@ mod tests {
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
                 sample.visible = visible.filter(|_| column_is_open(sample.source.column));
             }
-            world.find_surfaces::<F, _>(proof, packet.samples_mut());
+            find_surfaces::<F>(proof, &world, &mut packet);
             for Sample { ray, visible, surface, .. } in packet.samples() {
                 let expected = visible.map(|visible| world.visible_surface(ray, visible));
                 assert_eq!(bits(*surface), bits(expected), "{ray:?}");

@@ -1,17 +1,11 @@
-//! The colours of rays whose surfaces are known: those of the tracer, with fewer shadow rays, and with the secondary rays
-//! of several camera rays side by side.
+//! The colours of rays whose surfaces are known: those of the tracer, with fewer shadow rays.
 
 use super::raster::{Blocker, ShadowMaps};
-use super::side_by_side::Cast;
 use crate::caster::Caster;
 #[cfg(target_arch = "x86_64")]
-use crate::math::avx::Avx;
-use crate::math::f64x4::{F64x4, Scalar};
-#[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
-use crate::sampling::sample_packet::SamplePacket;
 use crate::scene::Color;
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::Mixture;
@@ -28,13 +22,11 @@ pub struct Shading<'a> {
     pub shadow_maps: Option<&'a ShadowMaps>,
 }
 
-/// What is kept from one packet of camera rays to the next, and how many rays were cast for them all.
+/// What is kept from one camera ray to the next, and how many rays were cast for them all.
 #[derive(Debug, Default)]
 pub struct Memory {
-    /// A stack of secondary rays for each camera ray, kept so that the loop allocates no memory.
-    pub pending: [Vec<SecondaryRay>; SamplePacket::SIZE],
-    /// The rays that are cast together.
-    pub cast: Vec<Cast>,
+    /// A stack of secondary rays, kept so that the loop allocates no memory.
+    pending: Vec<SecondaryRay>,
     mixture: Mixture,
     /// The number of secondary and shadow rays.
     pub rays: u64,
@@ -49,61 +41,33 @@ impl Shading<'_> {
         self.tracer.world()
     }
 
-    /// The colour along a camera ray without secondary rays, which wait in the memory for
-    /// [`add_secondary`](Self::add_secondary).
+    /// The colour along a camera ray, with its secondary rays.
     #[inline(always)]
-    pub fn local_color(
-        &self,
-        ray: &Ray,
-        surface: Option<&SurfacePoint>,
-        camera_ray: usize,
-        memory: &mut Memory,
-    ) -> Color {
-        match surface {
-            Some(surface) => self.follow(ray, &Path::CAMERA, surface, camera_ray, memory),
-            None => self.world().background,
-        }
-    }
-
-    /// Adds the colours of the secondary rays that wait, and of those that they cause in turn, to the colours of their
-    /// camera rays.
-    #[inline(always)]
-    pub fn add_secondary(&self, colors: &mut [Color], memory: &mut Memory) {
-        if self.tracer.effects.bounces == 0 || memory.pending[..colors.len()].iter().all(Vec::is_empty) {
-            return;
+    pub fn color(&self, ray: &Ray, surface: Option<&SurfacePoint>, memory: &mut Memory) -> Color {
+        let Some(surface) = surface else { return self.world().background };
+        let color = self.follow(ray, &Path::CAMERA, surface, memory);
+        if memory.pending.is_empty() {
+            return color;
         }
         match self.caster().instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { add_secondary_avx2(avx2, self, colors, memory) },
-            Instructions::Portable => self.add_secondary_with::<Scalar>(Portable, colors, memory),
+            Instructions::Avx2(avx2) => unsafe { add_secondary_avx2(avx2, self, color, memory) },
+            Instructions::Portable => self.add_secondary(color, memory),
         }
     }
 
-    /// The same, compiled for the instructions of the caller.
+    /// Adds the colours of the secondary rays that wait, and of those that they cause in turn.
     #[inline(always)]
-    fn add_secondary_with<F: F64x4>(&self, proof: F::Proof, colors: &mut [Color], memory: &mut Memory) {
-        if self.goes_side_by_side() {
-            self.follow_side_by_side::<F>(proof, colors, memory);
-        }
-        for (camera_ray, color) in colors.iter_mut().enumerate() {
-            if !memory.pending[camera_ray].is_empty() {
-                *color = self.follow_pending(*color, camera_ray, memory);
-            }
-        }
-    }
-
-    /// Adds the secondary rays of one camera ray.
-    #[inline(always)]
-    fn follow_pending(&self, mut color: Color, camera_ray: usize, memory: &mut Memory) -> Color {
+    fn add_secondary(&self, mut color: Color, memory: &mut Memory) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
-        while let Some(SecondaryRay { ray, leaves, path }) = memory.pending[camera_ray].pop() {
+        while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
             memory.rays += 1;
             let seen = match self.caster().nearest(&ray, leaves, &mut Quiet) {
                 Some(visible) => {
                     let surface = self.world().visible_surface(&ray, visible);
-                    self.follow(&ray, &path, &surface, camera_ray, memory)
+                    self.follow(&ray, &path, &surface, memory)
                 }
                 None => self.world().background,
             };
@@ -112,22 +76,13 @@ impl Shading<'_> {
         color
     }
 
-    /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending` of this camera
-    /// ray.
+    /// The local colour of a hit. Its reflected and refracted rays are pushed to the memory's `pending`.
     ///
     /// This is inlined because a colour that is returned through memory would be written in two parts and
     /// read as a whole, so that store forwarding fails and the processor stalls.
     #[inline(always)]
-    pub fn follow(
-        &self,
-        ray: &Ray,
-        path: &Path,
-        surface: &SurfacePoint,
-        camera_ray: usize,
-        memory: &mut Memory,
-    ) -> Color {
-        let Memory { pending, mixture, rays, .. } = memory;
-        let pending = &mut pending[camera_ray];
+    fn follow(&self, ray: &Ray, path: &Path, surface: &SurfacePoint, memory: &mut Memory) -> Color {
+        let Memory { pending, mixture, rays } = memory;
         let material = self.caster().material(surface, mixture);
         let arrival = Arrival { direction: ray.direction, surface: *surface, material };
         if path.bounces < self.tracer.effects.bounces {
@@ -217,6 +172,66 @@ impl Shading<'_> {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn add_secondary_avx2(avx2: Avx2, shading: &Shading, colors: &mut [Color], memory: &mut Memory) {
-    shading.add_secondary_with::<Avx>(avx2, colors, memory);
+fn add_secondary_avx2(_: Avx2, shading: &Shading, color: Color, memory: &mut Memory) -> Color {
+    shading.add_secondary(color, memory)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::choose::Layout;
+    use crate::caster::{Caster, Instructions};
+    use crate::math::ray::Ray;
+    use crate::scene::parser::parse;
+    use crate::stats::Counts;
+    use crate::trace::{Effects, Shadows, Tracer};
+    use crate::world::World;
+    use glam::DVec3;
+
+    /// Glass with a mirror's coating, that of boxes and that of a ball, a mirror that is a floor, and something dull.
+    const TEXT: &str = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
+         Background { color .25 .5 1 ambientLight .125 .125 .125 }
+         Lights { numLights 2 DirectionalLight { direction -1 -2 -1 color .5 .5 .5 }
+         PointLight { position 0 4 0 color 1 .5 .25 } }
+         Materials { numMaterials 3
+         Material { diffuseColor .2 .3 .4 reflectiveColor .4 .3 .2 transparentColor .9 .8 .7 indexOfRefraction 1.5 }
+         Material { diffuseColor .5 .1 .2 reflectiveColor .5 .5 .5 }
+         Material { diffuseColor 1 .5 .25 specularColor 1 1 1 exponent 9 } }
+         Group { numObjects 5
+         MaterialIndex 0 Transform { Translate -1 .5 0 XRotate 40 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+         MaterialIndex 0 Transform { Translate 1 .5 0 ZRotate 25 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+         MaterialIndex 0 Sphere { center 0 .4 1.5 radius .6 }
+         MaterialIndex 2 Box { min -3 -1 -3 max -2 2 -2 }
+         MaterialIndex 1 Plane { normal 0 1 0 offset -1 } }";
+
+    /// Camera rays from around the objects, some of which miss them. Neighbours are often close to each other.
+    fn camera_ray(k: usize) -> Ray {
+        let [turn, height, aim] = [k / 8, k % 5, k].map(|k| k as f64);
+        let origin = DVec3::new(4.0 * turn.cos(), 0.2 + 0.5 * height, 4.0 * turn.sin());
+        let target = DVec3::new(1.3 * (0.37 * aim).sin(), 0.9 * (0.61 * aim).cos() + 0.4, (0.23 * aim).sin());
+        Ray::new(origin, (target - origin).normalize())
+    }
+
+    #[test]
+    fn camera_rays_have_the_colours_of_the_tracer() {
+        let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
+        let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
+        for instructions in Instructions::available() {
+            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
+            let tracer = Tracer { rules: &caster, effects };
+            let shading = Shading { tracer, shadow_maps: None };
+            let (mut memory, mut alone) = (Memory::default(), Counts::default());
+            for ray in (0..1500).map(camera_ray) {
+                let visible = caster.nearest(&ray, None, &mut Quiet);
+                let surface = visible.map(|visible| world.visible_surface(&ray, visible));
+                let color = shading.color(&ray, surface.as_ref(), &mut memory);
+                let expected = tracer.color_of(&ray, surface, &mut alone);
+                let bits = |color: Color| color.to_array().map(f64::to_bits);
+                assert_eq!(bits(color), bits(expected), "{ray:?}");
+            }
+            // The tracer also casts shadow rays to lights without effect.
+            assert!(memory.rays < alone.rays() && memory.rays > alone.non_shadow_rays);
+            assert!(alone.non_shadow_rays > 4 * 1500, "{}", alone.non_shadow_rays);
+        }
+    }
 }

@@ -115,13 +115,6 @@ impl F64x4 for Avx {
     }
 
     #[inline(always)]
-    fn where_negative(self, value: f64) -> Self {
-        // The blend reads only the sign bits.
-        let value = self.broadcast(value).lanes;
-        self.with(avx!(self.proof, _mm256_blendv_pd(_mm256_setzero_pd(), value, self.lanes)))
-    }
-
-    #[inline(always)]
     fn unless_infinite(self, other: Self, replacement: f64) -> Self {
         let (infinity, replacement) = (self.broadcast(f64::INFINITY), self.broadcast(replacement));
         let abs = other.abs();

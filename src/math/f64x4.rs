@@ -19,8 +19,6 @@ pub trait F64x4: Number {
     fn to_array(self) -> [f64; 4];
     /// 1 where this is greater than 0, and 0 elsewhere.
     fn one_where_positive(self) -> Self;
-    /// `value` where the sign bit is set (so also for -0), and 0 elsewhere.
-    fn where_negative(self, value: f64) -> Self;
     /// This value where `other` is finite or NaN, and `replacement` where it is infinite.
     fn unless_infinite(self, other: Self, replacement: f64) -> Self;
     /// The product with 2 to the power of these integers, where neither this nor the product is zero,
@@ -145,11 +143,6 @@ impl F64x4 for Scalar {
     #[inline(always)]
     fn one_where_positive(self) -> Self {
         self.map(|x| if x > 0.0 { 1.0 } else { 0.0 })
-    }
-
-    #[inline(always)]
-    fn where_negative(self, value: f64) -> Self {
-        self.map(|x| if x.is_sign_negative() { value } else { 0.0 })
     }
 
     #[inline(always)]

@@ -6,4 +6,3 @@ pub mod plane;
 pub mod shape;
 pub mod sphere;
 pub mod triangle;
-pub(crate) mod triangle4;

@@ -41,7 +41,7 @@ pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
 
 /// The same in any number of lanes.
 #[inline(always)]
-pub(super) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
+pub(crate) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
     (a * u + b * v + c * w) / (u + v + w)
 }
 
@@ -208,7 +208,7 @@ pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
 
 /// The same from rounded numbers, and the set of the lanes where their error is within that bound.
 #[inline(always)]
-pub(super) fn rounded_normal<N: Number>([a, b, c]: [Vector<N>; 3]) -> (Vector<N>, u32) {
+pub(crate) fn rounded_normal<N: Number>([a, b, c]: [Vector<N>; 3]) -> (Vector<N>, u32) {
     let (p, q) = (b - a, c - a);
     let (normal, along) = (p.cross(q), p.dot(q));
     let square = normal.dot(normal);

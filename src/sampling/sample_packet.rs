@@ -1,9 +1,9 @@
 //! Samples of neighbouring pixels that pass through the stages together: first their rays, then the hits, then the
 //! surfaces there, and then the colours.
 
-use crate::math::ray::Ray;
+use crate::math::ray::{Ray, Visible};
 use crate::scene::Color;
-use crate::world::surfaces::Traced;
+use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -18,17 +18,30 @@ pub struct SamplePlace {
     pub is_last: bool,
 }
 
-/// A sample in a row of pixels, and what its ray hits.
-pub type Sample = Traced<SamplePlace>;
+/// A sample in a row of pixels, and what its ray hits. The ray is in one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Sample {
+    /// The ray through the place.
+    pub ray: Ray,
+    /// The surface that the ray hits first, once it has been computed.
+    pub surface: Option<SurfacePoint>,
+    /// What the ray hits first, once it has been cast.
+    pub visible: Option<Visible>,
+    /// Where the ray comes from.
+    pub source: SamplePlace,
+}
 
 /// The colours of the samples of a packet. Others than those of its samples have no meaning.
 pub type PacketColors = [Color; SamplePacket::SIZE];
 
 /// A sample that has not been placed.
-const UNPLACED: Sample = Traced::new(
-    SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
-    Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
-);
+const UNPLACED: Sample = Sample {
+    ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
+    surface: None,
+    visible: None,
+    source: SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
+};
 
 /// What is wanted of the rays of a packet.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +70,7 @@ impl Default for SamplePacket {
 }
 
 impl SamplePacket {
-    /// The maximum number of samples: so many that most of their secondary rays have enough company, and so few that they
-    /// stay in the cache.
+    /// The maximum number of samples: so many that their stages overlap, and so few that they stay in the cache.
     pub const SIZE: usize = 32;
 
     /// The samples.

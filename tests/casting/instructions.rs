@@ -4,9 +4,8 @@
 use super::support::{rabbit, random, world};
 use glam::DVec3;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::packet::PacketRay;
 use raytracer::caster::{Caster, Instructions};
-use raytracer::math::ray::{Hit, Ray, Visible};
+use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::{Counts, Quiet};
 
 const OBJECTS: [&str; 4] = [
@@ -68,9 +67,6 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
                 }
-                // Without a grid packets are traced as single rays, and in a single cell they are slow.
-                let count = if is_fine { expected.len() } else { 300 };
-                packets_have_the_hits_of_single_rays(&caster, &expected[..count]);
             }
         }
     }
@@ -109,72 +105,5 @@ fn the_course_tests_a_sphere_where_it_comes_to_it() {
             (caster.nearest(&ray, leaves, &mut counts), counts)
         });
         assert_eq!(plain, leaving, "{ray:?}");
-    }
-}
-
-/// A ray and its hit.
-#[derive(Debug)]
-struct Asked(Ray, Option<Visible>);
-
-impl PacketRay for Asked {
-    fn ray(&self) -> &Ray {
-        &self.0
-    }
-
-    fn set_visible(&mut self, visible: Option<Visible>) {
-        self.1 = visible;
-    }
-}
-
-/// A ray that leaves a primitive, and its hit.
-struct Leaving(Asked, Option<u32>);
-
-impl PacketRay for Leaving {
-    const LEAVES_A_SURFACE: bool = true;
-
-    fn ray(&self) -> &Ray {
-        self.0.ray()
-    }
-
-    fn leaves(&self) -> Option<u32> {
-        self.1
-    }
-
-    fn set_visible(&mut self, visible: Option<Visible>) {
-        self.0.set_visible(visible);
-    }
-}
-
-/// Packets of all lengths, up to more rays than one packet holds.
-fn packets_have_the_hits_of_single_rays(caster: &Caster, rays: &[(Ray, Option<Hit>)]) {
-    let mut rest = rays;
-    for length in (1..40).cycle() {
-        let (now, later) = rest.split_at(rest.len().min(length));
-        // A value that every packet must overwrite.
-        let wrong = Some(Visible { primitive: u32::MAX, t_bound: 0.0 });
-        let mut asked: Vec<Asked> = now.iter().map(|(ray, _)| Asked(*ray, wrong)).collect();
-        caster.nearest_of_packet(&mut asked);
-        for Asked(ray, visible) in asked {
-            assert_eq!(visible, caster.nearest(&ray, None, &mut Quiet), "{ray:?}");
-        }
-        // The rays leave what they hit, or another triangle, or one of the primitives that are not triangles.
-        let round = caster.world.triangles.len() as u32;
-        let left = |k: usize, hit: &Option<Hit>| match k % 4 {
-            0 => None,
-            1 => Some(round + (k / 4 % 3) as u32),
-            2 => Some(k as u32 % round),
-            _ => hit.map(|hit| hit.primitive),
-        };
-        let leaving = now.iter().enumerate();
-        let leaving = leaving.map(|(k, (ray, hit))| Leaving(Asked(*ray, wrong), left(k + rest.len(), hit)));
-        let mut leaving: Vec<Leaving> = leaving.collect();
-        caster.nearest_of_packet(&mut leaving);
-        for Leaving(Asked(ray, visible), left) in leaving {
-            assert_eq!(visible, caster.nearest(&ray, left, &mut Quiet), "{left:?} {ray:?}");
-        }
-        rest = later;
-        if rest.is_empty() {
-            break;
-        }
     }
 }

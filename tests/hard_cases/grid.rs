@@ -13,8 +13,7 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::caster::grid::Lattice;
-use raytracer::caster::packet::PacketRay;
-use raytracer::math::ray::{Hit, Ray, Visible};
+use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -42,7 +41,6 @@ pub fn differences(
         let found = caster.closest(&ray, &mut Quiet);
         let differs = found.map(|h| (h.t.to_bits(), h.primitive))
             != expected.map(|h| (h.t.to_bits(), h.primitive))
-            || in_packet(&caster, &ray) != expected
             || caster.any(&ray, &mut Quiet) != expected.is_some();
         failures.note(differs, || {
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
@@ -55,22 +53,6 @@ pub fn differences(
         ([differs, in_f64, in_f32, expected.is_some()].map(u64::from), [])
     };
     measure::<4, 0>(n, one).0
-}
-
-/// The hit of a ray that is cast as part of a packet.
-fn in_packet(caster: &Caster, ray: &Ray) -> Option<Hit> {
-    struct Asked<'a>(&'a Ray, Option<Visible>);
-    impl PacketRay for Asked<'_> {
-        fn ray(&self) -> &Ray {
-            self.0
-        }
-        fn set_visible(&mut self, visible: Option<Visible>) {
-            self.1 = visible;
-        }
-    }
-    let mut asked = [Asked(ray, None)];
-    caster.nearest_of_packet(&mut asked);
-    asked[0].1.map(|visible| caster.world.hit(ray, visible))
 }
 
 /// Writes the record of a case that compares hits, and asserts its target.

@@ -3,7 +3,6 @@
 
 use crate::caster::error::GridTooLarge;
 use crate::caster::grid::dda::Dda;
-use crate::caster::grid::dda4::Dda4;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::ray_aabb::RayInterval;
 use crate::math::f64x4::F64x4;
@@ -53,12 +52,6 @@ impl CellTable {
     #[inline(always)]
     pub fn cursor<F: F64x4>(&self, interval: &RayInterval<F>) -> CellCursor<'_> {
         self.start(Dda::new(&self.lattice, interval))
-    }
-
-    /// A cursor along one of four rays, whose DDA was set up for this lattice.
-    #[inline(always)]
-    pub fn cursor_of(&self, dda4: &Dda4, ray: usize) -> CellCursor<'_> {
-        self.start(dda4.dda(&self.lattice, ray))
     }
 
     /// A cursor at the first cell of a DDA, or at the border when the DDA's index is not in this table.
@@ -126,12 +119,12 @@ impl CellCursor<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::ray_aabb::{intersect_aabb, intersect_aabb4};
+    use crate::caster::ray_aabb::intersect_aabb;
     use crate::math::aabb::Aabb;
     use crate::math::f64x4::Scalar;
     use crate::math::instructions::Portable;
     use crate::math::ray::Ray;
-    use crate::math::ray_lanes::{RayLanes, RayPacket4};
+    use crate::math::ray_lanes::RayLanes;
     use glam::DVec3;
 
     fn lattice(cells: [usize; 3]) -> Lattice {
@@ -171,10 +164,12 @@ mod tests {
     #[test]
     fn a_dda_of_another_lattice_starts_at_the_border() {
         let (large, small) = (lattice([1000; 3]), CellTable::new(lattice([2; 3]), vec![]).unwrap());
-        let [a, b] = [DVec3::splat(0.7), DVec3::splat(0.9)].map(|origin| Ray::new(origin, DVec3::ONE));
-        let packet = RayPacket4::<Scalar>::new(Portable, [&a, &b, &a, &b]);
-        let dda4 = Dda4::new(&large, &packet, &intersect_aabb4(large.simd_bounds(), &packet));
-        assert_eq!([0, 1, 2, 3].map(|ray| small.cursor_of(&dda4, ray).entry()), [BORDER; 4]);
+        for origin in [0.7, 0.9].map(DVec3::splat) {
+            let ray = Ray::new(origin, DVec3::ONE);
+            let along = RayLanes::<Scalar>::all_axes(Portable, &ray);
+            let interval = intersect_aabb(large.simd_bounds(), along, ray.t_min, ray.t_max).unwrap();
+            assert_eq!(small.start(Dda::new(&large, &interval)).entry(), BORDER);
+        }
     }
 
     #[test]

@@ -57,46 +57,6 @@ pub struct Dda<'l> {
     fixed_per_t: f64,
 }
 
-/// The initial state of the DDA: all axes for one ray, or one axis for four rays.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DdaSetup {
-    /// The coordinates of the first cell.
-    pub cell: [i32; 4],
-    /// As in [`Dda`].
-    pub t_next: [i32; 4],
-    /// As in [`Dda`].
-    pub t_delta: [i32; 4],
-}
-
-impl DdaSetup {
-    /// Of rays that enter the lattice at `entry`. The expressions are arranged so that the processor can
-    /// compute most of them before `entry` is known.
-    #[inline(always)]
-    pub fn new<F: F64x4>(
-        lattice_lanes: &LatticeLanes<F>,
-        ray_lanes: &RayLanes<F>,
-        entry: F,
-        fixed_per_t: F,
-    ) -> Self {
-        let RayLanes { origin, direction, inv_direction } = *ray_lanes;
-        // Positions are in units of cells from here on.
-        let origin = (origin - lattice_lanes.min) * lattice_lanes.cells_per_unit;
-        let t_per_cell = inv_direction * lattice_lanes.cell_size;
-        // The difference of 0.5 turns rounding to nearest into rounding down. On a face between two cells the
-        // result may be either one, since the first step of the DDA then corrects it.
-        let cell = (origin - origin.broadcast(0.5)) + entry * (direction * lattice_lanes.cells_per_unit);
-        let cell = cell.max(origin.broadcast(0.0)).min(lattice_lanes.last_cell);
-        let to_next_face = cell.round() + (inv_direction.one_where_positive() - origin);
-        let crossing = (to_next_face * t_per_cell - entry) * fixed_per_t;
-        Self {
-            cell: cell.to_i32(),
-            // For a ray parallel to the faces the crossing is infinite, or NaN if it lies in a face.
-            t_next: to_fixed(crossing.unless_infinite(inv_direction, T_NEVER)),
-            t_delta: to_fixed(t_per_cell.abs() * fixed_per_t),
-        }
-    }
-}
-
 /// Rounds to the nearest fixed-point t, clamped to the range that the DDA uses.
 #[inline(always)]
 fn to_fixed<F: F64x4>(t: F) -> [i32; 4] {
@@ -116,35 +76,31 @@ impl<'l> Dda<'l> {
         Some((Self::new(lattice, &interval), [interval.entry, interval.exit]))
     }
 
-    /// Starts at the cell in which a ray's interval in the lattice's bounds begins.
+    /// Starts at the cell in which a ray's interval in the lattice's bounds begins. The expressions are arranged so that
+    /// the processor can compute most of them before the start of the interval is known.
     #[inline(always)]
     pub(crate) fn new<F: F64x4>(lattice: &'l Lattice, interval: &RayInterval<F>) -> Self {
-        let RayInterval { entry, exit, ray_lanes } = interval;
+        let RayInterval { entry, exit, ray_lanes: RayLanes { origin, direction, inv_direction } } = *interval;
         let fixed_per_t = T_ONE / max(exit - entry, MIN_INTERVAL);
-        let lattice_lanes = lattice.tables.lattice_lanes(ray_lanes.origin.proof());
-        // Written out: a closure in `map` is not compiled for the instructions of the caller.
-        let (entry_lanes, scale) =
-            (ray_lanes.origin.broadcast(*entry), ray_lanes.origin.broadcast(fixed_per_t));
-        let setup = DdaSetup::new(&lattice_lanes, ray_lanes, entry_lanes, scale);
-        Self::with_setup(lattice, &setup, ray_lanes.inv_direction.sign_mask(), *entry, fixed_per_t)
-    }
-
-    /// Starts in the initial state of one ray. `negative_axes` is the set of axes along which its direction
-    /// is negative.
-    #[inline(always)]
-    pub(crate) fn with_setup(
-        lattice: &'l Lattice,
-        setup: &DdaSetup,
-        negative_axes: usize,
-        entry: f64,
-        fixed_per_t: f64,
-    ) -> Self {
+        let (entry_lanes, scale) = (origin.broadcast(entry), origin.broadcast(fixed_per_t));
         let DdaTables { strides, step_offsets, .. } = &lattice.tables;
+        let LatticeLanes { min, cell_size, cells_per_unit, last_cell } =
+            lattice.tables.lattice_lanes(origin.proof());
+        // Positions are in units of cells from here on.
+        let origin = (origin - min) * cells_per_unit;
+        let t_per_cell = inv_direction * cell_size;
+        // The difference of 0.5 turns rounding to nearest into rounding down. On a face between two cells the
+        // result may be either one, since the first step of the DDA then corrects it.
+        let cell = (origin - origin.broadcast(0.5)) + entry_lanes * (direction * cells_per_unit);
+        let cell = cell.max(origin.broadcast(0.0)).min(last_cell);
+        let to_next_face = cell.round() + (inv_direction.one_where_positive() - origin);
+        let crossing = (to_next_face * t_per_cell - entry_lanes) * scale;
         Self {
-            index: index(setup.cell, strides),
-            t_next: FixedT::new(setup.t_next),
-            t_delta: FixedT::new(setup.t_delta),
-            step_offsets: &step_offsets[negative_axes],
+            index: index(cell.to_i32(), strides),
+            // For a ray parallel to the faces the crossing is infinite, or NaN if it lies in a face.
+            t_next: FixedT::new(to_fixed(crossing.unless_infinite(inv_direction, T_NEVER))),
+            t_delta: FixedT::new(to_fixed(t_per_cell.abs() * scale)),
+            step_offsets: &step_offsets[inv_direction.sign_mask()],
             entry,
             fixed_per_t,
         }

@@ -86,17 +86,6 @@ impl DdaTables {
             last_cell: F::new(proof, self.last_cell),
         }
     }
-
-    /// One axis, for four rays.
-    #[inline(always)]
-    pub fn lattice_lanes_of_axis<F: F64x4>(&self, proof: F::Proof, axis: usize) -> LatticeLanes<F> {
-        LatticeLanes {
-            min: F::splat(proof, self.simd_bounds.min[axis]),
-            cell_size: F::splat(proof, self.cell_size[axis]),
-            cells_per_unit: F::splat(proof, self.cells_per_unit[axis]),
-            last_cell: F::splat(proof, self.last_cell[axis]),
-        }
-    }
 }
 
 impl Lattice {

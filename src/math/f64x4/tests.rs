@@ -71,13 +71,6 @@ fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
         };
         check("is positive", x.one_where_positive(), |a, _| f64::from(a > 0.0));
         check(
-            "seven where negative",
-            x.where_negative(7.0),
-            |a, _| {
-                if a.is_sign_negative() { 7.0 } else { 0.0 }
-            },
-        );
-        check(
             "three where infinite",
             x.unless_infinite(y, 3.0),
             |a, b| if b.is_infinite() { 3.0 } else { a },

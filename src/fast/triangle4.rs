@@ -1,13 +1,13 @@
 //! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
 //!
-//! Only how the axes are turned differs from [`Shear`](super::triangle::Shear), which chooses a ray's longest axis by
+//! Only how the axes are turned differs from [`Shear`](crate::primitive::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
-use super::edge_functions::{EdgeRange, edge_functions, sheared};
-use super::triangle::{interpolated, rounded_normal};
 use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
+use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
+use crate::primitive::triangle::{interpolated, rounded_normal};
 use glam::DVec3;
 
 /// Four triangles.

@@ -1,0 +1,123 @@
+//! The surfaces that several rays hit first: those of triangles four at a time.
+
+use super::triangle4::{Hits4, Triangles4};
+use crate::math::f64x4::{F64x4, LANES};
+use crate::math::prefetch::prefetch;
+use crate::math::ray::{Ray, Visible};
+use crate::sampling::sample_packet::{Sample, SamplePacket};
+use crate::scene::MaterialId;
+use crate::world::{SurfacePoint, World};
+
+/// The index of a ray that hits a triangle, and the triangle's id.
+#[derive(Clone, Copy, Debug, Default)]
+struct OnTriangle {
+    ray: usize,
+    id: u32,
+}
+
+/// The triangles that four rays hit.
+#[derive(Clone, Copy, Debug)]
+struct Group<F> {
+    ids: [u32; LANES],
+    materials: [MaterialId; LANES],
+    triangles: Triangles4<F>,
+}
+
+impl<F: F64x4> Group<F> {
+    #[inline(always)]
+    fn new(proof: F::Proof, world: &World, ids: [u32; LANES]) -> Self {
+        let [a, b, c, d] = ids;
+        let corners = [
+            world.corners_in_place(a as usize),
+            world.corners_in_place(b as usize),
+            world.corners_in_place(c as usize),
+            world.corners_in_place(d as usize),
+        ];
+        Self { ids, materials: materials_of(world, ids), triangles: Triangles4::new(proof, corners) }
+    }
+}
+
+/// Computes the surface that each ray of a packet hits first, as [`World::visible_surface`] does.
+#[inline(always)]
+pub fn find_surfaces<F: F64x4>(proof: F::Proof, world: &World, packet: &mut SamplePacket) {
+    let rays = packet.samples_mut();
+    let (mut on_triangles, mut count) = ([OnTriangle::default(); SamplePacket::SIZE], 0);
+    for (i, ray) in rays.iter_mut().enumerate() {
+        let Some(visible) = ray.visible else { continue };
+        let id = visible.primitive;
+        if world.is_triangle(id) {
+            if count == 0 || on_triangles[count - 1].id != id {
+                prefetch_corners(world, id);
+            }
+            on_triangles[count] = OnTriangle { ray: i, id };
+            count += 1;
+        } else {
+            ray.surface = Some(world.visible_surface(&ray.ray, visible));
+        }
+    }
+    // Neighbours often lie on the same triangles.
+    let mut last: Option<Group<F>> = None;
+    for some in on_triangles[..count].chunks(LANES) {
+        let four = match some {
+            // Constant indices are faster than computed ones.
+            [a, b, c, d] => [*a, *b, *c, *d],
+            _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
+        };
+        let [a, b, c, d] = four;
+        let ids = [a.id, b.id, c.id, d.id];
+        if !matches!(&last, Some(group) if group.ids == ids) {
+            last = Some(Group::new(proof, world, ids));
+        }
+        if let Some(group) = &last {
+            find_points(proof, world, rays, group, four, some.len());
+        }
+    }
+}
+
+/// Computes the surfaces of the first `count` of four rays that hit triangles.
+#[inline(always)]
+fn find_points<F: F64x4>(
+    proof: F::Proof,
+    world: &World,
+    rays: &mut [Sample],
+    group: &Group<F>,
+    four: [OnTriangle; LANES],
+    count: usize,
+) {
+    let [a, b, c, d] = four;
+    let of = [&rays[a.ray].ray, &rays[b.ray].ray, &rays[c.ray].ray, &rays[d.ray].ray];
+    let Hits4 { points, certain } = group.triangles.hits(proof, of);
+    for (lane, OnTriangle { ray, id }) in four[..count].iter().enumerate() {
+        let ray = &mut rays[*ray];
+        if certain & (1 << lane) != 0 {
+            ray.surface = Some(SurfacePoint {
+                position: points[lane],
+                normal: group.triangles.normals[lane],
+                material: group.materials[lane],
+                primitive: Some(*id),
+                triangle: Some(*id),
+            });
+        } else if let Some(visible) = ray.visible {
+            ray.surface = Some(surface_alone(world, &ray.ray, visible));
+        }
+    }
+}
+
+/// Computes a surface that needs exact arithmetic.
+#[cold]
+fn surface_alone(world: &World, ray: &Ray, visible: Visible) -> SurfacePoint {
+    world.visible_surface(ray, visible)
+}
+
+/// The materials of four triangles, most of which are neighbours.
+#[inline(always)]
+fn materials_of(world: &World, triangles: [u32; LANES]) -> [MaterialId; LANES] {
+    let (run, material) = world.material_run(triangles[0]);
+    triangles.map(|id| if run.contains(&id) { material } else { world.material_of(id) })
+}
+
+/// Loads the vertices of a triangle whose surface will be computed soon.
+#[inline(always)]
+fn prefetch_corners(world: &World, triangle: u32) {
+    world.corners_in_place(triangle as usize).into_iter().for_each(prefetch);
+}
