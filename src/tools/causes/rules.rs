@@ -201,12 +201,12 @@ impl Rule {
 
     /// Whether what it changes shows in a layer at all.
     pub(super) fn shows_in(self, layer: Layer) -> bool {
-        match (layer, self) {
-            (Layer::Color, _) => true,
-            (Layer::Depth { .. } | Layer::Normals, Self::Shifted { .. }) => true,
-            (Layer::Normals, Self::NormalsByMatrix | Self::NormalsOfObjectSpace) => true,
-            _ => false,
-        }
+        matches!(
+            (layer, self),
+            (Layer::Color, _)
+                | (Layer::Depth { .. } | Layer::Normals, Self::Shifted { .. })
+                | (Layer::Normals, Self::NormalsByMatrix | Self::NormalsOfObjectSpace)
+        )
     }
 
     fn shift(self) -> DVec2 {

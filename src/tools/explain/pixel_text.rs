@@ -106,7 +106,7 @@ impl Display for Grouped {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let digits = self.0.to_string();
         digits.char_indices().try_for_each(|(at, digit)| {
-            let is_group = at > 0 && (digits.len() - at) % 3 == 0;
+            let is_group = at > 0 && (digits.len() - at).is_multiple_of(3);
             if is_group { write!(f, ",{digit}") } else { write!(f, "{digit}") }
         })
     }
