@@ -1,22 +1,49 @@
-//! Lists that ask for their memory, so that too little of it is an error and not the end of the program.
+//! Asking for memory beforehand, so that too little of it is an error and not the end of the program.
 //!
-//! Rust's own lists end the program when the system refuses them memory. Every list that grows with the input
-//! grows by one of these functions instead.
+//! Where it is known before some work how much memory the work takes, and it may be much (a picture, the cells of a
+//! grid, a mesh by its file), the work asks for it once, and a refusal is an error that says how much is needed.
+//! Everything else simply allocates: the application's allocator ends the program with one line when the system refuses
+//! a block, unless the block is asked for.
 
+use std::alloc::Layout;
+use std::hint::black_box;
 use std::{fmt, io};
+
+/// What is asked for, in units of an alignment that nothing else has.
+#[repr(align(2048))]
+struct Asked {
+    _bytes: [u8; 2048],
+}
+
+/// Whether a block is asked for, so that a refusal is an answer. An allocator that ends the program when the system
+/// refuses a block must not do so for this one, but return null.
+pub fn is_asked_for(block: Layout) -> bool {
+    block.align() == align_of::<Asked>()
+}
+
+/// Less than this number of bytes is not asked for. Such blocks are parts of a heap, and those that come and go leave
+/// gaps in it, which the program keeps.
+const WORTH_ASKING: u64 = 1 << 20;
+
+/// Asks for memory and gives it back: what follows is about to take as much. Little memory is not asked for.
+pub fn ask(bytes: u64) -> Result<(), NoMemory> {
+    if bytes < WORTH_ASKING {
+        return Ok(());
+    }
+    let refused = NoMemory { bytes };
+    let count = usize::try_from(bytes.div_ceil(size_of::<Asked>() as u64)).map_err(|_| refused)?;
+    let mut asked: Vec<Asked> = vec![];
+    asked.try_reserve_exact(count).map_err(|_| refused)?;
+    // The compiler leaves out an allocation that it knows not to be used.
+    black_box(asked);
+    Ok(())
+}
 
 /// The system refuses memory. The error is displayed as a part of a line that says how much was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoMemory {
     /// How much was asked for at once, in bytes. More may be needed after it.
     pub bytes: u64,
-}
-
-impl NoMemory {
-    /// The error for a list of this number of elements.
-    pub fn for_list<T>(count: usize) -> Self {
-        Self { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }
-    }
 }
 
 impl fmt::Display for NoMemory {
@@ -47,80 +74,10 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// Makes room for `more` elements after those of the list. A list that is grown often takes twice its memory
-/// each time, as lists do.
-#[inline]
-pub fn make_room<T>(list: &mut Vec<T>, more: usize) -> Result<(), NoMemory> {
-    let (length, capacity) = (list.len(), list.capacity());
-    let refused = |_| NoMemory::for_list::<T>(length.saturating_add(more).max(capacity.saturating_mul(2)));
-    list.try_reserve(more).map_err(refused)
-}
-
-/// Appends an element.
-#[inline]
-pub fn push<T>(list: &mut Vec<T>, element: T) -> Result<(), NoMemory> {
-    make_room(list, 1)?;
-    list.push(element);
-    Ok(())
-}
-
 /// An empty list with room for exactly `count` elements.
 pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<T>(count))?;
-    Ok(list)
-}
-
-/// A list of `count` copies of a value.
-pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, NoMemory> {
-    let mut list = with_room(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
-/// A copy of a list.
-pub fn copied<T: Clone>(list: &[T]) -> Result<Vec<T>, NoMemory> {
-    let mut copy = with_room(list.len())?;
-    copy.extend_from_slice(list);
-    Ok(copy)
-}
-
-/// The elements of an iterator that tells their number.
-pub fn collected<T>(elements: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, NoMemory> {
-    let mut list = with_room(elements.len())?;
-    list.extend(elements);
-    Ok(list)
-}
-
-/// Asks for memory and gives it back: what follows is about to take as much without asking.
-pub fn ask(bytes: u64) -> Result<(), NoMemory> {
-    let count = usize::try_from(bytes).map_err(|_| NoMemory { bytes })?;
-    // The test hides from the compiler that the memory is not used, since it leaves out such allocations.
-    std::hint::black_box(with_room::<u8>(count)?);
-    Ok(())
-}
-
-/// Text under construction, which asks for its memory.
-#[derive(Debug, Default)]
-pub struct Text(Vec<u8>);
-
-impl Text {
-    /// The finished text. Bytes that are no text are an error.
-    pub fn into_string(self) -> io::Result<String> {
-        String::from_utf8(self.0).map_err(io::Error::other)
-    }
-}
-
-impl io::Write for Text {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        make_room(&mut self.0, bytes.len())?;
-        self.0.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+    ask((count as u64).saturating_mul(size_of::<T>() as u64))?;
+    Ok(Vec::with_capacity(count))
 }
 
 impl From<NoMemory> for io::Error {
@@ -132,7 +89,6 @@ impl From<NoMemory> for io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
 
     #[test]
     fn a_refusal_says_how_much_was_asked_for() {
@@ -140,25 +96,13 @@ mod tests {
         let most = isize::MAX as usize;
         assert_eq!(message(ask(most as u64)), "not enough memory: at least 9.2 EB are needed");
         assert_eq!(with_room::<u64>(most / 8), Err(NoMemory { bytes: most as u64 - 7 }));
-        assert_eq!(filled(1u16, most).unwrap_err().bytes, 2 * most as u64);
-        assert_eq!(make_room(&mut vec![0u8; 3], most - 3).unwrap_err().bytes, most as u64);
         assert_eq!(ask(u64::MAX).unwrap_err().bytes, u64::MAX);
     }
 
     #[test]
-    fn lists_hold_what_they_are_given() {
-        let mut list = with_room(2).unwrap();
-        assert_eq!(list.capacity(), 2);
-        (0..5).try_for_each(|k| push(&mut list, k)).unwrap();
-        assert_eq!(list, [0, 1, 2, 3, 4]);
-        assert_eq!(
-            (filled(7, 2), copied(&list), collected(2..4)),
-            (Ok(vec![7, 7]), Ok(list), Ok(vec![2, 3]))
-        );
+    fn what_is_given_has_room_for_all() {
+        assert_eq!(with_room::<u16>(1 << 20).unwrap().capacity(), 1 << 20);
         assert_eq!(ask(1 << 20), Ok(()));
-        let mut text = Text::default();
-        write!(text, "{} and {}", 1, 2).unwrap();
-        assert_eq!(text.into_string().unwrap(), "1 and 2");
     }
 
     #[test]

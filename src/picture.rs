@@ -1,6 +1,6 @@
 //! Pictures in memory, and the conversion of their colours to bytes.
 
-use crate::memory::Bytes;
+use crate::memory::{Bytes, with_room};
 use crate::scene::Color;
 use std::fmt;
 
@@ -57,9 +57,7 @@ impl FloatPicture {
     pub fn with_room(size: [usize; 2]) -> Result<Self, BadSize> {
         let failed = || BadSize { width: size[0], height: size[1] };
         let count = size[0].checked_mul(size[1]).filter(|&count| count > 0).ok_or_else(failed)?;
-        let mut colors = Vec::new();
-        colors.try_reserve_exact(count).map_err(|_| failed())?;
-        Ok(Self { size, colors })
+        Ok(Self { size, colors: with_room(count).map_err(|_| failed())? })
     }
 
     /// Converts the colours to bytes as [`truncate_to_bytes`] does, and counts those with a NaN.
@@ -102,8 +100,7 @@ impl Picture {
     pub fn new(width: u32, height: u32) -> Result<Self, BadSize> {
         let failed = || BadSize { width: width as usize, height: height as usize };
         let size = byte_count(width, height).filter(|&size| size > 0).ok_or_else(failed)?;
-        let mut pixels = Vec::new();
-        pixels.try_reserve_exact(size).map_err(|_| failed())?;
+        let mut pixels = with_room(size).map_err(|_| failed())?;
         pixels.resize(size, 0);
         Ok(Self { width, height, pixels })
     }

@@ -52,13 +52,10 @@ impl Renderer {
     /// is an error.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
         let LoadedScene { scene, meshes, source, .. } = loaded;
-        let copied = match kept {
-            Meshes::Moved => Ok(vec![]),
-            Meshes::Kept => meshes.iter().map(Mesh::copied).collect(),
+        let world = match kept {
+            Meshes::Moved => World::of_meshes(&scene, meshes).map(|world| (world, vec![])),
+            Meshes::Kept => World::new(&scene, &meshes).map(|world| (world, meshes)),
         };
-        let world = copied
-            .map_err(SceneError::from)
-            .and_then(|copied| Ok((World::of_meshes(&scene, meshes)?, copied)));
         match world {
             Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
             Err(error) => Err(LoadError::Scene { source, errors: vec![error] }),

@@ -3,10 +3,10 @@
 mod error;
 
 use crate::escape::escape;
-use crate::memory::NoMemory;
+use crate::memory;
 use crate::near_names::nearest_file;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mesh::{Mesh, read_obj};
+use crate::scene::mesh::{Mesh, memory_for, read_obj};
 use crate::scene::parser::{self, Places, Reading};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::warning::SceneWarning;
@@ -65,10 +65,7 @@ pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedSc
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
-    let bytes = bytes.map_err(|error| match refused(&error, path) {
-        Some(refused) => LoadError::Memory { path: path.to_owned(), refused },
-        None => LoadError::Unreadable { path: path.to_owned(), error },
-    })?;
+    let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
     let text = decode(path, bytes)?;
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile| {
@@ -158,7 +155,7 @@ fn read_mesh(
 ) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory) {
-        match read_mesh_file(&place) {
+        match read_mesh_file(&place)? {
             Ok(bytes) => {
                 announce(bytes.len());
                 let (mesh, doubts) =
@@ -167,40 +164,23 @@ fn read_mesh(
                 let warnings = doubts.into_iter().map(warning).collect();
                 return Ok(FoundMesh { mesh, file: place, warnings });
             }
-            Err(Unread::Memory(refused)) => return Err(Problem::Memory(refused)),
-            Err(Unread::Other(reason)) => tried.push((lossy(&place), reason)),
+            Err(reason) => tried.push((lossy(&place), reason)),
         }
     }
     Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
 }
 
-/// Why a mesh's file was not read.
-enum Unread {
-    Memory(NoMemory),
-    Other(String),
-}
-
-/// The refusal behind an error of reading a file, if that is what it is.
-fn refused(error: &io::Error, path: &Path) -> Option<NoMemory> {
-    let bytes = || fs::metadata(path).map_or(0, |found| found.len());
-    (error.kind() == io::ErrorKind::OutOfMemory).then(|| NoMemory { bytes: bytes() })
-}
-
 /// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the
-/// program and a device may have no end.
-fn read_mesh_file(place: &Path) -> Result<Vec<u8>, Unread> {
-    let unread = |error: io::Error| match refused(&error, place) {
-        Some(refused) => Unread::Memory(refused),
-        None => Unread::Other(error.to_string()),
+/// program and a device may have no end. Too little memory for the mesh is an error.
+fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, Problem> {
+    let length = match fs::metadata(place) {
+        Ok(found) if found.is_file() => found.len(),
+        Ok(found) if found.is_dir() => return Ok(Err("it is a folder".into())),
+        Ok(_) => return Ok(Err("it is a pipe or a device, not a regular file".into())),
+        Err(error) => return Ok(Err(error.to_string())),
     };
-    let found = fs::metadata(place).map_err(unread)?;
-    if found.is_dir() {
-        return Err(Unread::Other("it is a folder".into()));
-    }
-    if !found.is_file() {
-        return Err(Unread::Other("it is a pipe or a device, not a regular file".into()));
-    }
-    fs::read(place).map_err(unread)
+    memory::ask(memory_for(length)).map_err(Problem::Memory)?;
+    Ok(fs::read(place).map_err(|error| error.to_string()))
 }
 
 /// The files that are read for the meshes of a scene, each in the first place where it is; none of a scene that is no

@@ -14,7 +14,6 @@ mod surface;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
-use crate::memory::{self, NoMemory};
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{plane::Plane, triangle};
 use crate::scene::error::SceneError;
@@ -83,25 +82,26 @@ pub enum Primitive {
 }
 
 impl World {
-    /// The world of a scene. `meshes` are those that the scene names, in its order.
+    /// The world of a scene. `meshes` are those that the scene names, in its order. An object that cannot be placed in
+    /// world space is an error, and so is too little memory for the copies of the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
-        Self::build(scene, memory::collected(meshes.iter().map(Cow::Borrowed))?)
+        Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
     }
 
     /// The same as [`World::new`], but a mesh that can be taken over is not copied.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
-        Self::build(scene, memory::collected(meshes.into_iter().map(Cow::Owned))?)
+        Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
     }
 
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
         limits::check(scene)?;
-        let mut builder = Builder::new(Self::without_objects(scene)?, scene, meshes)?;
-        placements(scene).try_for_each(|placement| builder.place(&placement?))?;
-        builder.finish()
+        let mut builder = Builder::new(Self::without_objects(scene), scene, meshes)?;
+        placements(scene).try_for_each(|placement| builder.place(&placement))?;
+        Ok(builder.finish())
     }
 
-    fn without_objects(scene: &Scene) -> Result<Self, NoMemory> {
-        Ok(Self {
+    fn without_objects(scene: &Scene) -> Self {
+        Self {
             vertices: vec![],
             triangles: vec![],
             without_area: vec![],
@@ -111,8 +111,8 @@ impl World {
             flattening_errors: FlatteningErrors::default(),
             boundary_width: BoundaryWidth::default(),
             coincidence_margin: 0.0,
-            materials: memory::copied(&scene.materials)?,
-            lights: memory::collected(scene.lights.iter().map(|&l| with_unit_direction(l)))?,
+            materials: scene.materials.clone(),
+            lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
@@ -120,7 +120,7 @@ impl World {
             max_abs_coord: 0.0,
             material_runs: vec![],
             resting_lights: RestingLights::default(),
-        })
+        }
     }
 
     /// The number of primitives with finite bounds: all but the planes.

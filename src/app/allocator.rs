@@ -1,11 +1,11 @@
-//! The program's allocator: large allocations use large pages, where the system offers them, and a small one that
-//! the system refuses ends the program with one line. The library has no allocator of its own, so the choice is
-//! left to the program that uses it.
+//! The program's allocator: large allocations use large pages, where the system offers them, and one that the system
+//! refuses ends the program with one line. The library has no allocator of its own, so the choice is left to the
+//! program that uses it.
 //!
-//! Lists that grow with the input ask for their memory, and a refused one is an error as any other. The small
-//! blocks between them, names and messages, are asked for by nobody, also within the libraries in use. Where the
-//! system has not even these left, nothing can be computed, and Rust would abort the program, as if it were
-//! faulty. There is nothing to clean up then: what has been rendered is in memory or in a file without a name.
+//! What takes much memory asks for it beforehand ([`raytracer::memory`]), and a refusal is an error as any other.
+//! Everything else allocates without asking, also within the libraries in use. Where the system refuses that, Rust
+//! would abort the program, as if it were faulty. There is nothing to clean up then: what has been rendered is in memory
+//! or in a file without a name.
 //!
 //! The first access to a 4 KB page costs more than filling it, and returning the page to the system costs as
 //! much again, some 1.8 microseconds in all. A large page has 512 times the size but costs only 60 times as
@@ -26,6 +26,7 @@
 //! does. In an earlier run on a busy machine, large pages for the grid's lists alone saved nothing at 40,000
 //! faces, and crate `mimalloc` was no faster than this and took 23 and 395 MiB.
 
+use raytracer::memory::{self, Bytes};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::ptr;
@@ -34,7 +35,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[global_allocator]
 static ALLOCATOR: LargePages = LargePages;
 
-/// Allocates large blocks in large pages, and all others with the system's allocator.
+/// Allocates large blocks in large pages, and all others with the system's allocator. Ends the program if the system has
+/// no memory, unless the block is asked for.
 struct LargePages;
 
 /// The size in bytes of the system's large pages on most machines. On others only the speed differs.
@@ -47,12 +49,16 @@ const LARGE_BLOCK: usize = LARGE_PAGE / 2;
 /// The exit status of an error.
 const FAILURE: i32 = 1;
 
-/// Whether a thread is ending the program for want of a small block.
+/// Whether a thread is ending the program for want of memory.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Ends the program, for want of a small block. Nothing here allocates.
+/// What a block is that the system refuses: null if it is asked for, and otherwise the end of the program. Nothing here
+/// allocates.
 #[cold]
-fn end_for_want_of(layout: Layout) -> ! {
+fn refused(layout: Layout) -> *mut u8 {
+    if memory::is_asked_for(layout) {
+        return ptr::null_mut();
+    }
     while IS_ENDING.swap(true, Ordering::Relaxed) {
         // Another thread has said so, and ends this one too.
         std::thread::yield_now();
@@ -61,7 +67,8 @@ fn end_for_want_of(layout: Layout) -> ! {
     let room = line.len();
     let mut rest = line.as_mut_slice();
     // The line is shorter than its room.
-    let _ = writeln!(rest, "error: not enough memory: at least {} bytes more are needed", layout.size());
+    let _ =
+        writeln!(rest, "error: not enough memory: at least {} more are needed", Bytes(layout.size() as u64));
     let length = room - rest.len();
     // SAFETY: the bytes written are within `line`. Neither function returns to code that needs the block.
     unsafe {
@@ -73,10 +80,7 @@ fn end_for_want_of(layout: Layout) -> ! {
 /// A small block that the system has given or refused.
 #[inline(always)]
 fn given(memory: *mut u8, layout: Layout) -> *mut u8 {
-    if memory.is_null() {
-        end_for_want_of(layout);
-    }
-    memory
+    if memory.is_null() { refused(layout) } else { memory }
 }
 
 /// Every mapping is aligned to at least this.
@@ -92,8 +96,8 @@ fn whole_pages(layout: Layout) -> usize {
     layout.size().next_multiple_of(LARGE_PAGE)
 }
 
-/// A new zeroed mapping for a large layout; null if the system has no memory. It is marked cold, so that its
-/// code stays out of the path of small allocations.
+/// A new zeroed mapping for a large layout. It is marked cold, so that its code stays out of the path of small
+/// allocations.
 #[cold]
 fn mapped(layout: Layout) -> *mut u8 {
     let size = whole_pages(layout);
@@ -102,7 +106,7 @@ fn mapped(layout: Layout) -> *mut u8 {
     // SAFETY: a new mapping at an address that the system chooses overlaps no memory in use.
     let memory = unsafe { libc::mmap(ptr::null_mut(), size, writable, private, -1, 0) };
     if memory == libc::MAP_FAILED {
-        return ptr::null_mut();
+        return refused(layout);
     }
     // An error is ignored, because small pages work as well.
     // SAFETY: the range is the mapping just made, and the advice does not change its contents.
@@ -172,10 +176,9 @@ mod tests {
     }
 
     #[test]
-    fn a_block_that_is_too_large_is_an_error() {
-        let mut list: Vec<u8> = vec![];
+    fn a_block_that_is_too_large_is_an_error_if_it_is_asked_for() {
         for bytes in [isize::MAX as usize, isize::MAX as usize / 2] {
-            assert!(list.try_reserve_exact(bytes).is_err());
+            assert!(memory::ask(bytes as u64).is_err());
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::app::pictures::Rendered;
 use raytracer::cli::Options;
-use raytracer::memory::Text;
 use raytracer::render::{Cost, Tracing};
 use raytracer::stats::{Counts, Timings};
 use raytracer::tools::causes::Finding;
@@ -10,7 +9,6 @@ use raytracer::tools::compare::{Comparison, LargestDifference, Tolerance};
 use raytracer::tools::explain::{CostReport, PixelTree};
 use serde::Serialize;
 use std::fmt::Display;
-use std::io::{self, Write};
 
 mod scene;
 
@@ -161,11 +159,8 @@ impl<'a> Document<'a> {
     }
 
     /// The document in one line. Numbers have all their digits; those that JSON does not have are null.
-    pub fn to_json(&self) -> io::Result<String> {
-        let mut text = Text::default();
-        serde_json::to_writer(&mut text, self)?;
-        writeln!(text)?;
-        text.into_string()
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
     }
 }
 

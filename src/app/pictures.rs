@@ -13,7 +13,7 @@ use raytracer::cli::{Comparison, Options, Output};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::fingerprint;
 use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
-use raytracer::memory::{Bytes, Text};
+use raytracer::memory::Bytes;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
@@ -24,7 +24,6 @@ use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, 
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
-use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -181,15 +180,13 @@ pub fn render(
 
 impl Rendered {
     /// What there is to print.
-    pub fn text(&self, options: &Options) -> io::Result<String> {
+    pub fn text(&self, options: &Options) -> String {
         let blocks: [Option<&dyn Display>; 3] = [
             options.stats.then_some(&self.report),
             self.costs.as_ref().map(|costs| costs as _),
             self.pixel.as_ref().map(|pixel| pixel as _),
         ];
-        let mut text = Text::default();
-        blocks.into_iter().flatten().try_for_each(|block| write!(text, "{block}"))?;
-        text.into_string()
+        blocks.into_iter().flatten().map(ToString::to_string).collect()
     }
 }
 

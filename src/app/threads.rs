@@ -1,9 +1,8 @@
 //! The threads of a run: as many as are asked for, or as the machine has cores.
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
-use raytracer::memory::{NoMemory, with_room};
+use raytracer::memory::{self, NoMemory};
 use raytracer::undisturbed::without_signals;
-use std::hint::black_box;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -147,7 +146,8 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
     let is_limited = count > 0 && memory_is_limited();
     let (running, is_running) = channel::<()>();
     for _ in 0..count {
-        if !has_room_for_stack() {
+        // Without it, the thread would end the program.
+        if memory::ask((STACK + BESIDE_STACK) as u64).is_err() {
             return refused(waiting, &NoMemory { bytes: (count * (STACK + BESIDE_STACK)) as u64 });
         }
         let (sender, receiver) = channel::<ThreadBuilder>();
@@ -166,11 +166,6 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
         }
     }
     Ok(waiting)
-}
-
-/// Whether there is memory for what a thread takes, without which it would end the program.
-fn has_room_for_stack() -> bool {
-    with_room::<u8>(STACK + BESIDE_STACK).map(black_box).is_ok()
 }
 
 /// Whether the system limits the addresses that the program may use.

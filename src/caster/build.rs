@@ -12,7 +12,7 @@ use crate::caster::reach::max_origin_distance;
 use crate::caster::tree::Tree;
 use crate::math::aabb::Aabb;
 use crate::world::World;
-use bytemuck::allocation::try_zeroed_vec;
+use bytemuck::allocation::zeroed_vec;
 
 /// The acceleration structure of the finite primitives.
 #[derive(Debug)]
@@ -61,14 +61,14 @@ impl AccelerationStructure {
         let mut structure = match layout {
             // A tree needs something to divide.
             Layout::List | Layout::Tree if layout == Layout::List || world.hittable_count() == 0 => {
-                Self::list(world, &bounds, true)
+                Ok(Self::list(world, &bounds, true))
             }
             Layout::List | Layout::Tree => Self::tree(world, &bounds),
             Layout::Grid(cells) => Self::grid(world, bounds, cells, CellRule::Exact),
-            Layout::Course(None) => Self::list(world, &bounds, false),
+            Layout::Course(None) => Ok(Self::list(world, &bounds, false)),
             Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, CellRule::Course),
         }?;
-        structure.blocks = try_zeroed_vec(structure.cells.block_count()).map_err(|()| GridTooLarge)?;
+        structure.blocks = zeroed_vec(structure.cells.block_count());
         structure.cells.fill(world, &mut structure.blocks);
         Ok(structure)
     }
@@ -96,9 +96,8 @@ impl AccelerationStructure {
     }
 
     /// A list of all finite primitives of a world with these bounds, or only of those that rays may hit.
-    fn list(world: &World, bounds: &Aabb, hittable: bool) -> Result<Self, GridTooLarge> {
-        let cells = CellContents::all(world, Frame::new(bounds), hittable)?;
-        Ok(Self::over(bounds, Order::List, cells))
+    fn list(world: &World, bounds: &Aabb, hittable: bool) -> Self {
+        Self::over(bounds, Order::List, CellContents::all(world, Frame::new(bounds), hittable))
     }
 
     fn tree(world: &World, bounds: &Aabb) -> Result<Self, GridTooLarge> {

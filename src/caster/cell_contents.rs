@@ -5,13 +5,12 @@
 
 use crate::caster::blocks::triangle8::{Block, BlockIndex, Frame, LANES, NONE};
 use crate::caster::error::GridTooLarge;
-use crate::caster::grid::cell_lists::{CellLists, filled_with, with_room_for};
+use crate::caster::grid::cell_lists::CellLists;
 use crate::caster::grid::cell_table::EMPTY;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::tree::Leaves;
 use crate::memory;
 use crate::world::World;
-use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -45,14 +44,17 @@ impl CellContents {
     pub fn new(world: &World, lattice: &Lattice, cell_lists: &CellLists) -> Result<Self, GridTooLarge> {
         let triangles = world.triangles.len();
         let non_triangles = triangles..world.finite_count();
+        // The lists of the cells have taken some memory since.
+        lattice.ask_for_entries()?;
         // What `entries` holds changes with each step: lane counts, ends of lanes, starts of lanes, entries.
-        let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone())?;
-        let lanes = to_ends(lattice, &mut entries)?;
-        let mut indices = filled_with(BlockIndex::EMPTY, lanes / LANES)?;
+        let mut entries = counts(lattice, cell_lists, triangles, non_triangles.clone());
+        let blocks = to_ends(lattice, &mut entries)? / LANES;
+        ask_for_blocks(blocks)?;
+        let mut indices = vec![BlockIndex::EMPTY; blocks];
         scatter(cell_lists, triangles, &mut entries, &mut indices);
         let mut cells = Self::of_indices(indices, Frame::new(&lattice.bounds));
         cells.encode_entries(entries, lattice);
-        cells.add_non_triangles(cell_lists, non_triangles)?;
+        cells.add_non_triangles(cell_lists, non_triangles);
         Ok(cells)
     }
 
@@ -111,21 +113,19 @@ impl CellContents {
     }
 
     /// All primitives in a single cell, or only those that rays may hit.
-    pub fn all(world: &World, frame: Frame, hittable: bool) -> Result<Self, GridTooLarge> {
+    pub fn all(world: &World, frame: Frame, hittable: bool) -> Self {
         let triangles = world.triangles.len();
         let listed =
             if hittable { world.hittable_count() - (world.finite_count() - triangles) } else { triangles };
-        let mut indices = filled_with(BlockIndex::EMPTY, listed.div_ceil(LANES).max(1))?;
+        let mut indices = vec![BlockIndex::EMPTY; listed.div_ceil(LANES).max(1)];
         let lanes = indices.iter_mut().flat_map(|index| &mut index.ids);
         let ids = (0..triangles as u32).filter(|&id| !hittable || world.may_be_hit(id));
         lanes.zip(ids).for_each(|(lane, id)| *lane = id);
         let mut cells = Self::of_indices(indices, frame);
         let last = cells.block_count() - 1;
         let non_triangles = triangles..world.finite_count();
-        let mut by_block = with_room_for(non_triangles.len())?;
-        by_block.extend(non_triangles.map(|id| (last as u32, id as u32)));
-        cells.set_non_triangles(by_block)?;
-        Ok(cells)
+        cells.set_non_triangles(non_triangles.map(|id| (last as u32, id as u32)).collect());
+        cells
     }
 
     /// The number of references to primitives in these blocks.
@@ -137,10 +137,11 @@ impl CellContents {
     /// The leaves of a tree, a block for each.
     pub fn of_leaves(world: &World, Leaves { ids, frames }: &Leaves) -> Result<Self, GridTooLarge> {
         let (_, frame) = frames[0];
-        let mut cells = Self::of_indices(with_room_for(ids.len())?, frame);
+        ask_for_blocks(ids.len())?;
+        let mut cells = Self::of_indices(Vec::with_capacity(ids.len()), frame);
         for &(leaf, frame) in frames {
             if cells.frames.last().is_none_or(|(_, last)| *last != frame) {
-                memory::push(&mut cells.frames, (leaf, frame)).map_err(|_| GridTooLarge)?;
+                cells.frames.push((leaf, frame));
             }
         }
         for leaf in ids {
@@ -151,9 +152,7 @@ impl CellContents {
             if triangles < end {
                 let others = cells.non_triangles.len() as u32;
                 index.non_triangles = [others, others + (end - triangles) as u32];
-                for &id in &leaf[triangles..end] {
-                    memory::push(&mut cells.non_triangles, id).map_err(|_| GridTooLarge)?;
-                }
+                cells.non_triangles.extend_from_slice(&leaf[triangles..end]);
             }
             cells.indices.push(index);
         }
@@ -195,17 +194,14 @@ impl CellContents {
     }
 
     /// Adds the primitives that are not triangles, which have these ids.
-    fn add_non_triangles(
-        &mut self,
-        cell_lists: &CellLists,
-        non_triangles: Range<usize>,
-    ) -> Result<(), GridTooLarge> {
-        let mut by_block = with_room_for(non_triangles.clone().map(|i| cell_lists.cells_of(i).len()).sum())?;
+    fn add_non_triangles(&mut self, cell_lists: &CellLists, non_triangles: Range<usize>) {
+        let references = non_triangles.clone().map(|id| cell_lists.cells_of(id).len()).sum();
+        let mut by_block = Vec::with_capacity(references);
         for id in non_triangles {
             by_block.extend(cell_lists.cells_of(id).iter().map(|&cell| (self.last_block(cell), id as u32)));
         }
         by_block.sort_unstable();
-        self.set_non_triangles(by_block)
+        self.set_non_triangles(by_block);
     }
 
     /// The indices of the blocks of the cell with this entry, which must be that of a cell with blocks.
@@ -221,8 +217,8 @@ impl CellContents {
 
     /// Stores primitives that are not triangles, given as pairs of the cell's last block and the primitive's
     /// id in ascending order.
-    fn set_non_triangles(&mut self, by_block: Vec<(u32, u32)>) -> Result<(), GridTooLarge> {
-        self.non_triangles = with_room_for(by_block.len())?;
+    fn set_non_triangles(&mut self, by_block: Vec<(u32, u32)>) {
+        self.non_triangles.reserve_exact(by_block.len());
         let indices = &mut self.indices;
         for (&(block, id), i) in by_block.iter().zip(0..) {
             let index = &mut indices[block as usize];
@@ -232,8 +228,13 @@ impl CellContents {
             index.non_triangles[1] = i + 1;
             self.non_triangles.push(id);
         }
-        Ok(())
     }
+}
+
+/// Asks for the memory of so many blocks and of their indices.
+fn ask_for_blocks(count: usize) -> Result<(), GridTooLarge> {
+    let bytes = count * (size_of::<BlockIndex>() + size_of::<Block>());
+    memory::ask(bytes as u64).map_err(|_| GridTooLarge)
 }
 
 /// The number of lanes that each cell needs.
@@ -242,8 +243,8 @@ fn counts(
     cell_lists: &CellLists,
     triangles: usize,
     non_triangles: Range<usize>,
-) -> Result<Vec<u32>, GridTooLarge> {
-    let mut counts: Vec<u32> = try_zeroed_vec(lattice.index_count()).map_err(|()| GridTooLarge)?;
+) -> Vec<u32> {
+    let mut counts = vec![0u32; lattice.index_count()];
     for &cell in cell_lists.cells_below(triangles).flatten() {
         counts[cell as usize] += 1;
     }
@@ -251,7 +252,7 @@ fn counts(
     for &cell in non_triangles.flat_map(|id| cell_lists.cells_of(id)) {
         counts[cell as usize] = counts[cell as usize].max(1);
     }
-    Ok(counts)
+    counts
 }
 
 /// Upper bound on the end of a cell's lanes, so that the index of every block fits into an entry below

@@ -5,7 +5,7 @@
 
 use crate::caster::blocks::triangle8::{Frame, LANES, NONE};
 use crate::caster::error::GridTooLarge;
-use crate::caster::grid::cell_lists::{widened, with_room_for};
+use crate::caster::grid::cell_lists::widened;
 use crate::caster::ray_aabb::SimdAabb;
 use crate::caster::reach::max_origin_distance;
 use crate::caster::tree::box8::Box8;
@@ -75,14 +75,15 @@ impl Tree {
         let ids =
             (0..world.finite_count() as u32).filter(|&id| !world.is_triangle(id) || world.may_be_hit(id));
         let ids: Vec<u32> = ids.collect();
+        memory::ask(least_bytes(ids.len())).map_err(|_| GridTooLarge)?;
         let tree = Self { root: 0, nodes: vec![], small: vec![] };
         let mut growing = Growing { tree, leaves: Leaves { ids: vec![], frames: vec![(0, *frame)] }, world };
-        let mut items = growing.items(&ids, frame)?;
+        let mut items = growing.items(&ids, frame);
         let ItemRun { items, bounds, is_small, .. } = ItemRun::new(&mut items);
         growing.tree.root = match items.len() {
-            0..=LANES => growing.add_single_leaf(items, bounds)?,
-            _ if is_small => growing.add_small(items, frame, 0)?,
-            _ => growing.add_tree(items, frame, 0)?,
+            0..=LANES => growing.add_single_leaf(items, bounds),
+            _ if is_small => growing.add_small(items, frame, 0),
+            _ => growing.add_tree(items, frame, 0),
         };
         let fits = growing.tree.nodes.len() <= SMALL as usize && growing.leaves.ids.len() <= SMALL as usize;
         if fits { Ok((growing.tree, growing.leaves)) } else { Err(GridTooLarge) }
@@ -108,6 +109,12 @@ impl Tree {
     }
 }
 
+/// The memory that a tree of so many primitives takes at least while it is built: if all leaves are full.
+fn least_bytes(count: usize) -> u64 {
+    let per_leaf = LANES * size_of::<Item>() + 2 * size_of::<Half>() + size_of::<[u32; LANES]>();
+    (count / LANES * per_leaf) as u64
+}
+
 /// A tree that is being built.
 struct Growing<'w> {
     tree: Tree,
@@ -117,81 +124,73 @@ struct Growing<'w> {
 
 impl Growing<'_> {
     /// Adds a node with nothing but a leaf.
-    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Result<Branch, GridTooLarge> {
+    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Branch {
         let mut node = Box8::EMPTY;
-        node.set(0, [bounds.min, bounds.max], self.add_leaf(items)?);
+        node.set(0, [bounds.min, bounds.max], self.add_leaf(items));
         self.push_node(node)
     }
 
-    fn add_leaf(&mut self, items: &[Item]) -> Result<Branch, GridTooLarge> {
+    fn add_leaf(&mut self, items: &[Item]) -> Branch {
         let mut ids = [NONE; LANES];
         ids.iter_mut().zip(items).for_each(|(id, item)| *id = item.id);
         ids.sort_unstable();
-        memory::push(&mut self.leaves.ids, ids).map_err(|_| GridTooLarge)?;
-        Ok(LEAF | (self.leaves.ids.len() as u32 - 1))
+        self.leaves.ids.push(ids);
+        LEAF | (self.leaves.ids.len() as u32 - 1)
     }
 
-    fn add_small(&mut self, items: &[Item], outer: &Frame, level: usize) -> Result<Branch, GridTooLarge> {
+    fn add_small(&mut self, items: &[Item], outer: &Frame, level: usize) -> Branch {
         let boxes = items.iter().map(|item| self.world.box_of(item.id));
         let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
         let frame = Frame::new(&bounds);
-        self.set_frame(frame)?;
+        self.set_frame(frame);
         let ids: Vec<u32> = items.iter().map(|item| item.id).collect();
-        let mut items = self.items(&ids, &frame)?;
-        let branch = self.add_tree(&mut items, &frame, level + LEVELS_OF_SMALL)?;
+        let mut items = self.items(&ids, &frame);
+        let branch = self.add_tree(&mut items, &frame, level + LEVELS_OF_SMALL);
         let small = Small {
             branch,
             simd_bounds: SimdAabb::new(&bounds),
             frame,
             max_origin_distance: max_origin_distance(&bounds, f64::INFINITY),
         };
-        self.set_frame(*outer)?;
-        memory::push(&mut self.tree.small, small).map_err(|_| GridTooLarge)?;
-        Ok(SMALL | (self.tree.small.len() as u32 - 1))
+        self.set_frame(*outer);
+        self.tree.small.push(small);
+        SMALL | (self.tree.small.len() as u32 - 1)
     }
 
     /// Sets the frame of the leaves that follow.
-    fn set_frame(&mut self, frame: Frame) -> Result<(), GridTooLarge> {
-        memory::push(&mut self.leaves.frames, (self.leaves.ids.len(), frame)).map_err(|_| GridTooLarge)
+    fn set_frame(&mut self, frame: Frame) {
+        self.leaves.frames.push((self.leaves.ids.len(), frame));
     }
 
     /// Adds the nodes of more items than fit into a leaf, below so many levels.
-    fn add_tree(&mut self, items: &mut [Item], frame: &Frame, level: usize) -> Result<Branch, GridTooLarge> {
-        let tree = BinaryTree::new(items, level).map_err(|_| GridTooLarge)?;
+    fn add_tree(&mut self, items: &mut [Item], frame: &Frame, level: usize) -> Branch {
+        let tree = BinaryTree::new(items, level);
         self.add_node(&tree, tree.root(), items, frame)
     }
 
-    fn add_node(
-        &mut self,
-        tree: &BinaryTree,
-        half: &Half,
-        items: &[Item],
-        frame: &Frame,
-    ) -> Result<Branch, GridTooLarge> {
-        let index = self.push_node(Box8::EMPTY)?;
+    fn add_node(&mut self, tree: &BinaryTree, half: &Half, items: &[Item], frame: &Frame) -> Branch {
+        let index = self.push_node(Box8::EMPTY);
         for (lane, child) in tree.children(half).into_iter().enumerate() {
             let own = &items[child.items.clone()];
             let branch = match child.content {
-                BranchContent::Leaf => self.add_leaf(own)?,
-                BranchContent::Small { level } => self.add_small(own, frame, level)?,
-                BranchContent::Halves(_) => self.add_node(tree, child, items, frame)?,
+                BranchContent::Leaf => self.add_leaf(own),
+                BranchContent::Small { level } => self.add_small(own, frame, level),
+                BranchContent::Halves(_) => self.add_node(tree, child, items, frame),
             };
             let Bounds { min, max } = child.bounds;
             self.tree.nodes[index as usize].set(lane, [min, max], branch);
         }
-        Ok(index)
+        index
     }
 
-    fn push_node(&mut self, node: Box8) -> Result<Branch, GridTooLarge> {
-        memory::push(&mut self.tree.nodes, node).map_err(|_| GridTooLarge)?;
-        Ok(self.tree.nodes.len() as u32 - 1)
+    fn push_node(&mut self, node: Box8) -> Branch {
+        self.tree.nodes.push(node);
+        self.tree.nodes.len() as u32 - 1
     }
 
     /// Some primitives in the coordinates of a frame.
-    fn items(&self, ids: &[u32], frame: &Frame) -> Result<Vec<Item>, GridTooLarge> {
-        let mut items = with_room_for(ids.len())?;
-        ids.par_iter().map(|&id| Item::new(frame, &self.world.box_of(id), id)).collect_into_vec(&mut items);
-        Ok(items)
+    fn items(&self, ids: &[u32], frame: &Frame) -> Vec<Item> {
+        ids.par_iter().map(|&id| Item::new(frame, &self.world.box_of(id), id)).collect()
     }
 }
 

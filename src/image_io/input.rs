@@ -3,6 +3,7 @@
 use super::Format;
 use super::error::ImageError;
 use super::writer::TGA_HEADER;
+use crate::memory::with_room;
 use crate::picture::{BadSize, CHANNELS, Picture};
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
@@ -201,8 +202,7 @@ impl TgaHeader {
 /// A list of zeros; none if there is not enough memory.
 fn zeros(length: u64) -> Option<Vec<u8>> {
     let length = usize::try_from(length).ok()?;
-    let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length).ok()?;
+    let mut bytes = with_room(length).ok()?;
     bytes.resize(length, 0);
     Some(bytes)
 }

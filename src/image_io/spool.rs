@@ -2,13 +2,12 @@
 
 use super::complete_file::nameless_file;
 use super::part_file::RowSource;
-use crate::memory::{make_room, with_room};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Seek, Write};
 use std::path::PathBuf;
 
-/// Bytes in memory or, if there are more than [`IN_MEMORY`] or than there is memory for, in a temporary file
-/// without a name, which the system removes however the program ends.
+/// Bytes in memory or, if there are more than [`IN_MEMORY`], in a temporary file without a name, which the system
+/// removes however the program ends.
 #[derive(Debug)]
 pub(super) struct Spool {
     memory: Vec<u8>,
@@ -28,8 +27,7 @@ const BUFFER_SIZE: usize = 1 << 18;
 impl Spool {
     /// An empty spool that is expected to hold this number of bytes.
     pub fn new(folder: PathBuf, expected: usize) -> Self {
-        let memory = with_room(expected.min(IN_MEMORY)).unwrap_or_default();
-        Self { memory, file: None, folder, reversed: None }
+        Self { memory: Vec::with_capacity(expected.min(IN_MEMORY)), file: None, folder, reversed: None }
     }
 
     /// Says that a header of this many bytes precedes rows of this many bytes each, of which the last is to be
@@ -98,8 +96,7 @@ impl Write for Spool {
         if let Some(file) = &mut self.file {
             return file.write(bytes);
         }
-        let fits = self.memory.len() + bytes.len() <= IN_MEMORY;
-        if !fits || make_room(&mut self.memory, bytes.len()).is_err() {
+        if self.memory.len() + bytes.len() > IN_MEMORY {
             let mut file = BufWriter::with_capacity(BUFFER_SIZE, nameless_file(&self.folder)?);
             file.write_all(&std::mem::take(&mut self.memory))?;
             return self.file.insert(file).write(bytes);

@@ -2,7 +2,7 @@
 
 use super::camera_block::camera_block;
 use super::http::{Answer, Refusal};
-use super::limits::{MAX_PICTURE_FILE, MAX_QUESTION, MAX_SIDE};
+use super::limits::{BYTES_PER_PIXEL, MAX_PICTURE_FILE, MAX_QUESTION, MAX_SIDE};
 use super::objects::ObjectMap;
 use super::painter::{Painted, Painter, Subject, Unpainted};
 use super::questions::{Edited, PageView, TracedPixel, Wanted};
@@ -14,6 +14,7 @@ use super::settings::{Most, command_line};
 use super::stage::{OpenScene, Stage};
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
+use crate::memory;
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing};
 use crate::scene::Camera;
@@ -231,6 +232,8 @@ impl App {
     fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
         let options = self.most.options(&view.words).map_err(impossible)?;
+        let pixels = options.size.iter().map(|&side| side as u64).product::<u64>();
+        memory::ask(pixels * BYTES_PER_PIXEL).map_err(|error| impossible(error.to_string()))?;
         let camera = view.camera.as_deref().map(read_camera).transpose()?;
         Ok(Subject { scene, options, camera, cost: view.show.cost(), sketch: None })
     }

@@ -38,3 +38,10 @@ pub const MAX_PRIMITIVES: usize = 2_000_000;
 pub const MAX_MESHES: usize = 32;
 /// The bytes of such a file.
 pub const MAX_MESH_FILE: u64 = 1 << 28;
+
+/// The memory in bytes that a picture takes for each pixel, a scene for each primitive, and a grid for each primitive in a
+/// cell while it is built, with something to spare.
+/// What one request takes is asked for beforehand, so that too little of it does not end the program for all pages.
+pub const BYTES_PER_PIXEL: u64 = 64;
+pub const BYTES_PER_PRIMITIVE: u64 = 256;
+pub const BYTES_PER_REFERENCE: u64 = 8;

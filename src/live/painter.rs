@@ -2,16 +2,20 @@
 //!
 //! A thread keeps the scene that was painted last prepared, so that the next picture of it starts at once.
 
-use super::limits::PICTURE_TIME;
+use super::limits::{BYTES_PER_REFERENCE, PICTURE_TIME};
 use super::stage::OpenScene;
 use crate::caster::GridTooLarge;
-use crate::caster::choose::{Rays, Structure};
+use crate::caster::choose::{Rays, Resolution, Structure};
+use crate::caster::grid::Lattice;
+use crate::caster::grid::insertion::{bounds_of, most_references};
 use crate::cli::Options;
+use crate::memory;
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::{Cost, Layer, Progress, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene::{Camera, Color};
 use crate::tools::explain::{CostMap, CostReport};
+use crate::world::World;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -222,6 +226,9 @@ fn prepare<'r>(
     purpose: Purpose,
     whole: &Request,
 ) -> Result<Prepared<'r>, GridTooLarge> {
+    if let Structure::Grid(Resolution::Cells(cells)) = purpose.structure {
+        ask_for_references(renderer.world(), cells)?;
+    }
     let tracing = if purpose.counts { Tracing::Counted } else { Tracing::Fast };
     match purpose.structure {
         Structure::Grid(grid) if purpose.shows_cells => {
@@ -233,6 +240,13 @@ fn prepare<'r>(
         }
         structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
     }
+}
+
+/// Asks for the memory of the primitives in these cells, if there are as many as there may be. Nothing else that a grid
+/// takes is unknown before it is built.
+fn ask_for_references(world: &World, cells: [usize; 3]) -> Result<(), GridTooLarge> {
+    let most = most_references(world, &Lattice::new(bounds_of(world), cells));
+    memory::ask(most.saturating_mul(BYTES_PER_REFERENCE)).map_err(|_| GridTooLarge)
 }
 
 /// The request for a picture or its sketch.

@@ -1,9 +1,10 @@
 //! The scenes that are open: the one of the command line, and those that were typed in last.
 
-use super::limits::{MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mesh::{Mesh, parse_obj};
+use crate::scene::mesh::{Mesh, memory_for, parse_obj};
 use crate::scene::{MeshFile, Object};
 use crate::scene_io::{self, FoundMesh, LoadError, LoadedScene, Source};
 use rayon::ThreadPool;
@@ -97,10 +98,12 @@ impl Stage {
             Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
         let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
-        if primitives(&loaded) > MAX_PRIMITIVES {
-            let problem = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
-            return Err(vec![SceneMessage { at: None, problem, hint: None }]);
+        let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
+        let count = primitives(&loaded);
+        if count > MAX_PRIMITIVES {
+            return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
         }
+        memory::ask(count as u64 * BYTES_PER_PRIMITIVE).map_err(|error| refused(error.to_string()))?;
         Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)
     }
 }
@@ -146,6 +149,7 @@ fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
     if !found.is_file() || found.len() > MAX_MESH_FILE {
         return Err(refused(name, "it is no file, or too large".into()));
     }
+    memory::ask(memory_for(found.len())).map_err(Problem::Memory)?;
     let bytes = fs::read(&file).map_err(failed)?;
     parse_obj(&bytes).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
 }

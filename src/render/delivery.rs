@@ -3,12 +3,16 @@
 
 use super::Stopped;
 use super::tally::Tally;
-use crate::memory::{self, NoMemory};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// How many rows per thread may be on their way: so few that they take little memory, and so many that threads seldom
 /// wait for a row that takes long.
 const ROWS_PER_THREAD: usize = 64;
+
+/// How many of this number of rows are in memory at the same time, at most.
+pub fn most_at_once(rows: usize) -> usize {
+    rows.min(ROWS_PER_THREAD * rayon::current_num_threads())
+}
 
 /// Traces this number of rows in parallel, and hands them out one after the other. Returns how many have been handed
 /// out: all, unless the watch cancels the render.
@@ -19,13 +23,12 @@ const ROWS_PER_THREAD: usize = 64;
 pub fn in_order<T: Send>(
     rows: usize,
     tally: &Tally,
-    trace: impl Fn(usize, Option<T>) -> Result<T, NoMemory> + Sync,
+    trace: impl Fn(usize, Option<T>) -> T + Sync,
     hand_out: impl FnMut(&mut T) -> Result<(), Stopped> + Send,
 ) -> Result<usize, Stopped> {
     let threads = rayon::current_num_threads();
-    let places = memory::collected((0..rows.min(ROWS_PER_THREAD * threads)).map(|_| None))?;
-    // No more rows are made than there are places.
-    let (used, hand_out) = (memory::with_room(places.len())?, Some(hand_out));
+    let places = (0..most_at_once(rows)).map(|_| None).collect();
+    let (used, hand_out) = (vec![], Some(hand_out));
     let progress =
         Progress { rows, taken: 0, handed_out: 0, places, used, hand_out, waiting: 0, failure: None };
     let delivery = Delivery { progress: Mutex::new(progress), goes_on: Condvar::new() };
@@ -86,13 +89,10 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
 
     /// Keeps a row that is traced until it is due. If it is due, hands it out with those after it, unless another
     /// thread is about to do so.
-    fn put(&self, row: usize, traced: Result<T, NoMemory>) {
+    fn put(&self, row: usize, traced: T) {
         let mut progress = self.progress();
         let place = row % progress.places.len();
-        match traced {
-            Ok(traced) => progress.places[place] = Some(traced),
-            Err(refused) => return self.fail(progress, refused.into()),
-        }
+        progress.places[place] = Some(traced);
         let Some(mut hand_out) = progress.hand_out.take() else { return };
         while let Some(mut due) = progress.due() {
             drop(progress);
@@ -100,7 +100,8 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
             progress = self.progress();
             progress.used.push(due);
             if let Err(failure) = result {
-                return self.fail(progress, failure);
+                progress.failure = Some(failure);
+                return self.end(progress);
             }
             progress.handed_out += 1;
             if progress.waiting > 0 {
@@ -109,11 +110,6 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
             }
         }
         progress.hand_out = Some(hand_out);
-    }
-
-    fn fail(&self, mut progress: MutexGuard<Progress<T, H>>, failure: Stopped) {
-        progress.failure = Some(failure);
-        self.end(progress);
     }
 }
 

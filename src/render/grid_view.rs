@@ -5,7 +5,6 @@
 //! here.
 
 use crate::caster::GridTooLarge;
-use crate::caster::grid::cell_lists::filled_with;
 use crate::caster::grid::dda::Dda;
 use crate::caster::grid::touched_cells::TouchedCells;
 use crate::caster::grid::{Lattice, voxelize};
@@ -49,48 +48,48 @@ impl Occupancy {
         cells: [usize; 3],
     ) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
-        lattice.fits()?;
-        let mut counts = filled_with(BORDER, lattice.index_count())?;
+        lattice.ask_for_entries()?;
+        let mut counts = vec![BORDER; lattice.index_count()];
         let [nx, ny, nz] = cells;
         for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
             counts[lattice.index([0, j, k])..][..nx].fill(0);
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            let mut touched = TouchedCells::default();
-            for placement in placements(scene) {
-                occupancy.insert(&placement.map_err(|_| GridTooLarge)?, meshes, &mut touched)?;
-            }
+            placements(scene).for_each(|placement| occupancy.insert(&placement, meshes));
         }
         Ok(occupancy)
     }
 
-    fn insert(
-        &mut self,
-        placement: &Placement,
-        meshes: &[Mesh],
-        touched: &mut TouchedCells,
-    ) -> Result<(), GridTooLarge> {
+    fn insert(&mut self, placement: &Placement, meshes: &[Mesh]) {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
-        let mut insert_box = |bounds: Aabb| voxelize::of_box(&self.lattice, &bounds, TOUCH, touched);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, touched)
+                let mut touched = TouchedCells::default();
+                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
+                touched.indices.iter().for_each(|&index| self.counts[index as usize] += 1);
             }
-            Object::Triangle { vertices, .. } => insert_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => insert_box(Aabb::around(Aabb { min, max }.corners().map(map))),
+            Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
+            Object::Box { min, max, .. } => {
+                self.insert_box(Aabb::around(Aabb { min, max }.corners().map(map)));
+            }
             Object::Mesh { mesh, .. } => {
                 let Mesh { vertices, triangles } = &meshes[mesh];
                 let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-                triangles.iter().try_for_each(|triangle| insert_box(Aabb::around(corners(triangle))))
+                triangles.iter().for_each(|triangle| self.insert_box(Aabb::around(corners(triangle))));
             }
-            _ => placement
-                .object
-                .shape_box()
-                .map_or(Ok(()), |of_object| insert_box(placement.course_box(of_object))),
-        }?;
-        touched.indices.drain(..).for_each(|index| self.counts[index as usize] += 1);
-        Ok(())
+            _ => {
+                if let Some(of_object) = placement.object.shape_box() {
+                    self.insert_box(placement.course_box(of_object));
+                }
+            }
+        }
+    }
+
+    fn insert_box(&mut self, bounds: Aabb) {
+        for run in voxelize::runs_of_box(&self.lattice, &bounds, TOUCH) {
+            self.counts[run].iter_mut().for_each(|count| *count += 1);
+        }
     }
 
     /// The face of the first occupied cell along the ray.

@@ -59,7 +59,7 @@ pub enum Stopped {
     },
     /// The callback that takes the rows ended it.
     Output,
-    /// The system has too little memory for the rows in progress.
+    /// The system has too little memory for the rows that are in memory at the same time.
     Memory(NoMemory),
 }
 
@@ -99,9 +99,11 @@ pub fn render(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
+    // No strip takes more than the first.
+    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let tally = Tally::new(rows.len(), watch);
     let mut counts = Counts::default();
     let mut end = rows.end;
@@ -124,7 +126,7 @@ pub fn strata(
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    setting.strata(settings, &tracer.rows(0..0), pixel).unwrap_or_default()
+    setting.strata(settings, &tracer.rows(0..0), pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
@@ -178,7 +180,7 @@ fn render_filter(
                 0.5 * Color::Z
             }
         };
-        if take_row(&memory::collected((0..width * zoom + 1).map(color))?).is_break() {
+        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
             return Err(Stopped::Output);
         }
     }

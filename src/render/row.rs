@@ -5,7 +5,6 @@ use super::request::{Request, View};
 use super::tracing::{RowTracer, Tracing};
 use crate::caster::Caster;
 use crate::math::ray::Ray;
-use crate::memory::{self, NoMemory};
 use crate::render::grid_view::Face;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, SamplePlace, Wanted};
 use crate::sampling::spread::Spread;
@@ -52,6 +51,12 @@ impl RenderSetting<'_> {
         painter.row
     }
 
+    /// The number of colours of all layers that a row of pixels has.
+    pub fn colors_per_row(&self) -> usize {
+        let width = self.request.columns().len();
+        self.request.layers.iter().map(|layer| layer.colors_per_row(width)).sum()
+    }
+
     /// The columns whose samples contribute to the row.
     fn columns(&self) -> Range<usize> {
         let RenderSetting { request, .. } = *self;
@@ -76,23 +81,23 @@ impl RenderSetting<'_> {
     }
 
     /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
-    pub fn empty_row(&self, j: usize, used: Option<Row>) -> Result<Row, NoMemory> {
+    pub fn empty_row(&self, j: usize, used: Option<Row>) -> Row {
         let RenderSetting { request, .. } = *self;
         if let Some(row) = used.and_then(|used| used.emptied(j)) {
-            return Ok(row);
+            return row;
         }
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
-            (true, 0) => Colors::Finished(memory::with_room(request.columns().len())?),
+            (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
             (true, _) => {
-                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size)?)
+                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
             }
         };
         let layers = request.layers.iter().map(|layer| match layer {
-            Layer::Color | Layer::Filter { .. } => Ok(vec![]),
-            _ => memory::with_room(layer.colors_per_row(request.columns().len())),
+            Layer::Color | Layer::Filter { .. } => vec![],
+            _ => Vec::with_capacity(layer.colors_per_row(request.columns().len())),
         });
-        Ok(Row { j, counts: Counts::default(), colors, layers: layers.collect::<Result<_, _>>()? })
+        Row { j, counts: Counts::default(), colors, layers: layers.collect() }
     }
 }
 

@@ -11,7 +11,6 @@ use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
 use super::{Stopped, TakeRow, delivery};
-use crate::memory::{self, NoMemory};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
@@ -55,10 +54,9 @@ struct Finished {
 impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
-        let Request { layers, sampler, adaptive, .. } = setting.request;
+        let Request { sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
-        let colors: usize = layers.iter().map(|layer| layer.colors_per_row(width)).sum();
-        let rows = MEMORY / (colors * size_of::<Color>()).max(1);
+        let rows = MEMORY / (setting.colors_per_row() * size_of::<Color>()).max(1);
         // There are more if rows around the strip are traced and discarded, so that they are a small part of
         // the work.
         let support = setting.request.support();
@@ -88,7 +86,7 @@ impl<'a> Strip<'a> {
         let Range { start, end } = self.traced();
         let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
         if Self::hands_out_at_once(request) {
-            let finished = self.finish(&tracer, tally)?;
+            let finished = self.finish(&tracer, tally);
             return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
         }
         self.hand_out_one_by_one(&tracer, tally, take_row)
@@ -104,7 +102,7 @@ impl<'a> Strip<'a> {
         let RenderSetting { request, .. } = *self.setting;
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
-            self.row(self.setting.empty_row(j, used)?, tracer, None, tally)
+            self.row(self.setting.empty_row(j, used), tracer, None, tally)
         };
         let mut counts = Counts::default();
         let hand_out_row = |row: &mut Row| {
@@ -130,100 +128,99 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    fn finish(&self, tracer: &RowsTracer, tally: &Tally) -> Result<Option<Finished>, NoMemory> {
+    fn finish(&self, tracer: &RowsTracer, tally: &Tally) -> Option<Finished> {
         let Request { filter, size, .. } = *self.setting.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished = Finished {
-            counts: Counts::default(),
-            rows: memory::filled(Default::default(), self.rows.len())?,
-        };
+        let mut finished =
+            Finished { counts: Counts::default(), rows: vec![Default::default(); self.rows.len()] };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in self.trace(rows, tracer, tally)? {
-                let Some(row) = row else { return Ok(None) };
-                finished.take(row, self, &mut film)?;
+            for row in self.trace(rows, tracer, tally) {
+                finished.take(row?, self, &mut film);
             }
         }
-        Ok(Some(finished))
+        Some(finished)
     }
 
     /// The number of rows that are traced before they are added to the film: at least one for each thread. Adaptive
     /// samples are traced in as many rows at once as the memory allows, since those beside them are traced as well.
     fn rows_in_flight(&self) -> usize {
-        let Request { filter, size, .. } = *self.setting.request;
         let threads = rayon::current_num_threads();
-        let spread = if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) };
-        let (first, most) = match self.setting.request.adaptive {
-            Some(_) => (BYTES_PER_PIXEL, usize::MAX),
-            None => (0, ROWS_IN_FLIGHT_PER_THREAD * threads),
+        let most = match self.setting.request.adaptive {
+            Some(_) => usize::MAX,
+            None => ROWS_IN_FLIGHT_PER_THREAD * threads,
         };
-        (MEMORY_IN_FLIGHT / (spread + (32 + first) * size[0])).min(most).max(threads).max(1)
+        (MEMORY_IN_FLIGHT / self.bytes_in_flight()).min(most).max(threads).max(1)
+    }
+
+    /// The memory of a row in progress, in bytes.
+    fn bytes_in_flight(&self) -> usize {
+        let Request { size, adaptive, .. } = *self.setting.request;
+        self.bytes_of_sums() + (32 + adaptive.map_or(0, |_| BYTES_PER_PIXEL)) * size[0]
+    }
+
+    /// The memory of the sums of rows to which the samples of one row contribute, in bytes.
+    fn bytes_of_sums(&self) -> usize {
+        let Request { filter, size, .. } = *self.setting.request;
+        if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) }
+    }
+
+    /// The memory of the rows that are in memory at the same time, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let finished = self.setting.colors_per_row() * size_of::<Color>();
+        let bytes = if Self::hands_out_at_once(self.setting.request) {
+            let in_flight = self.rows_in_flight().min(self.traced().len());
+            // The film has sums as well.
+            self.rows.len() * finished + in_flight * self.bytes_in_flight() + self.bytes_of_sums()
+        } else {
+            delivery::most_at_once(self.rows.len()) * finished
+        };
+        bytes as u64
     }
 
     /// Traces these rows; those are none that the watch cancels.
-    fn trace(
-        &self,
-        rows: Range<usize>,
-        tracer: &RowsTracer,
-        tally: &Tally,
-    ) -> Result<Vec<Option<Row>>, NoMemory> {
+    fn trace(&self, rows: Range<usize>, tracer: &RowsTracer, tally: &Tally) -> Vec<Option<Row>> {
         let RenderSetting { request, .. } = *self.setting;
         let (first, counted) = match request.adaptive {
             Some(_) if request.traces_colors(self.setting.tracing) => {
-                match self.trace_first(&rows, tracer, tally)? {
+                match self.trace_first(&rows, tracer, tally) {
                     Some(first) => first,
-                    None => return memory::collected(rows.map(|_| None)),
+                    None => return rows.map(|_| None).collect(),
                 }
             }
             _ => (vec![], vec![]),
         };
         let first_row = rows.start.saturating_sub(1);
         let trace = |j| {
-            let row = self.setting.empty_row(j, None)?;
+            let row = self.setting.empty_row(j, None);
             self.row(row, tracer, self.refinement(&first, first_row, j), tally)
         };
-        let mut traced = in_parallel(rows.clone(), tally, trace)?;
+        let mut traced = in_parallel(rows.clone(), tally, trace);
         for (row, counts) in traced.iter_mut().zip(counted.into_iter().skip(rows.start - first_row)) {
             if let Some(row) = row {
                 row.counts = row.counts.merge(counts);
             }
         }
-        Ok(traced)
+        traced
     }
 
     /// Traces a row.
-    fn row(
-        &self,
-        empty: Row,
-        tracer: &RowsTracer,
-        refinement: Option<Refinement>,
-        tally: &Tally,
-    ) -> Result<Row, NoMemory> {
+    fn row(&self, empty: Row, tracer: &RowsTracer, refinement: Option<Refinement>, tally: &Tally) -> Row {
         let is_shown = self.rows.contains(&empty.j);
         let row = self.setting.row(empty, tracer.row(), is_shown, refinement);
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }
-        Ok(row)
+        row
     }
 
     /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
-    fn trace_first(
-        &self,
-        rows: &Range<usize>,
-        tracer: &RowsTracer,
-        tally: &Tally,
-    ) -> Result<Option<FirstOfRows>, NoMemory> {
+    fn trace_first(&self, rows: &Range<usize>, tracer: &RowsTracer, tally: &Tally) -> Option<FirstOfRows> {
         let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all.clone(), tally, |j| self.setting.first_samples(tracer.row(), j))?;
-        let (mut first, mut counted) = (memory::with_room(all.len())?, memory::with_room(all.len())?);
-        for row in traced {
-            let Some((samples, counts)) = row else { return Ok(None) };
-            first.push(samples);
-            counted.push(counts);
-        }
-        Ok(Some((first, counted)))
+        let traced = in_parallel(all, tally, |j| self.setting.first_samples(tracer.row(), j));
+        let traced: Option<Vec<_>> = traced.into_iter().collect();
+        Some(traced?.into_iter().unzip())
     }
 
     /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
@@ -242,7 +239,7 @@ impl<'a> Strip<'a> {
 }
 
 impl Finished {
-    fn take(&mut self, row: Row, strip: &Strip, film: &mut Film) -> Result<(), NoMemory> {
+    fn take(&mut self, row: Row, strip: &Strip, film: &mut Film) {
         let RenderSetting { request, .. } = *strip.setting;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
@@ -250,19 +247,17 @@ impl Finished {
             self.rows[i].1 = row.layers;
         }
         match row.colors {
-            Colors::Unwanted => Ok(()),
+            Colors::Unwanted => {}
             Colors::Finished(colors) => {
                 if let Some(i) = index(row.j) {
                     self.rows[i].0 = colors;
                 }
-                Ok(())
             }
             Colors::Spread(spread) => film.add(spread, |j, colors| {
-                let Some(i) = index(j) else { return Ok(()) };
-                let columns = request.columns();
-                self.rows[i].0 = memory::with_room(columns.len())?;
-                self.rows[i].0.extend(colors.skip(columns.start).take(columns.len()));
-                Ok(())
+                if let Some(i) = index(j) {
+                    let columns = request.columns();
+                    self.rows[i].0 = colors.skip(columns.start).take(columns.len()).collect();
+                }
             }),
         }
     }

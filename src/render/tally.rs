@@ -1,7 +1,6 @@
 //! How far a render has come, and the threads that trace its rows.
 
 use super::{Progress, Watch};
-use crate::memory::{self, NoMemory};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -38,26 +37,20 @@ impl<'a> Tally<'a> {
 }
 
 /// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top,
-/// so that what is done until the render is cancelled are the topmost rows; the other results are none. The work ends
-/// where there is no memory for it.
+/// so that what is done until the render is cancelled are the topmost rows; the other results are none.
 pub fn in_parallel<T: Send>(
     rows: Range<usize>,
     tally: &Tally,
-    work: impl Fn(usize) -> Result<T, NoMemory> + Sync,
-) -> Result<Vec<Option<T>>, NoMemory> {
-    let nothing = memory::collected(rows.clone().map(|_| None))?;
-    let (taken, done, refused) = (AtomicUsize::new(0), Mutex::new(nothing), Mutex::new(None));
+    work: impl Fn(usize) -> T + Sync,
+) -> Vec<Option<T>> {
+    let nothing = rows.clone().map(|_| None).collect::<Vec<_>>();
+    let (taken, done) = (AtomicUsize::new(0), Mutex::new(nothing));
     let take_rows = || {
-        let mut own = Vec::new();
+        let mut own = vec![];
         while !tally.is_cancelled() {
             let from_top = taken.fetch_add(1, Ordering::Relaxed);
             let Some(index) = rows.len().checked_sub(from_top + 1) else { break };
-            let result = work(rows.start + index);
-            if let Err(error) = result.and_then(|result| memory::push(&mut own, (index, result))) {
-                // No thread takes another row.
-                taken.store(rows.len(), Ordering::Relaxed);
-                *refused.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-            }
+            own.push((index, work(rows.start + index)));
         }
         let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
         own.into_iter().for_each(|(index, result)| done[index] = Some(result));
@@ -66,8 +59,5 @@ pub fn in_parallel<T: Send>(
         (1..rayon::current_num_threads().min(rows.len())).for_each(|_| scope.spawn(|_| take_rows()));
         take_rows();
     });
-    match refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(refused) => Err(refused),
-        None => Ok(done.into_inner().unwrap_or_else(PoisonError::into_inner)),
-    }
+    done.into_inner().unwrap_or_else(PoisonError::into_inner)
 }

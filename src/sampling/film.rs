@@ -8,7 +8,6 @@
 use super::filter::Filter;
 use super::spread::Spread;
 use super::sum::Sum;
-use crate::memory::{self, NoMemory};
 use crate::scene::Color;
 use std::collections::VecDeque;
 
@@ -41,13 +40,13 @@ impl Film {
     pub fn add(
         &mut self,
         mut spread: Spread,
-        mut finish: impl FnMut(usize, &mut dyn Iterator<Item = Color>) -> Result<(), NoMemory>,
-    ) -> Result<(), NoMemory> {
+        mut finish: impl FnMut(usize, &mut dyn Iterator<Item = Color>),
+    ) {
         let [_, height] = self.size;
         for (row, sums) in spread.sums() {
             match self.open.get_mut(row - self.finished) {
                 Some(open) => open.iter_mut().zip(sums).for_each(|(a, b)| a.join(*b)),
-                None => self.open.push_back(memory::copied(sums)?),
+                None => self.open.push_back(sums.to_vec()),
             }
         }
         let is_last = spread.row() + 1 == height;
@@ -55,10 +54,9 @@ impl Film {
             if is_last { height } else { (spread.row() + 1).saturating_sub(self.filter.support()) };
         while self.finished < complete {
             let Some(sums) = self.open.pop_front() else { break };
-            finish(self.finished, &mut sums.iter().map(Sum::color))?;
+            finish(self.finished, &mut sums.iter().map(Sum::color));
             self.finished += 1;
         }
-        Ok(())
     }
 }
 
@@ -77,14 +75,13 @@ mod tests {
         let mut film = Film::new(filter, [width, height]);
         let mut picture = vec![];
         for y in 0..height {
-            let mut spread = Spread::new(filter, Instructions::Portable, y, [width, height]).unwrap();
+            let mut spread = Spread::new(filter, Instructions::Portable, y, [width, height]);
             (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y), 1.0));
             let mut finish = |row: usize, colors: &mut dyn Iterator<Item = Color>| {
                 assert_eq!(row, picture.len());
                 picture.push(colors.collect());
-                Ok(())
             };
-            film.add(spread, &mut finish).unwrap();
+            film.add(spread, &mut finish);
         }
         assert_eq!(picture.len(), height);
         picture
@@ -122,14 +119,11 @@ mod tests {
     fn a_pixel_without_weighted_samples_is_black() {
         let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
         let filter = Filter::Box { radius: 0.1 };
-        let mut spread = Spread::new(filter, Instructions::Portable, 0, [1, 1]).unwrap();
+        let mut spread = Spread::new(filter, Instructions::Portable, 0, [1, 1]);
         spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
         let mut finished = vec![];
-        let mut finish = |_: usize, colors: &mut dyn Iterator<Item = Color>| {
-            finished.extend(colors);
-            Ok(())
-        };
-        film.add(spread, &mut finish).unwrap();
+        let mut finish = |_: usize, colors: &mut dyn Iterator<Item = Color>| finished.extend(colors);
+        film.add(spread, &mut finish);
         assert_eq!(finished, [Color::ZERO]);
     }
 
@@ -140,12 +134,9 @@ mod tests {
         let given: Vec<Vec<usize>> = (0..6)
             .map(|y| {
                 let mut rows = vec![];
-                let mut finish = |row: usize, _: &mut dyn Iterator<Item = Color>| {
-                    rows.push(row);
-                    Ok(())
-                };
-                let spread = Spread::new(filter, Instructions::Portable, y, size).unwrap();
-                film.add(spread, &mut finish).unwrap();
+                let mut finish = |row: usize, _: &mut dyn Iterator<Item = Color>| rows.push(row);
+                let spread = Spread::new(filter, Instructions::Portable, y, size);
+                film.add(spread, &mut finish);
                 rows
             })
             .collect();

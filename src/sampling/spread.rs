@@ -9,7 +9,6 @@ use crate::math::f64x4::{F64x4, LANES};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
-use crate::memory::{self, NoMemory};
 use crate::scene::Color;
 use glam::DVec2;
 use std::ops::RangeInclusive;
@@ -109,28 +108,23 @@ pub struct Spread {
 
 impl Spread {
     /// An empty spread for row `row` of a picture with this width and height.
-    pub fn new(
-        filter: Filter,
-        instructions: Instructions,
-        row: usize,
-        [width, height]: [usize; 2],
-    ) -> Result<Self, NoMemory> {
+    pub fn new(filter: Filter, instructions: Instructions, row: usize, [width, height]: [usize; 2]) -> Self {
         // A support beyond the picture's size makes no difference.
         let support = filter.support().min(width.max(height));
         let target_rows = row.saturating_sub(support)..=(row + support).min(height - 1);
         let rows = target_rows.end() - target_rows.start() + 1;
         let reach = support.min(width - 1);
-        Ok(Self {
+        Self {
             filter,
             instructions,
             width,
             row,
             target_rows,
             reach,
-            sums: memory::filled(Sum::default(), rows * width)?,
+            sums: vec![Sum::default(); rows * width],
             batch: Box::default(),
-            target_columns: memory::filled(TargetColumn::default(), 2 * reach + 1)?,
-        })
+            target_columns: vec![TargetColumn::default(); 2 * reach + 1],
+        }
     }
 
     /// The memory in bytes that the sums of one spread take at most.

@@ -2,7 +2,7 @@
 
 use super::Position;
 use super::excerpt;
-use super::mesh::{self, MeshError, MeshFault};
+use super::mesh::{self, MeshError};
 use crate::escape::{self, escape};
 use crate::memory::NoMemory;
 use std::fmt;
@@ -174,9 +174,6 @@ impl SceneError {
 impl Problem {
     /// The problem of a mesh file with these contents.
     pub fn of_mesh(file: String, error: MeshError, bytes: &[u8]) -> Self {
-        if let MeshFault::Memory(refused) = error.fault {
-            return Self::Memory(refused);
-        }
         let excerpt = error.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default();
         Self::BadMesh { file, error: Box::new(error), excerpt }
     }

@@ -2,7 +2,6 @@
 
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
-use crate::memory;
 
 /// The announced length of a list, to compare with the actual one.
 pub struct Announced {
@@ -82,7 +81,7 @@ pub fn counted_list<T: Clone>(
             }
             recovered.map(|()| instead.clone())
         })?;
-        memory::push(&mut items, next)?;
+        items.push(next);
     }
     if !reader.is_at("}") {
         announced.give_up(reader);

@@ -5,8 +5,8 @@
 use super::excerpt::line_with_caret;
 pub use super::foreign_format::ForeignFormat;
 pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
+pub use super::plain_obj::memory_for;
 use super::{Position, obj_lines, obj_reader, plain_obj};
-use crate::memory::{self, NoMemory};
 use crate::shortcut::Shortcut;
 use glam::DVec3;
 
@@ -22,9 +22,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A copy.
-    pub fn copied(&self) -> Result<Self, NoMemory> {
-        Ok(Self { vertices: memory::copied(&self.vertices)?, triangles: memory::copied(&self.triangles)? })
+    /// The size of its lists, in bytes.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.vertices.as_slice()) + size_of_val(self.triangles.as_slice())) as u64
     }
 }
 
@@ -40,7 +40,7 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
 pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
-        && let Some((vertices, triangles)) = plain_obj::parse(text)?
+        && let Some((vertices, triangles)) = plain_obj::parse(text)
     {
         return Ok((Mesh { vertices, triangles }, vec![]));
     }

@@ -3,7 +3,6 @@
 use super::Position;
 use super::foreign_format::ForeignFormat;
 use crate::escape::quoted;
-use crate::memory::NoMemory;
 use std::fmt;
 
 /// An error in a mesh file.
@@ -52,8 +51,6 @@ pub enum MeshFault {
     },
     /// A vertex or face that is not UTF-8 text.
     NotText,
-    /// The system has too little memory for the mesh.
-    Memory(NoMemory),
 }
 
 /// What a file without faces has.
@@ -100,12 +97,6 @@ pub enum DoubtKind {
 
 impl std::error::Error for MeshError {}
 
-impl From<NoMemory> for MeshError {
-    fn from(refused: NoMemory) -> Self {
-        Self { at: None, fault: MeshFault::Memory(refused) }
-    }
-}
-
 impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.at {
@@ -146,7 +137,6 @@ impl fmt::Display for MeshFault {
                 write!(f, "a face names a vertex that does not exist; the mesh has {vertices}")
             }
             Self::NotText => write!(f, "not UTF-8 text"),
-            Self::Memory(refused) => refused.fmt(f),
         }
     }
 }

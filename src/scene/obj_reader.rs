@@ -6,39 +6,25 @@ use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
 use super::obj_lines::{COMMON, Keyword, Statement, position, statements};
 use super::plain_obj::keep_used;
 use super::polygon::triangulate;
-use crate::memory::{NoMemory, filled, make_room, push};
 use glam::DVec3;
 
 /// Reads a mesh from a text without a byte order mark, and what is doubtful in it, in the order of the text.
 /// Errors: the first error found.
 pub fn read(text: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
     let mut reader = Reader { text, ..Reader::default() };
-    reader.read().map_err(|stop| match stop {
-        Stop::Fault(offset, fault) => MeshError { at: Some(position(text, offset)), fault },
-        Stop::Memory(refused) => refused.into(),
-    })?;
+    reader.read().map_err(|Stop(offset, fault)| MeshError { at: Some(position(text, offset)), fault })?;
     if reader.faces.is_empty() {
         return Err(reader.no_faces());
     }
-    let mesh = reader.mesh()?;
+    let mesh = reader.mesh();
     let found = [reader.unknown, reader.surfaces, reader.crossings];
     let mut doubts: Vec<MeshDoubt> = found.into_iter().filter_map(|found| found.doubt(text)).collect();
     doubts.sort_by_key(|doubt| (doubt.at.line, doubt.at.column));
     Ok((mesh, doubts))
 }
 
-/// Why a text is read no further.
-enum Stop {
-    /// A fault, and the byte where it is.
-    Fault(usize, MeshFault),
-    Memory(NoMemory),
-}
-
-impl From<NoMemory> for Stop {
-    fn from(refused: NoMemory) -> Self {
-        Self::Memory(refused)
-    }
-}
+/// Why a text is read no further: a fault, and the byte where it is.
+struct Stop(usize, MeshFault);
 
 /// Statements of one doubtful kind.
 #[derive(Default)]
@@ -90,13 +76,13 @@ impl<'a> Reader<'a> {
 
     /// A fault at a word.
     fn fault<T>(&self, word: &[u8], fault: MeshFault) -> Result<T, Stop> {
-        Err(Stop::Fault(self.offset(word), fault))
+        Err(Stop(self.offset(word), fault))
     }
 
     /// A fault behind the last word of a statement.
     fn fault_at_end<T>(&self, statement: Statement, fault: MeshFault) -> Result<T, Stop> {
         let content = statement.content;
-        Err(Stop::Fault(self.offset(content) + content.trim_ascii_end().len(), fault))
+        Err(Stop(self.offset(content) + content.trim_ascii_end().len(), fault))
     }
 
     fn read(&mut self) -> Result<(), Stop> {
@@ -154,9 +140,10 @@ impl<'a> Reader<'a> {
         };
         if let Some((word, fault)) = unfit {
             let offset = self.offset(word);
-            push(&mut self.unfit, (self.vertices.len(), offset, fault))?;
+            self.unfit.push((self.vertices.len(), offset, fault));
         }
-        Ok(push(&mut self.vertices, position)?)
+        self.vertices.push(position);
+        Ok(())
     }
 
     /// A number. Those that other programs write for what is not finite are not finite.
@@ -187,7 +174,7 @@ impl<'a> Reader<'a> {
             // A negative index counts back from the face.
             let number = if index < 0 { index.saturating_add(1 + self.vertices.len() as i64) } else { index };
             match u32::try_from(number) {
-                Ok(number @ 1..) => push(&mut self.corners, number)?,
+                Ok(number @ 1..) => self.corners.push(number),
                 _ => return self.no_such_vertex(word, index),
             }
         }
@@ -195,7 +182,8 @@ impl<'a> Reader<'a> {
             return self.fault_at_end(statement, MeshFault::FewCorners);
         }
         let offset = self.offset(statement.content);
-        Ok(push(&mut self.faces, Face { offset, end: self.corners.len() })?)
+        self.faces.push(Face { offset, end: self.corners.len() });
+        Ok(())
     }
 
     fn no_such_vertex<T>(&self, word: &[u8], index: i64) -> Result<T, Stop> {
@@ -218,11 +206,11 @@ impl<'a> Reader<'a> {
         if self.unfit.is_empty() {
             return Ok(());
         }
-        let mut is_used = filled(false, self.vertices.len())?;
+        let mut is_used = vec![false; self.vertices.len()];
         self.corners.iter().for_each(|&corner| is_used[corner as usize - 1] = true);
         let unfit = std::mem::take(&mut self.unfit);
         match unfit.into_iter().find(|&(vertex, ..)| is_used[vertex]) {
-            Some((_, offset, fault)) => Err(Stop::Fault(offset, fault)),
+            Some((_, offset, fault)) => Err(Stop(offset, fault)),
             None => Ok(()),
         }
     }
@@ -240,37 +228,33 @@ impl<'a> Reader<'a> {
     }
 
     /// The triangles of all faces, in their order.
-    fn mesh(&mut self) -> Result<Mesh, NoMemory> {
-        let mut triangles: Vec<[u32; 3]> = vec![];
-        make_room(&mut triangles, self.corners.len() - 2 * self.faces.len())?;
+    fn mesh(&mut self) -> Mesh {
+        let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(self.corners.len() - 2 * self.faces.len());
         let (mut start, mut polygon) = (0, vec![]);
         for face in &self.faces {
             let corners = &self.corners[start..face.end];
             start = face.end;
             if let &[a, b, c] = corners {
-                push(&mut triangles, [a, b, c])?;
+                triangles.push([a, b, c]);
                 continue;
             }
             polygon.clear();
-            make_room(&mut polygon, corners.len())?;
             polygon.extend(corners.iter().map(|&corner| self.vertices[corner as usize - 1]));
-            let found = triangulate(&polygon)?;
+            let found = triangulate(&polygon);
             if found.crosses_itself {
                 self.crossings.add(face.offset, || DoubtKind::Crossing);
             }
             // New points are behind all vertices, which are counted from 1.
             let new = self.vertices.len() + 1;
-            make_room(&mut self.vertices, found.new_points.len())?;
             self.vertices.extend(found.new_points);
             let index = |corner: usize| {
                 corners.get(corner).copied().unwrap_or_else(|| (new + corner - corners.len()) as u32)
             };
-            make_room(&mut triangles, found.triangles.len())?;
             triangles.extend(found.triangles.into_iter().map(|triangle| triangle.map(index)));
         }
         let mut vertices = std::mem::take(&mut self.vertices);
-        keep_used(&mut vertices, &mut triangles)?;
-        Ok(Mesh { vertices, triangles })
+        keep_used(&mut vertices, &mut triangles);
+        Mesh { vertices, triangles }
     }
 }
 

@@ -6,7 +6,6 @@ use super::reader::{Parsed, Reader};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{ObjectId, Position};
 use crate::math::rounded_affine::RoundedAffine;
-use crate::memory::{self, NoMemory};
 
 /// A group or transform whose closing brace has not been read yet.
 pub enum Open {
@@ -20,12 +19,11 @@ impl Open {
         *at
     }
 
-    pub fn add_child(&mut self, id: ObjectId) -> Result<(), NoMemory> {
+    pub fn add_child(&mut self, id: ObjectId) {
         match self {
-            Self::Group { children, .. } => memory::push(children, id)?,
+            Self::Group { children, .. } => children.push(id),
             Self::Transform { child, .. } => *child = Some(id),
         }
-        Ok(())
     }
 }
 

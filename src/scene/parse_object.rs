@@ -9,7 +9,6 @@ use super::parse_primitive::{OBJECTS, PRIMITIVES, parse_primitive};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::TRANSFORMATIONS;
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
-use crate::memory::{self, NoMemory};
 use std::collections::HashMap;
 
 /// The objects of a scene that have been read so far, with the meshes and materials that they use.
@@ -48,11 +47,9 @@ enum Step {
 
 impl ObjectTree {
     /// Replaces the declared materials.
-    pub fn declare(&mut self, materials: Vec<(Material, Position)>) -> Result<(), NoMemory> {
+    pub fn declare(&mut self, materials: Vec<(Material, Position)>) {
         self.declared = materials.len();
-        self.material_positions = memory::collected(materials.iter().map(|&(_, at)| at))?;
-        self.materials = memory::collected(materials.into_iter().map(|(material, _)| material))?;
-        Ok(())
+        (self.materials, self.material_positions) = materials.into_iter().unzip();
     }
 
     /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
@@ -70,17 +67,17 @@ impl ObjectTree {
             let step = self.step(reader, &mut innermost);
             match step.or_else(|error| self.recover(reader, error, &mut innermost, depth))? {
                 Step::Opened(inner) => {
-                    memory::push(&mut ancestors, std::mem::replace(&mut innermost, inner))?;
+                    ancestors.push(std::mem::replace(&mut innermost, inner));
                 }
                 Step::Finished(object, at) => {
-                    let id = self.add(object, at)?;
-                    innermost.add_child(id)?;
+                    let id = self.add(object, at);
+                    innermost.add_child(id);
                 }
                 Step::Closed(object, at) => {
-                    let id = self.add(object, at)?;
+                    let id = self.add(object, at);
                     let Some(parent) = ancestors.pop() else { return Ok(id) };
                     innermost = parent;
-                    innermost.add_child(id)?;
+                    innermost.add_child(id);
                 }
             }
         }
@@ -95,9 +92,6 @@ impl ObjectTree {
         innermost: &mut Open,
         depth: usize,
     ) -> Parsed<Step> {
-        if let Problem::Memory(_) = error.problem {
-            return Err(error);
-        }
         let is_whole = reader.recover(error.clone(), depth).is_ok();
         if let Open::Group { announced, .. } = innermost
             && !is_whole
@@ -119,10 +113,10 @@ impl ObjectTree {
         }
     }
 
-    fn add(&mut self, object: Object, at: Position) -> Result<ObjectId, NoMemory> {
-        memory::push(&mut self.objects, object)?;
-        memory::push(&mut self.positions, at)?;
-        Ok(self.objects.len() - 1)
+    fn add(&mut self, object: Object, at: Position) -> ObjectId {
+        self.objects.push(object);
+        self.positions.push(at);
+        self.objects.len() - 1
     }
 
     fn step(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<Step> {
@@ -185,8 +179,8 @@ impl ObjectTree {
                 Phong::default()
             }
         };
-        memory::push(&mut self.material_positions, at)?;
-        memory::push(&mut self.materials, Material::Phong(phong))?;
+        self.material_positions.push(at);
+        self.materials.push(Material::Phong(phong));
         self.current_material = Some(self.materials.len() - 1);
         Ok(())
     }
@@ -279,19 +273,17 @@ impl ObjectTree {
         while opening.is_some() && !last.text.ends_with(QUOTES) && !reader.is_at_any(&["{", "}", ""]) {
             last = reader.take();
         }
-        Ok(self.mesh_index(word.text, word.at)?)
+        Ok(self.mesh_index(word.text, word.at))
     }
 
-    fn mesh_index(&mut self, name: &str, at: Position) -> Result<usize, NoMemory> {
+    fn mesh_index(&mut self, name: &str, at: Position) -> usize {
         if let Some(&index) = self.mesh_indices.get(name) {
-            return Ok(index);
+            return index;
         }
         let index = self.meshes.len();
-        let count = self.mesh_indices.capacity().saturating_mul(2);
-        self.mesh_indices.try_reserve(1).map_err(|_| NoMemory::for_list::<(String, usize)>(count))?;
-        memory::push(&mut self.meshes, MeshFile { name: name.to_owned(), at })?;
+        self.meshes.push(MeshFile { name: name.to_owned(), at });
         self.mesh_indices.insert(name.to_owned(), index);
-        Ok(index)
+        index
     }
 }
 

@@ -58,9 +58,6 @@ pub fn read(text: &str) -> Result<Reading, Vec<SceneError>> {
     while !reader.peek().is_end() {
         let block = reader.peek().text;
         if let Err(error) = blocks.parse_block(&mut reader) {
-            if let Problem::Memory(_) = error.problem {
-                return Err(vec![error]);
-            }
             reader.recover_block(error, block);
         }
     }
@@ -161,7 +158,7 @@ impl Blocks {
         let is_short = |error: &SceneError| matches!(error.problem, Problem::TooFew { .. });
         self.tree.knows_materials =
             materials.is_ok() && !reader.findings.errors[errors..].iter().any(is_short);
-        self.tree.declare(materials?)?;
+        self.tree.declare(materials?);
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 //! A fast parser for OBJ texts that contain only positions and triangles, which scans parts of the text in
 //! parallel.
 
-use crate::memory::{NoMemory, collected, filled, push, with_room};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -9,34 +8,26 @@ use rayon::prelude::*;
 /// contains anything else, so that the full parser has to accept or reject it.
 ///
 /// The result is identical to that of the full parser, except that the vertices are in the order of the file.
-pub fn parse(text: &[u8]) -> Result<Option<VerticesAndTriangles>, NoMemory> {
-    match parse_plain(text) {
-        Ok(mesh) => Ok(Some(mesh)),
-        Err(Unread::NotPlain) => Ok(None),
-        Err(Unread::Memory(refused)) => Err(refused),
-    }
-}
-
-fn parse_plain(text: &[u8]) -> Result<VerticesAndTriangles, Unread> {
+pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
     let chunks = chunks(text, chunk_size(text.len()));
-    let parts = chunks.into_par_iter().map(scan).collect::<Result<_, _>>()?;
-    let Part { mut vertices, mut faces } = joined(parts)?;
-    let is_mesh = !faces.is_empty() && keep_used(&mut vertices, &mut faces)?;
-    if is_mesh { Ok((vertices, faces)) } else { Err(Unread::NotPlain) }
+    let parts = chunks.into_par_iter().map(scan).collect::<Option<_>>()?;
+    let Part { mut vertices, mut faces } = joined(parts);
+    let is_mesh = !faces.is_empty() && keep_used(&mut vertices, &mut faces);
+    is_mesh.then_some((vertices, faces))
 }
 
-/// Why a text was not read.
-enum Unread {
-    /// It contains something else than plain positions and triangles.
-    NotPlain,
-    Memory(NoMemory),
+/// The memory that reading a mesh takes at least, for a file of this many bytes: its text, and the lists into which it
+/// is scanned. In bytes.
+pub fn memory_for(length: u64) -> u64 {
+    let vertices = length / BYTES_PER_VERTEX as u64 * size_of::<DVec3>() as u64;
+    length + vertices + length / BYTES_PER_FACE as u64 * size_of::<[u32; 3]>() as u64
 }
 
-impl From<NoMemory> for Unread {
-    fn from(refused: NoMemory) -> Self {
-        Self::Memory(refused)
-    }
-}
+/// The bytes of a text for each vertex and each face for which its lists have room. The lists are about twice as long
+/// as those of a mesh with two faces per vertex, so that they do not grow. Memory that is reserved but not touched costs
+/// nothing.
+const BYTES_PER_VERTEX: usize = 30;
+const BYTES_PER_FACE: usize = 15;
 
 /// Positions, and triangles as indices into them.
 pub type VerticesAndTriangles = (Vec<DVec3>, Vec<[u32; 3]>);
@@ -68,45 +59,47 @@ fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
     chunks
 }
 
-fn scan(mut text: &[u8]) -> Result<Part, Unread> {
-    // The capacities are about twice those that a mesh with two faces per vertex needs, so that the lists do
-    // not grow. Memory that is reserved but not touched costs nothing.
-    let mut part = Part { vertices: with_room(text.len() / 30)?, faces: with_room(text.len() / 15)? };
+/// The contents of some lines. None if there is something else than plain positions and triangles.
+fn scan(mut text: &[u8]) -> Option<Part> {
+    let mut part = Part {
+        vertices: Vec::with_capacity(text.len() / BYTES_PER_VERTEX),
+        faces: Vec::with_capacity(text.len() / BYTES_PER_FACE),
+    };
     while let Some((&first, rest)) = text.split_first() {
         text = match first {
             b'v' => {
-                let (vertex, rest) = vertex(rest).ok_or(Unread::NotPlain)?;
-                push(&mut part.vertices, vertex)?;
+                let (vertex, rest) = vertex(rest)?;
+                part.vertices.push(vertex);
                 rest
             }
             b'f' => {
-                let (face, rest) = face(rest).ok_or(Unread::NotPlain)?;
-                push(&mut part.faces, face)?;
+                let (face, rest) = face(rest)?;
+                part.faces.push(face);
                 rest
             }
             b'#' => &rest[rest.iter().position(|&b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len())..],
             b'\n' | b'\r' => rest,
-            _ => return Err(Unread::NotPlain),
+            _ => return None,
         };
     }
-    Ok(part)
+    Some(part)
 }
 
-fn joined(mut parts: Vec<Part>) -> Result<Part, NoMemory> {
+fn joined(mut parts: Vec<Part>) -> Part {
     if parts.len() == 1
         && let Some(part) = parts.pop()
     {
-        return Ok(part);
+        return part;
     }
     let mut all = Part {
-        vertices: with_room(parts.iter().map(|part| part.vertices.len()).sum())?,
-        faces: with_room(parts.iter().map(|part| part.faces.len()).sum())?,
+        vertices: Vec::with_capacity(parts.iter().map(|part| part.vertices.len()).sum()),
+        faces: Vec::with_capacity(parts.iter().map(|part| part.faces.len()).sum()),
     };
     for part in parts {
         all.vertices.extend(part.vertices);
         all.faces.extend(part.faces);
     }
-    Ok(all)
+    all
 }
 
 /// The position on the rest of a line that starts with `v`.
@@ -252,25 +245,26 @@ fn other_number(text: &[u8]) -> Option<(f64, &[u8])> {
 
 /// Removes the vertices that no face uses, and converts the corners of faces, which count from 1, to indices of the
 /// remaining ones. False, with the lists in no particular state, if a corner names a vertex that does not exist.
-pub fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> Result<bool, NoMemory> {
-    let mut used = filled(false, vertices.len())?;
+pub fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> bool {
+    let mut used = vec![false; vertices.len()];
     for corner in faces.as_flattened_mut() {
         // No vertex has the largest index.
         *corner = corner.wrapping_sub(1);
-        let Some(used) = used.get_mut(*corner as usize) else { return Ok(false) };
+        let Some(used) = used.get_mut(*corner as usize) else { return false };
         *used = true;
     }
     if used.contains(&false) {
         let mut next = 0;
-        let new_indices = collected(used.iter().map(|&used| {
+        let indices = used.iter().map(|&used| {
             next += u32::from(used);
             next - u32::from(used)
-        }))?;
+        });
+        let new_indices: Vec<u32> = indices.collect();
         faces.as_flattened_mut().iter_mut().for_each(|corner| *corner = new_indices[*corner as usize]);
         let mut used = used.into_iter();
         vertices.retain(|_| used.next().unwrap_or(false));
     }
-    Ok(true)
+    true
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::Source;
 use crate::escape::quoted;
-use crate::memory::NoMemory;
 use crate::near_names::nearest_file;
 use crate::scene::error::{SceneError, located};
 use crate::scene::recovery::MAX_ERRORS;
@@ -18,13 +17,6 @@ pub enum LoadError {
         path: PathBuf,
         /// The system's reason.
         error: std::io::Error,
-    },
-    /// The system has too little memory for the scene's text.
-    Memory {
-        /// The file.
-        path: PathBuf,
-        /// How much it takes.
-        refused: NoMemory,
     },
     /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
     NotUtf8 {
@@ -58,7 +50,6 @@ impl fmt::Display for LoadError {
                     near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
                 f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
             }
-            Self::Memory { path, refused } => f.write_str(&located(path, "", &refused.to_string())),
             Self::NotUtf8 { path, line, column, is_utf16 } => {
                 let hint =
                     if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };

@@ -32,14 +32,19 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Starts from a world without objects. `meshes` are those that the scene names, in its order.
+    /// Starts from a world without objects. `meshes` are those that the scene names, in its order. Too little memory for
+    /// the copies of the meshes is an error.
     pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Result<Self, NoMemory> {
-        let mut uses = memory::filled(0, meshes.len())?;
+        let (mut uses, mut copied) = (vec![0; meshes.len()], 0);
         for object in &scene.objects {
             if let Object::Mesh { mesh, .. } = object {
                 uses[*mesh] += 1;
+                // A single use may take the lists over.
+                let is_copied = uses[*mesh] > 1 || matches!(meshes[*mesh], Cow::Borrowed(_));
+                copied += if is_copied { meshes[*mesh].bytes() } else { 0 };
             }
         }
+        memory::ask(copied)?;
         let (files, materials) = (scene.meshes.as_slice(), Default::default());
         Ok(Self { meshes, files, uses, world, materials })
     }
@@ -92,9 +97,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), SceneError> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
-        memory::make_room(&mut world.vertices, vertices.len())?;
         world.vertices.extend(vertices);
-        memory::make_room(&mut world.triangles, faces.len())?;
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
         self.finish_triangles(first, count, placement, (material, error))
     }
@@ -137,8 +140,8 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         (material, error): (MaterialId, PlacementError),
     ) -> Result<(), SceneError> {
-        push_run(&mut self.materials[0], first, material)?;
-        self.world.flattening_errors.push(Finite::Triangles, first, error)?;
+        push_run(&mut self.materials[0], first, material);
+        self.world.flattening_errors.push(Finite::Triangles, first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if robust::is_mirroring(placement.matrix.matrix3) {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -176,10 +179,10 @@ impl<'a> Builder<'a> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
         let reach = of_object.min.abs().max(of_object.max.abs());
         let (index, error) = (self.world.shapes.len(), PlacementError::new(placement, reach));
-        push_run(&mut self.materials[1], index, material)?;
-        self.world.flattening_errors.push(Finite::Shapes, index, error)?;
+        push_run(&mut self.materials[1], index, material);
+        self.world.flattening_errors.push(Finite::Shapes, index, error);
         let (Aabb { min, max }, [smallest, largest]) = (shape.bounds(), shape.half_extents());
-        memory::push(&mut self.world.shapes, shape)?;
+        self.world.shapes.push(shape);
         if smallest < SMALLEST_RADIUS {
             return Err(placement.error(Problem::RadiusTooSmall));
         }
@@ -194,7 +197,7 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        push_run(&mut self.materials[2], self.world.planes.len(), material)?;
+        push_run(&mut self.materials[2], self.world.planes.len(), material);
         let (plane, direction, error) = match placement.transform {
             None => {
                 let plane = Plane { normal: robust::unit(normal), offset };
@@ -202,9 +205,9 @@ impl<'a> Builder<'a> {
             }
             Some(_) => transformed_plane(normal, offset, placement)?,
         };
-        self.world.flattening_errors.push_plane(error)?;
-        memory::push(&mut self.world.planes, plane)?;
-        memory::push(&mut self.world.plane_directions, direction)?;
+        self.world.flattening_errors.push_plane(error);
+        self.world.planes.push(plane);
+        self.world.plane_directions.push(direction);
         if !plane.normal.is_finite() {
             return Err(placement.error(Problem::NoNormal));
         }
@@ -220,24 +223,23 @@ impl<'a> Builder<'a> {
     }
 
     /// The finished world, in which the primitives have their ids.
-    pub fn finish(self) -> Result<World, SceneError> {
+    pub fn finish(self) -> World {
         let mut world = self.world;
         let counts = [world.triangles.len(), world.shapes.len(), world.planes.len()];
         let mut start = 0;
         for (runs, count) in self.materials.into_iter().zip(counts) {
-            memory::make_room(&mut world.material_runs, runs.len())?;
             world.material_runs.extend(runs.into_iter().map(|(first, material)| (first + start, material)));
             start += count as u32;
         }
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
-        world.without_area = without_area(&world)?;
+        world.without_area = without_area(&world);
         world.coincidence_margin = world.find_coincidence_margin();
         world.unite_coincident_planes();
         world.boundary_width = BoundaryWidth::of(&world);
-        world.resting_lights = RestingLights::of(&world)?;
-        Ok(world)
+        world.resting_lights = RestingLights::of(&world);
+        world
     }
 }
 
@@ -260,26 +262,15 @@ fn transformed_plane(
 }
 
 /// The triangles without an area, in ascending order.
-fn without_area(world: &World) -> Result<Vec<u32>, NoMemory> {
+fn without_area(world: &World) -> Vec<u32> {
     /// The number of triangles that are worth another thread.
     const PART: usize = 1 << 14;
     let in_part = |(part, triangles): (usize, &[[u32; 3]])| {
         let vertex = |id: u32| &world.vertices[id as usize];
-        let mut found = vec![];
-        for (i, triangle) in triangles.iter().enumerate() {
-            if !triangle::has_area(triangle.map(vertex)) {
-                memory::push(&mut found, (part * PART + i) as u32)?;
-            }
-        }
-        Ok(found)
+        let found = triangles.iter().enumerate().filter(|(_, ids)| !triangle::has_area(ids.map(vertex)));
+        found.map(|(i, _)| (part * PART + i) as u32).collect()
     };
-    let mut all = vec![];
-    for part in world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<_>>() {
-        let part = part?;
-        memory::make_room(&mut all, part.len())?;
-        all.extend(part);
-    }
-    Ok(all)
+    world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
 }
 
 /// The largest absolute coordinates of some points.
@@ -307,10 +298,9 @@ const BOX_FACES: [[u32; 3]; 12] = [
 ];
 
 /// Starts a new run of primitives with this material at index `first`, unless the last run has the same one.
-fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) -> Result<(), NoMemory> {
-    match runs.last() {
-        Some(&(_, last)) if last as MaterialId == material => Ok(()),
-        _ => memory::push(runs, (first as u32, material as u32)),
+fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
+    if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
+        runs.push((first as u32, material as u32));
     }
 }
 

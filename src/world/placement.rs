@@ -3,7 +3,6 @@
 use crate::math::aabb::Aabb;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
 use crate::math::rounded_affine::{RoundedAffine, absolute};
-use crate::memory::{NoMemory, make_room};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::{Object, ObjectId, Position, Scene};
 use glam::{DAffine3, DMat3, DVec3};
@@ -60,7 +59,7 @@ impl Placement<'_> {
 
 /// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
 /// the depth of the tree is limited by nothing but memory.
-pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, NoMemory>> {
+pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
     let mut stack: Vec<(ObjectId, RoundedAffine, Option<Position>)> =
         vec![(scene.root, RoundedAffine::IDENTITY, None)];
     std::iter::from_fn(move || {
@@ -68,16 +67,12 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Result<Placement<'_>, N
             let (id, matrix, transform) = stack.pop()?;
             match &scene.objects[id] {
                 Object::Group(children) => {
-                    if let Err(refused) = make_room(&mut stack, children.len()) {
-                        return Some(Err(refused));
-                    }
                     stack.extend(children.iter().rev().map(|&c| (c, matrix, transform)))
                 }
-                // It takes the room of the transform, which has just been taken off.
                 Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
                 object => {
                     let RoundedAffine { map: matrix, error } = matrix;
-                    return Some(Ok(Placement { object, matrix, error, transform }));
+                    return Some(Placement { object, matrix, error, transform });
                 }
             }
         }

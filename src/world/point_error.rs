@@ -8,7 +8,6 @@ use super::{Primitive, SurfacePoint, World};
 use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
 use crate::math::rounded_affine::absolute;
 use crate::math::rounded_point::RoundedPoint;
-use crate::memory::{self, NoMemory};
 use crate::primitive::shape::Form;
 use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
@@ -121,17 +120,16 @@ pub(super) enum Finite {
 
 impl FlatteningErrors {
     /// Records how far the primitives of a kind from index `first` on may have moved.
-    pub fn push(&mut self, kind: Finite, first: usize, error: PlacementError) -> Result<(), NoMemory> {
+    pub fn push(&mut self, kind: Finite, first: usize, error: PlacementError) {
         let runs = &mut self.runs[kind as usize];
-        if runs.last().map_or(PlacementError::default(), |&(_, last)| last) == error {
-            return Ok(());
+        if runs.last().map_or(PlacementError::default(), |&(_, last)| last) != error {
+            runs.push((first as u32, error));
         }
-        memory::push(runs, (first as u32, error))
     }
 
     /// Records the error of the next plane.
-    pub fn push_plane(&mut self, error: PlaneError) -> Result<(), NoMemory> {
-        memory::push(&mut self.planes, error)
+    pub fn push_plane(&mut self, error: PlaneError) {
+        self.planes.push(error);
     }
 
     /// The largest of a finite primitive, or of a plane at the origin.

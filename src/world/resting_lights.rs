@@ -8,7 +8,6 @@ use super::World;
 use super::point_error::weights;
 use crate::math::predicate::area_vector;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::memory::{self, NoMemory};
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -21,16 +20,14 @@ const RESTING_ROUNDINGS: f64 = 32.0;
 pub(super) struct RestingLights(Vec<Vec<u32>>);
 
 impl RestingLights {
-    pub(super) fn of(world: &World) -> Result<Self, NoMemory> {
-        let mut all = memory::with_room(world.lights.len())?;
-        for light in &world.lights {
-            all.push(match *light {
-                Light::Point { position, .. } => triangles_at(position, world)?,
-                Light::Directional { .. } => vec![],
-            });
-        }
+    pub(super) fn of(world: &World) -> Self {
+        let triangles = |light: &Light| match *light {
+            Light::Point { position, .. } => triangles_at(position, world),
+            Light::Directional { .. } => vec![],
+        };
+        let all: Vec<_> = world.lights.iter().map(triangles).collect();
         let rests = all.iter().any(|triangles| !triangles.is_empty());
-        Ok(Self(if rests { all } else { vec![] }))
+        Self(if rests { all } else { vec![] })
     }
 
     #[inline(always)]
@@ -40,12 +37,12 @@ impl RestingLights {
 }
 
 /// The triangles on which a point lies.
-fn triangles_at(point: DVec3, world: &World) -> Result<Vec<u32>, NoMemory> {
+fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
     let mut found = vec![];
     let margin = margin(point, DVec3::splat(world.max_abs_coord));
     let to_bounds = point.clamp(world.bounds.min, world.bounds.max) - point;
     if world.triangles.is_empty() || to_bounds.abs().max_element() > margin {
-        return Ok(found);
+        return found;
     }
     for (id, &[a, b, c]) in world.triangles.iter().enumerate() {
         // Most triangles lie to one side along one axis.
@@ -55,10 +52,10 @@ fn triangles_at(point: DVec3, world: &World) -> Result<Vec<u32>, NoMemory> {
             continue;
         }
         if lies_on(point, [*a, *b, *c]) {
-            memory::push(&mut found, id as u32)?;
+            found.push(id as u32);
         }
     }
-    Ok(found)
+    found
 }
 
 /// Whether three coordinates are all less than another one, or all greater, by more than the margin.

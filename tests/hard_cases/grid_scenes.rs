@@ -245,7 +245,7 @@ fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
         let top = center.y + radius;
         let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
         let mut cells = TouchedCells::default();
-        of_sphere(&lattice, center, radius, 1e-5, &mut cells).expect("a few cells");
+        of_sphere(&lattice, center, radius, 1e-5, &mut cells);
         assert!(cells.indices.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
     }
 }

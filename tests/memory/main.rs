@@ -1,12 +1,13 @@
-//! A program whose allocator refuses one block: every list of the pipeline that grows with its input asks for its
-//! memory, so that a refusal is an error, or makes no difference.
+//! A program whose allocator refuses one block: if it is asked for this is an error, or makes no difference, and
+//! otherwise the program ends, as the application does. No file is left half written or behind.
 //!
-//! Small blocks are not refused. Names, messages and the structures of libraries take them without asking.
+//! Small blocks are not refused: they are many, and end the program as others do.
 
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::image_io::{OutputFile, read_picture};
+use raytracer::memory;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
@@ -18,18 +19,22 @@ use raytracer::tools::compare::Comparison;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::fmt::Write as _;
-use std::fs;
 use std::io::Write as _;
 use std::ops::ControlFlow;
-use std::path::Path;
-use std::ptr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, exit};
+use std::{env, fs, ptr};
 use tempfile::TempDir;
 
 #[global_allocator]
 static ALLOCATOR: Refusing = Refusing;
 
-/// The system's allocator, except that one block is refused.
+/// The system's allocator, except that one block is refused. This ends the program, unless the block is asked
+/// for.
 struct Refusing;
+
+/// The exit status of a program that its allocator has ended. No other has it.
+const ENDED: i32 = 9;
 
 /// Blocks of at least this number of bytes are counted.
 const LARGE: usize = 16 << 10;
@@ -46,6 +51,9 @@ fn is_refused(layout: Layout) -> bool {
     }
     let left = LEFT.get();
     LEFT.set(left.and_then(|left| left.checked_sub(1)));
+    if left == Some(0) && !memory::is_asked_for(layout) {
+        exit(ENDED);
+    }
     left == Some(0)
 }
 
@@ -62,29 +70,110 @@ unsafe impl GlobalAlloc for Refusing {
     }
 }
 
-/// Does some work again and again, with the first large block refused, then the second, and so on, until all are given.
-/// Each time it must fail for want of memory, or have the result that it has with enough. Returns how often it failed.
-fn refuse_each<T: PartialEq>(what: &str, work: impl Fn() -> Result<T, String>) -> usize {
-    let expected = work().unwrap_or_else(|error| panic!("{what}: {error}"));
-    let mut failures = 0;
-    for number in 0.. {
-        // An abort ends the whole test, so that what is not captured tells where.
-        let _ = writeln!(std::io::stderr(), "{what}: block {number} is refused");
+/// What is done while blocks are refused.
+enum Work {
+    Render(Structure, Box<Request>),
+    Compare,
+}
+
+/// The work, its name, and the folder that it is done in.
+fn works() -> Vec<(&'static str, &'static str, Work)> {
+    let colors = Request { layers: vec![Layer::Color], ..Request::new([30, 20]) };
+    let filter = Filter::Gaussian { sigma: 2.0 };
+    let filtered = Request { filter, layers: vec![Layer::Color, Layer::Color], ..Request::new([150, 20]) };
+    let measured = [Layer::Depth { near: 5.0, far: 12.0 }, Layer::Normals, Layer::Samples { zoom: 5 }];
+    let measured = Request { layers: measured.to_vec(), ..Request::new([200, 10]) };
+    let (adaptive, sampler) =
+        (Some(Adaptive { most: 16, error: 1.0 }), Sampler::first_of_adaptive(Drand48::seeded(0)));
+    let adaptive = Request { adaptive, sampler, layers: vec![Layer::Color], ..Request::new([700, 3]) };
+    let grid = |structure| Structure::Grid(structure);
+    let (auto, cells) = (grid(Resolution::Auto), grid(Resolution::Cells([20, 20, 10])));
+    let render = |structure, request| Work::Render(structure, Box::new(request));
+    vec![
+        ("a list", "mixed", render(Structure::List, colors.clone())),
+        ("cells", "mixed", render(cells, colors.clone())),
+        ("an automatic grid", "mixed", render(auto, colors.clone())),
+        ("a mesh", "mesh", render(Structure::Any, colors)),
+        ("a mesh in a grid", "mesh", render(auto, filtered)),
+        ("layers", "mesh", render(cells, measured)),
+        ("adaptive samples", "mesh", render(cells, adaptive)),
+        ("a comparison", "mixed", Work::Compare),
+    ]
+}
+
+impl Work {
+    fn run(&self, folder: &Path) -> Result<Vec<Vec<u8>>, String> {
+        match self {
+            Self::Render(structure, request) => rendered(folder, *structure, request),
+            Self::Compare => {
+                let read = |name| read_picture(&folder.join(name)).map_err(|error| error.to_string());
+                let (a, b) = (read("a.tga")?, read("b.tga")?);
+                let compared = Comparison::of_each(&[a], &b).map_err(|error| error.to_string())?;
+                Ok(vec![compared[0].pixels_that_differ().to_le_bytes().to_vec()])
+            }
+        }
+    }
+}
+
+/// Does some work again and again, with the large block of this number refused, then the next one, and so on, until all
+/// are given. Each time it must fail for want of memory, or have the result that it has with enough. Says to standard
+/// error which block is refused, and whether that was an error.
+fn refuse_from(first: usize, folder: &Path, work: &Work) {
+    let expected = work.run(folder).unwrap();
+    for number in first.. {
+        let _ = writeln!(std::io::stderr(), "{REFUSED}{number}");
         LEFT.set(Some(number));
-        let result = work();
+        let result = work.run(folder);
         let is_over = LEFT.replace(None).is_some();
         match result {
-            Ok(found) => assert!(found == expected, "{what}, block {number}: another result"),
+            Ok(found) => assert!(found == expected, "another result"),
             Err(error) => {
-                assert!(error.contains("memory"), "{what}, block {number}: {error}");
-                failures += 1;
+                assert!(error.contains("memory"), "{error}");
+                let _ = writeln!(std::io::stderr(), "{ERROR}");
             }
         }
         if is_over {
             break;
         }
     }
-    failures
+}
+
+const REFUSED: &str = "refused: ";
+const ERROR: &str = "that was an error";
+
+/// The variables that make this program one that refuses blocks: the name of the work, its folder and the first block.
+const VARIABLES: [&str; 3] = ["WORK", "FOLDER", "FIRST"];
+
+/// Refuses one block after the other, in programs of their own, since most of them end it. Returns how many were errors
+/// and how many ended it.
+fn refuse_each(what: &str, folder: &Path) -> [usize; 2] {
+    let names = || {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let (before, mut first, mut errors, mut ends) = (names(), 0, 0, 0);
+    loop {
+        let mut program = Command::new(env::current_exe().unwrap());
+        program.args([
+            "--exact",
+            "a_refused_block_is_an_error_or_the_end_or_makes_no_difference",
+            "--nocapture",
+        ]);
+        program.envs(VARIABLES.into_iter().zip([what, folder.to_str().unwrap(), &first.to_string()]));
+        let output = program.output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(names(), before, "{what}: a file is left\n{said}");
+        errors += said.lines().filter(|&line| line == ERROR).count();
+        match output.status.code() {
+            Some(0) => return [errors, ends],
+            Some(ENDED) => ends += 1,
+            _ => panic!("{what}: {:?}\n{said}", output.status),
+        }
+        let last = said.lines().rev().find_map(|line| line.strip_prefix(REFUSED));
+        first = last.unwrap().parse::<usize>().unwrap() + 1;
+    }
 }
 
 /// All work is done on the thread that asks for it, whose blocks are counted.
@@ -131,7 +220,7 @@ const MESH_SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0
     Group { numObjects 2 Material { } TriangleMesh { obj_file mesh.obj }
     Transform { Translate 0 0 -1 TriangleMesh { obj_file mesh.obj } } }";
 
-/// The bytes of the picture that a scene is rendered to. Nothing else may be left in the folder.
+/// The bytes of the pictures that a scene is rendered to. Nothing else may be left in the folder.
 fn rendered(folder: &Path, structure: Structure, request: &Request) -> Result<Vec<Vec<u8>>, String> {
     let before = fs::read_dir(folder).unwrap().count();
     let files: Vec<_> = (0..request.layers.len()).map(|k| folder.join(format!("{k}.tga"))).collect();
@@ -146,17 +235,12 @@ fn rendered(folder: &Path, structure: Structure, request: &Request) -> Result<Ve
     pictures
 }
 
-fn render(
-    folder: &Path,
-    structure: Structure,
-    request: &Request,
-    files: &[std::path::PathBuf],
-) -> Result<(), String> {
+fn render(folder: &Path, structure: Structure, request: &Request, files: &[PathBuf]) -> Result<(), String> {
     let loaded = scene_io::load(&folder.join("s.txt")).map_err(|error| error.to_string())?;
     let renderer = Renderer::new(loaded, Meshes::Kept).map_err(|error| error.to_string())?;
     let prepared =
         renderer.prepare_for(structure, request, Tracing::Fast).map_err(|error| error.to_string())?;
-    let begin = |(file, layer): (&std::path::PathBuf, &Layer)| {
+    let begin = |(file, layer): (&PathBuf, &Layer)| {
         let file = OutputFile::prepare(file)?;
         file.begin(layer.size(request.window_size()), None)
     };
@@ -177,51 +261,30 @@ fn render(
     writers.into_iter().try_for_each(|writer| writer.finish().map(drop)).map_err(|error| error.to_string())
 }
 
-fn folder_with(scene: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("s.txt"), scene).unwrap();
-    folder
-}
-
 #[test]
-fn a_refused_block_is_an_error_or_makes_no_difference() {
+fn a_refused_block_is_an_error_or_the_end_or_makes_no_difference() {
     let threads = this_thread();
-    let mixed = folder_with(&mixed_scene(1000));
-    let mesh_folder = folder_with(MESH_SCENE);
-    fs::write(mesh_folder.path().join("mesh.obj"), mesh(40)).unwrap();
-    let colors = Request { layers: vec![Layer::Color], ..Request::new([30, 20]) };
-    let filter = Filter::Gaussian { sigma: 2.0 };
-    let filtered = Request { filter, layers: vec![Layer::Color, Layer::Color], ..Request::new([150, 20]) };
-    let measured = [Layer::Depth { near: 5.0, far: 12.0 }, Layer::Normals, Layer::Samples { zoom: 5 }];
-    let measured = Request { layers: measured.to_vec(), ..Request::new([200, 10]) };
-    let (adaptive, sampler) =
-        (Some(Adaptive { most: 16, error: 1.0 }), Sampler::first_of_adaptive(Drand48::seeded(0)));
-    let adaptive = Request { adaptive, sampler, layers: vec![Layer::Color], ..Request::new([700, 3]) };
-    let grid = |structure| Structure::Grid(structure);
-    let (auto, cells) = (grid(Resolution::Auto), grid(Resolution::Cells([20, 20, 10])));
-    let cases = [
-        ("a list", &mixed, Structure::List, &colors),
-        ("cells", &mixed, cells, &colors),
-        ("an automatic grid", &mixed, auto, &colors),
-        ("a mesh", &mesh_folder, Structure::Any, &colors),
-        ("a mesh in a grid", &mesh_folder, auto, &filtered),
-        ("layers", &mesh_folder, cells, &measured),
-        ("adaptive samples", &mesh_folder, cells, &adaptive),
-    ];
-    for (what, folder, structure, request) in cases {
-        let work = || threads.install(|| rendered(folder.path(), structure, request));
-        let failures = refuse_each(what, work);
-        assert!(failures > 5, "{what}: only {failures} refusals were noticed");
+    let works = works();
+    if let [Ok(what), Ok(folder), Ok(first)] = VARIABLES.map(env::var) {
+        let (_, _, work) = works.iter().find(|(name, ..)| *name == what).unwrap();
+        return threads.install(|| refuse_from(first.parse().unwrap(), Path::new(&folder), work));
     }
-    let [one, other] = ["1.tga", "2.tga"].map(|name| mixed.path().join(name));
-    render(mixed.path(), Structure::List, &colors, std::slice::from_ref(&one)).unwrap();
-    render(mixed.path(), cells, &colors, std::slice::from_ref(&other)).unwrap();
-    let compare = || {
-        let read = |file| read_picture(file).map_err(|error| error.to_string());
-        let (a, b) = (read(&one)?, read(&other)?);
-        let compared =
-            threads.install(|| Comparison::of_each(&[a], &b)).map_err(|error| error.to_string())?;
-        Ok(compared[0].pixels_that_differ())
-    };
-    refuse_each("a comparison", compare);
+    let folder = TempDir::new().unwrap();
+    let [mixed, meshes] = ["mixed", "mesh"].map(|name| folder.path().join(name));
+    for (folder, scene) in [(&mixed, mixed_scene(1000).as_str()), (&meshes, MESH_SCENE)] {
+        fs::create_dir(folder).unwrap();
+        fs::write(folder.join("s.txt"), scene).unwrap();
+    }
+    fs::write(meshes.join("mesh.obj"), mesh(40)).unwrap();
+    let compared = Request { layers: vec![Layer::Color], ..Request::new([100, 80]) };
+    for (name, structure) in [("a.tga", Structure::List), ("b.tga", Structure::Any)] {
+        threads.install(|| render(&mixed, structure, &compared, &[mixed.join(name)])).unwrap();
+    }
+    let mut all = [0; 2];
+    for (what, name, _) in &works {
+        let found = refuse_each(what, &folder.path().join(name));
+        assert!(found[0] + found[1] > 1, "{what}: {found:?}");
+        all = [0, 1].map(|k| all[k] + found[k]);
+    }
+    assert!(all.iter().all(|&count| count > 0), "{all:?}");
 }

@@ -1,15 +1,23 @@
 //! Runs with little memory: each stage of a run ends with its result or with one line, never by a signal.
 #![cfg(target_os = "linux")]
 
-use crate::support::{CAMERA, Folder, Run, finish, scene};
+use crate::live_server::{Server, view};
+use crate::support::{CAMERA, Folder, Run, finish, only_line, scene, sphere};
+use serde_json::json;
 use std::fmt::Write;
+use std::fs::File;
 use std::process::Command;
 
-/// A run of the program that may take this number of kilobytes of address space.
-fn run_within(folder: &Folder, kilobytes: usize, line: &str) -> Run {
+/// The program, which may take this number of kilobytes of address space.
+fn program_within(folder: &Folder, kilobytes: usize, line: &str) -> Command {
     let limited = format!("ulimit -c 0; ulimit -v {kilobytes}; exec \"$0\" {line}");
-    let program = env!("CARGO_BIN_EXE_raytracer");
-    finish(Command::new("sh").args(["-c", &limited, program]).current_dir(folder.path()))
+    let mut command = Command::new("sh");
+    command.args(["-c", &limited, env!("CARGO_BIN_EXE_raytracer")]).current_dir(folder.path());
+    command
+}
+
+fn run_within(folder: &Folder, kilobytes: usize, line: &str) -> Run {
+    finish(&mut program_within(folder, kilobytes, line))
 }
 
 /// The least memory, in kilobytes, with which the system loads the program.
@@ -44,6 +52,7 @@ const STAGES: &[(&str, &str)] = &[
     ("materials", "-input materials.txt -output o.tga"),
     ("transforms in transforms", "-input deep.txt -output o.tga"),
     ("groups in groups", "-input groups.txt -output o.tga"),
+    ("copies of a mesh", "-input copies.txt -grid none -size 5 5 -output o.tga"),
     ("a plain mesh", "-input plain.txt -grid none -size 9 9 -output o.tga"),
     ("a mesh with normals", "-input normals.txt -grid none -size 9 9 -output o.tga"),
     ("an automatic grid", "-input spheres.txt -grid auto -output o.png"),
@@ -79,6 +88,8 @@ fn folder() -> Folder {
     folder.write("plain.obj", strip(30_000, ""));
     folder.write("normals.txt", mesh("normals.obj"));
     folder.write("normals.obj", strip(30_000, "//1"));
+    folder.write("copies.txt", scene(1001, &"TriangleMesh { obj_file short.obj }\n".repeat(1001)));
+    folder.write("short.obj", strip(300, ""));
     folder.run("-input one.txt -size 700 500 -output a.png").ok();
     folder.run("-input one.txt -size 700 500 -shade_back -grid 2 2 2 -normals b.tga").ok();
     folder
@@ -137,7 +148,8 @@ fn every_stage_ends_well_with_any_amount_of_memory() {
 fn a_refusal_says_how_much_would_be_needed() {
     let folder = folder();
     for (line, expected) in [
-        ("-input plain.txt", "plain.txt: error: not enough memory: at least "),
+        ("-input plain.txt", "plain.txt: error: not enough memory: at least 3.1 MB are needed"),
+        ("-input copies.txt", "copies.txt: error: not enough memory: at least 10.8 MB are needed"),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
         ("-input one.txt -threads 4096", "error: `-threads`: the system does not start 4095 more"),
     ] {
@@ -146,6 +158,49 @@ fn a_refusal_says_how_much_would_be_needed() {
         let errors: Vec<&str> = errors.collect();
         assert!(errors.len() == 1 && errors[0].starts_with(expected), "{line}\n{message}");
     }
+}
+
+/// The blocks of a grid take many times as much as its cells.
+#[test]
+fn the_blocks_of_a_grid_are_asked_for() {
+    let folder = Folder::new();
+    let triangle = |k: usize| {
+        let [x, y] = [k as f64 / 40.0, 1.0 - k as f64 / 40.0];
+        format!("Triangle {{ vertex0 {x} -1 {y} vertex1 -{y} {x} -1 vertex2 1 {y} {x} }}\n")
+    };
+    folder.write("s.txt", scene(40, &(0..40).map(triangle).collect::<String>()));
+    let kilobytes = least(&folder) + 10_000;
+    let grid = |cells: usize| {
+        let line = format!("-input s.txt -size 5 5 -output o.tga -threads 1 -grid {cells} {cells} {cells}");
+        run_within(&folder, kilobytes, &line)
+    };
+    grid(10).ok();
+    let message = grid(60).message(1);
+    assert!(only_line(&message).starts_with("error: the grid does not fit into memory"), "{message}");
+}
+
+#[test]
+fn the_live_page_refuses_beforehand_and_goes_on() {
+    let folder = Folder::with_scene(&sphere());
+    folder.write("m.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(30_000)));
+    // It is not read.
+    File::create(folder.path().join("large.obj")).and_then(|file| file.set_len(1 << 27)).expect("a file");
+    let line = "-input s.txt -gui -port 0 -no_browser -threads 2";
+    let server = Server::of(program_within(&folder, 200_000, line));
+    let picture = |words: &str| {
+        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        server.ask("/picture", &question).map(drop)
+    };
+    let typed = |count: usize, file: &str| {
+        let text = scene(count, &format!("TriangleMesh {{ obj_file {file} }}\n").repeat(count));
+        let said = server.ask("/scene", &json!({ "text": text })).expect("an answer").0;
+        said["errors"][0]["problem"].as_str().map(str::to_owned)
+    };
+    let refused = |size: &str| format!("not enough memory: at least {size} are needed");
+    assert_eq!(picture("-size 2000 2000").unwrap_err().1.trim_end(), refused("256.0 MB"));
+    assert_eq!(typed(1, "large.obj"), Some(refused("349.0 MB")));
+    assert_eq!(typed(50, "m.obj"), Some(refused("384.0 MB")));
+    assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
 }
 
 /// The variable that the library of threads reads has no effect: `-threads` alone decides.

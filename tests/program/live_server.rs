@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 /// A program that serves a page; it ends with the test.
@@ -26,7 +26,11 @@ impl Server {
     /// Serves the scene `s.txt` of a folder with these flags.
     pub fn start(folder: &Path, flags: &str) -> Self {
         let line = format!("-input s.txt -gui -port 0 -no_browser -threads 2 {flags}");
-        let mut command = program(folder, line.split_whitespace());
+        Self::of(program(folder, line.split_whitespace()))
+    }
+
+    /// Serves the page of a command that says its address.
+    pub fn of(mut command: Command) -> Self {
         let mut child =
             command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the program starts");
         let said = BufReader::new(child.stderr.take().expect("a pipe"));

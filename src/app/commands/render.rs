@@ -70,7 +70,7 @@ pub fn run(
     }
     let text = match options.json {
         Some(JsonTarget::StandardOutput) => json()?,
-        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref())?,
+        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
     };
     files.finish(signals)?;
     signals.end_at_once()?;
@@ -78,13 +78,9 @@ pub fn run(
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
-fn text(
-    options: &Options,
-    rendered: Option<&Rendered>,
-    verdict: Option<&ComparisonResult>,
-) -> Result<String, String> {
-    let rendered = rendered.map(|rendered| rendered.text(options)).transpose().map_err(failed)?;
-    Ok(rendered.into_iter().chain(verdict.map(ComparisonResult::text)).collect())
+fn text(options: &Options, rendered: Option<&Rendered>, verdict: Option<&ComparisonResult>) -> String {
+    let rendered = rendered.map(|rendered| rendered.text(options));
+    rendered.into_iter().chain(verdict.map(ComparisonResult::text)).collect()
 }
 
 /// The pictures and files of a comparison.
@@ -144,6 +140,7 @@ impl<'o> Compared<'o> {
 /// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
 /// wrong ones, with something to spare.
 const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
+
 /// Reads a picture to compare.
 fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
     let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;

@@ -2,7 +2,6 @@
 
 use super::{Interrupted, ending};
 use nix::sys::signal::{SigSet, Signal};
-use raytracer::memory;
 use raytracer::undisturbed::undisturbed;
 use signal_hook::low_level::exit;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -66,7 +65,7 @@ fn start() -> Arc<Mutex<Option<Task>>> {
         undisturbed(|| exit(Interrupted::by(signal as i32).0.into()))
     };
     // Without the thread, signals are noted as before.
-    if memory::ask(2 * STACK as u64).is_ok() && blocked.thread_block().is_ok() {
+    if blocked.thread_block().is_ok() {
         let started = thread::Builder::new().name("signals".into()).stack_size(STACK).spawn(take);
         if started.is_err() {
             let _ = blocked.thread_unblock();

@@ -61,11 +61,7 @@ fn a_cell_has_as_many_blocks_as_it_needs_however_many() {
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let lattice = Lattice::new(widened(world.bounds), [1; 3]);
         let cell = lattice.index([0; 3]) as u32;
-        let cell_lists = CellLists::new(&lattice, count, |_, out| {
-            out.push(cell);
-            Ok(())
-        })
-        .unwrap();
+        let cell_lists = CellLists::new(&lattice, count, |_, out| out.push(cell)).unwrap();
         let mut cells = CellContents::new(&world, &lattice, &cell_lists).unwrap();
         let mut blocks = vec![Block::zeroed(); cells.block_count()];
         cells.fill(&world, &mut blocks);

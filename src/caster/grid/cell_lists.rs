@@ -32,13 +32,13 @@ impl CellLists {
     pub fn new(
         lattice: &Lattice,
         count: usize,
-        cells_of: impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge> + Sync,
+        cells_of: impl Fn(usize, &mut TouchedCells) + Sync,
     ) -> Result<Self, GridTooLarge> {
-        lattice.fits()?;
+        lattice.ask_for_entries()?;
         let chunks: Vec<Chunk> = (0..count.div_ceil(PRIMS_PER_CHUNK))
             .into_par_iter()
             .map(|k| Chunk::new(k * PRIMS_PER_CHUNK..count.min((k + 1) * PRIMS_PER_CHUNK), &cells_of))
-            .collect::<Result<_, _>>()?;
+            .collect();
         let cell_lists = Self { chunks };
         if cell_lists.references() <= u32::MAX as usize { Ok(cell_lists) } else { Err(GridTooLarge) }
     }
@@ -67,32 +67,15 @@ impl CellLists {
 }
 
 impl Chunk {
-    fn new(
-        ids: std::ops::Range<usize>,
-        cells_of: &impl Fn(usize, &mut TouchedCells) -> Result<(), GridTooLarge>,
-    ) -> Result<Self, GridTooLarge> {
-        let mut touched = TouchedCells { indices: with_room_for(4 * ids.len())? };
-        let mut ends = with_room_for(ids.len())?;
+    fn new(ids: std::ops::Range<usize>, cells_of: &impl Fn(usize, &mut TouchedCells)) -> Self {
+        let mut touched = TouchedCells { indices: Vec::with_capacity(4 * ids.len()) };
+        let mut ends = Vec::with_capacity(ids.len());
         for id in ids {
-            cells_of(id, &mut touched)?;
+            cells_of(id, &mut touched);
             ends.push(touched.indices.len() as u32);
         }
-        Ok(Self { ends, cells: touched.indices })
+        Self { ends, cells: touched.indices }
     }
-}
-
-/// A vector of `count` copies of a value, or an error when there is not enough memory.
-pub fn filled_with<T: Clone>(value: T, count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = with_room_for(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
-/// An empty vector with capacity for exactly `count` elements, or an error when there is not enough memory.
-pub fn with_room_for<T>(count: usize) -> Result<Vec<T>, GridTooLarge> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count).map_err(|_| GridTooLarge)?;
-    Ok(list)
 }
 
 /// A slightly larger box, which contains all hits in spite of rounding and has a positive extent along every
@@ -130,7 +113,7 @@ mod tests {
         let mut cells = 0;
         for (i, b) in boxes.iter().enumerate() {
             let mut expected = TouchedCells::default();
-            voxelize::of_box(&lattice, b, 1e-6, &mut expected).unwrap();
+            voxelize::of_box(&lattice, b, 1e-6, &mut expected);
             assert_eq!(cell_lists.cells_of(i), expected.indices);
             cells += expected.indices.len();
             assert_eq!(below(i + 1), cells);

@@ -57,19 +57,12 @@ fn padding(lattice: &Lattice) -> f64 {
 const POSITION_ERROR_BOUND: f64 = 7.8e-6;
 
 /// Appends the cells into which a primitive is inserted by a rule.
-fn insert(
-    world: &World,
-    id: u32,
-    lattice: &Lattice,
-    rule: CellRule,
-    padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+fn insert(world: &World, id: u32, lattice: &Lattice, rule: CellRule, padding: f64, out: &mut TouchedCells) {
     match (world.primitive(id), rule) {
         (Primitive::Triangle(i), CellRule::Course) => {
             voxelize::of_box(lattice, &Aabb::around(world.corners(i)), padding, out)
         }
-        (Primitive::Triangle(_), _) if !world.may_be_hit(id) => Ok(()),
+        (Primitive::Triangle(_), _) if !world.may_be_hit(id) => {}
         (Primitive::Triangle(i), _) => voxelize::of_triangle(lattice, world.corners(i), padding, out),
         (Primitive::Shape(i), _) => match (world.shapes[i].in_cells(), rule) {
             (InCells::Sphere(Sphere { center, radius }), CellRule::Course) => {
@@ -80,7 +73,7 @@ fn insert(
             }
             (InCells::Box(bounds), _) => voxelize::of_box(lattice, &bounds, padding, out),
         },
-        (Primitive::Plane(_), _) => Ok(()),
+        (Primitive::Plane(_), _) => {}
     }
 }
 

@@ -5,6 +5,7 @@ use crate::caster::error::GridTooLarge;
 use crate::caster::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
 use crate::math::f64x4::F64x4;
+use crate::memory;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -119,6 +120,12 @@ impl Lattice {
     pub fn fits(&self) -> Result<(), GridTooLarge> {
         let sides = self.cells.map(|n| n as u128 + 2);
         if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
+    }
+
+    /// Asks for the memory of an entry for each index, where they fit.
+    pub fn ask_for_entries(&self) -> Result<(), GridTooLarge> {
+        self.fits()?;
+        memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| GridTooLarge)
     }
 
     /// The difference of the indices of neighbouring cells along each axis.

@@ -3,7 +3,6 @@
 
 mod triangle;
 
-use crate::caster::error::GridTooLarge;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::grid::touched_cells::TouchedCells;
 use crate::math::aabb::Aabb;
@@ -12,14 +11,24 @@ use glam::DVec3;
 pub use triangle::of_triangle;
 
 /// Appends the index of every cell that a box touches, where each cell is padded by `padding` cells.
-pub fn of_box(
+pub fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64, out: &mut TouchedCells) {
+    let range = CellRange::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
+    range.push_if(lattice, out, |_| true)
+}
+
+/// The same cells, as runs of indices along x.
+pub fn runs_of_box(
     lattice: &Lattice,
     bounds: &Aabb,
     padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+) -> impl Iterator<Item = std::ops::Range<usize>> {
     let range = CellRange::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding);
-    range.push_if(lattice, out, |_| true)
+    let CellRange { start: [x0, y0, z0], end: [x1, y1, z1] } = range;
+    let run = move |y: u32, z: u32| {
+        let first = lattice.index([x0, y, z].map(|i| i as usize));
+        first..first + (x1 - x0) as usize
+    };
+    (z0..z1).flat_map(move |z| (y0..y1).map(move |y| run(y, z)))
 }
 
 /// The number of cells that a box touches, where each cell is padded by `padding` cells.
@@ -37,7 +46,7 @@ pub fn of_ball_by_centers(
     radius: f64,
     padding: f64,
     out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+) {
     let size = lattice.cell_size;
     let max_distance = radius + (0.5 + padding) * size.length();
     let range = CellRange::new(
@@ -54,13 +63,7 @@ pub fn of_ball_by_centers(
 
 /// Appends the index of every cell that the surface of a sphere touches, where each cell is padded by
 /// `padding` cells. Cells in the interior of the sphere are left out, since no ray hits the sphere there.
-pub fn of_sphere(
-    lattice: &Lattice,
-    center: DVec3,
-    radius: f64,
-    padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, padding: f64, out: &mut TouchedCells) {
     let (center_in_cells, size) = (lattice.to_cells(center), lattice.cell_size);
     let range = CellRange::new(
         lattice,
@@ -118,30 +121,24 @@ impl CellRange {
 
     /// Appends all cells of a range that extends along one axis only.
     #[inline(always)]
-    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) -> Result<(), GridTooLarge> {
+    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut TouchedCells) {
         let mut index = self.first(lattice);
-        out.reserve(self.end[axis] - self.start[axis])?;
+        out.reserve(self.end[axis] - self.start[axis]);
         for _ in self.start[axis]..self.end[axis] {
             out.push(index);
             index += lattice.tables.strides[axis];
         }
-        Ok(())
     }
 
     /// Appends the cells for which `is_touched` holds; its argument is the cell's lower corner in units of
     /// cells.
     #[inline(always)]
-    fn push_if(
-        &self,
-        lattice: &Lattice,
-        out: &mut TouchedCells,
-        is_touched: impl Fn(DVec3) -> bool,
-    ) -> Result<(), GridTooLarge> {
+    fn push_if(&self, lattice: &Lattice, out: &mut TouchedCells, is_touched: impl Fn(DVec3) -> bool) {
         let [x0, y0, z0] = self.start;
         for z in z0..self.end[2] {
             for y in y0..self.end[1] {
                 let start = lattice.index([x0, y, z].map(|i| i as usize)) as u32;
-                out.reserve(self.end[0] - x0)?;
+                out.reserve(self.end[0] - x0);
                 for (x, index) in (x0..self.end[0]).zip(start..) {
                     if is_touched(DVec3::new(x.into(), y.into(), z.into())) {
                         out.push(index);
@@ -149,7 +146,6 @@ impl CellRange {
                 }
             }
         }
-        Ok(())
     }
 }
 
@@ -165,9 +161,9 @@ mod tests {
     }
 
     /// The cells that `insert` appends to an empty list.
-    pub fn cells_of(insert: impl Fn(&mut TouchedCells) -> Result<(), GridTooLarge>) -> Vec<u32> {
+    pub fn cells_of(insert: impl Fn(&mut TouchedCells)) -> Vec<u32> {
         let mut out = TouchedCells::default();
-        insert(&mut out).unwrap();
+        insert(&mut out);
         out.indices
     }
 
@@ -224,8 +220,8 @@ mod tests {
         let l = lattice();
         let far = DVec3::splat(100.0);
         let cells = cells_of(|out| {
-            of_box(&l, &Aabb { min: far, max: far }, 0.0, out)
-                .and_then(|()| of_triangle(&l, [-far; 3], 0.0, out))
+            of_box(&l, &Aabb { min: far, max: far }, 0.0, out);
+            of_triangle(&l, [-far; 3], 0.0, out);
         });
         assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
     }
@@ -273,10 +269,13 @@ mod tests {
         ] {
             let (low, high) = (corner([5.5, 4.5, 3.5]), corner(high));
             let [mut triangle, mut all] = [0; 2].map(|_| TouchedCells::default());
-            of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle).unwrap();
-            of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all).unwrap();
+            of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle);
+            of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all);
             let counted = count_of_box(&l, &Aabb { min: low, max: high }, 1e-6);
             assert_eq!((all.indices.len(), counted), (tested, tested as u64), "{high}");
+            let bounds = Aabb { min: low, max: high };
+            let in_runs = runs_of_box(&l, &bounds, 1e-6).flatten();
+            assert!(in_runs.eq(all.indices.iter().map(|&index| index as usize)), "{high}");
             if tested < 6 {
                 assert_eq!(triangle.indices, all.indices, "{high}");
             }

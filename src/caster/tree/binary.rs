@@ -7,7 +7,6 @@
 
 use super::division::{Bounds, Item, ItemRun};
 use crate::caster::blocks::triangle8::LANES;
-use crate::memory::{NoMemory, make_room, push};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 
@@ -58,7 +57,7 @@ const PARALLEL_ITEMS: usize = 1 << 13;
 
 impl BinaryTree {
     /// The tree of more than [`LANES`] items, below so many levels.
-    pub fn new(items: &mut [Item], level: usize) -> Result<Self, NoMemory> {
+    pub fn new(items: &mut [Item], level: usize) -> Self {
         Self::divided(ItemRun::new(items), 0, level)
     }
 
@@ -91,7 +90,7 @@ impl BinaryTree {
     }
 
     /// The tree of a branch with these items, the first of which has the index `start`.
-    fn of(group: ItemRun, start: usize, level: usize) -> Result<Self, NoMemory> {
+    fn of(group: ItemRun, start: usize, level: usize) -> Self {
         let content = if group.items.len() <= LANES {
             BranchContent::Leaf
         } else if level < HEURISTIC_LEVELS && group.is_small {
@@ -101,41 +100,36 @@ impl BinaryTree {
         };
         let items = start..start + group.items.len();
         let mut tree = Self { halves: vec![] };
-        push(
-            &mut tree.halves,
-            Half { bounds: group.bounds, items, content, plans: [Plan::NOTHING; LANES + 1] },
-        )?;
-        Ok(tree)
+        tree.halves.push(Half { bounds: group.bounds, items, content, plans: [Plan::NOTHING; LANES + 1] });
+        tree
     }
 
     /// The same for a group that is divided.
-    fn divided(group: ItemRun, start: usize, level: usize) -> Result<Self, NoMemory> {
+    fn divided(group: ItemRun, start: usize, level: usize) -> Self {
         let (bounds, items) = (group.bounds, start..start + group.items.len());
         let [a, b] = group.halves(level >= HEURISTIC_LEVELS);
         let middle = start + a.items.len();
         let divide = |group, start| Self::of(group, start, level + 1);
-        let (first, second) = match items.len() {
+        let (mut tree, second) = match items.len() {
             PARALLEL_ITEMS.. => rayon::join(|| divide(a, start), || divide(b, middle)),
             _ => (divide(a, start), divide(b, middle)),
         };
-        let (mut tree, second) = (first?, second?);
-        let halves = [tree.halves.len() - 1, tree.append(second)?];
+        let halves = [tree.halves.len() - 1, tree.append(second)];
         let plans = plans(bounds.half_area(), halves.map(|half| &tree.halves[half].plans));
-        push(&mut tree.halves, Half { bounds, items, content: BranchContent::Halves(halves), plans })?;
-        Ok(tree)
+        tree.halves.push(Half { bounds, items, content: BranchContent::Halves(halves), plans });
+        tree
     }
 
     /// Appends the halves of another tree, and returns the index of its root.
-    fn append(&mut self, mut other: Self) -> Result<usize, NoMemory> {
+    fn append(&mut self, mut other: Self) -> usize {
         let shift = self.halves.len();
-        make_room(&mut self.halves, other.halves.len())?;
         for half in &mut other.halves {
             if let BranchContent::Halves(halves) = &mut half.content {
                 halves.iter_mut().for_each(|half| *half += shift);
             }
         }
         self.halves.append(&mut other.halves);
-        Ok(self.halves.len() - 1)
+        self.halves.len() - 1
     }
 }
 

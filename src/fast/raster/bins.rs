@@ -1,10 +1,9 @@
 //! The triangles of each tile, and the drawing of all tiles.
 
 use super::edge_functions::EdgeFunctions;
-use super::tile::{self, Tile};
+use super::tile::Tile;
 use super::triangle_bounds::TriangleBounds;
 use super::{NOTHING, Screen, TILE_ROWS};
-use crate::memory::{self, NoMemory};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -34,11 +33,11 @@ impl Bins {
         rows: &Range<usize>,
         count: usize,
         bounds_of: impl Fn(u32) -> Option<(TriangleBounds, bool)> + Sync,
-    ) -> Result<Self, NoMemory> {
+    ) -> Self {
         const TRIANGLES_PER_PART: usize = 1 << 14;
         let parts = (0..count.div_ceil(TRIANGLES_PER_PART)).into_par_iter();
         let parts = parts.map(|part| {
-            let mut bins = memory::filled(TileBin::default(), rows.len().div_ceil(TILE_ROWS))?;
+            let mut bins = vec![TileBin::default(); rows.len().div_ceil(TILE_ROWS)];
             for id in part * TRIANGLES_PER_PART..count.min((part + 1) * TRIANGLES_PER_PART) {
                 if let Some((triangle_bounds, is_front)) = bounds_of(id as u32) {
                     let (side, covered) =
@@ -46,14 +45,14 @@ impl Bins {
                     let [first, last] =
                         [covered.start, covered.end - 1].map(|j| (j - rows.start) / TILE_ROWS);
                     for bin in &mut bins[first..=last] {
-                        memory::push(&mut bin.sides[side], triangle_bounds)?;
+                        bin.sides[side].push(triangle_bounds);
                     }
                     bins[first].pixels += triangle_bounds.pixels();
                 }
             }
-            Ok(bins)
+            bins
         });
-        Ok(Self { rows: rows.clone(), parts: parts.collect::<Result<_, NoMemory>>()? })
+        Self { rows: rows.clone(), parts: parts.collect() }
     }
 
     /// The rows that the tiles fill.
@@ -67,25 +66,24 @@ impl Bins {
     }
 
     /// Draws the triangles and then, by `finish`, what else is in each tile. Returns what each pixel shows; a row has
-    /// [`tile::LANES`] pixels more than the screen.
+    /// [`Screen::stride`] of them.
     pub fn draw(
         &self,
         screen: Screen,
         edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
         finish: impl Fn(&mut Tile) + Sync,
-    ) -> Result<Vec<u32>, NoMemory> {
-        let stride = screen.width + tile::LANES;
-        let mut visible_ids = memory::filled(NOTHING, stride * self.rows.len())?;
+    ) -> Vec<u32> {
+        let stride = screen.stride();
+        let mut visible_ids = vec![NOTHING; stride * self.rows.len()];
         let tiles = visible_ids.par_chunks_mut(TILE_ROWS * stride).enumerate();
-        tiles.try_for_each(|(k, visible_ids)| {
-            let mut tile = Tile::new(screen, self.rows.start + k * TILE_ROWS, stride, visible_ids)?;
+        tiles.for_each(|(k, visible_ids)| {
+            let mut tile = Tile::new(screen, self.rows.start + k * TILE_ROWS, stride, visible_ids);
             for side in [FRONTS, BACKS] {
                 let all = self.parts.iter().flat_map(|bins| &bins[k].sides[side]);
                 all.for_each(|bounds| tile.draw(bounds, || edge_functions(bounds.id)));
             }
             finish(&mut tile);
-            Ok::<(), NoMemory>(())
-        })?;
-        Ok(visible_ids)
+        });
+        visible_ids
     }
 }

@@ -171,34 +171,34 @@ impl VisibilityBuffer {
 
 /// What the pixels show to rays from an eye, or none as in [`VisibilityBuffer::new`].
 fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
-    let mut vertices: Vec<ScreenVertex> = memory::with_room(world.vertices.len()).ok()?;
-    world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect_into_vec(&mut vertices);
+    memory::ask(bytes_for::<ScreenVertex>(world, viewport.rows.len() * viewport.screen.stride())).ok()?;
+    let vertices: Vec<_> = world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
     let bounds_of =
         |id: u32| world.may_be_hit(id).then(|| TriangleBounds::new(viewport, world, &vertices, id)).flatten();
-    let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of).ok()?;
+    let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of);
     let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
     let of_box = |bounds: &Aabb| TriangleBounds::of_box(viewport, bounds);
-    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
+    let others = Others { planes: planes.collect(), boxes: boxes(world, of_box) };
     let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
     drawn(&bins, viewport.screen, &others, world, edge_functions)
 }
 
 /// The same for parallel rays.
 fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
-    let mut vertices: Vec<Projected> = memory::with_room(world.vertices.len()).ok()?;
-    world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
+    memory::ask(bytes_for::<Projected>(world, rows.len() * view.screen.stride())).ok()?;
+    let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
     let bounds_of = |id: u32| {
         let on_screen = || corners(id).map(|corner| corner.on(&view.screen));
         world.may_be_hit(id).then(|| TriangleBounds::ahead(&view.screen, rows, on_screen(), id)).flatten()
     };
-    let bins = Bins::new(rows, world.triangles.len(), bounds_of).ok()?;
+    let bins = Bins::new(rows, world.triangles.len(), bounds_of);
     let planes = world.planes.iter().map(|plane| view.plane(plane));
     let of_box = |bounds: &Aabb| {
         let corners = bounds.corners().map(|corner| view.project(corner).on(&view.screen));
         TriangleBounds::of_box_ahead(&view.screen, rows, corners)
     };
-    let others = Others { planes: memory::collected(planes).ok()?, boxes: boxes(world, of_box)? };
+    let others = Others { planes: planes.collect(), boxes: boxes(world, of_box) };
     let edge_functions = |id: u32| flat_triangle::edge_functions(corners(id), view.screen_error);
     drawn(&bins, view.screen, &others, world, edge_functions)
 }
@@ -211,10 +211,16 @@ struct Others {
 }
 
 /// The bounds of spheres and ellipsoids on the screen.
-fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Option<Vec<TriangleBounds>> {
-    let mut boxes = memory::with_room(world.finite_count() - world.triangles.len()).ok()?;
-    boxes.extend(world.boxes().filter_map(|bounds| of_box(&widened(bounds))));
-    Some(boxes)
+fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Vec<TriangleBounds> {
+    world.boxes().filter_map(|bounds| of_box(&widened(bounds))).collect()
+}
+
+/// The memory in bytes of the world's vertices on the screen, of the bounds of its triangles, and of so many pixels.
+fn bytes_for<Vertex>(world: &World, pixels: usize) -> u64 {
+    let bytes = world.vertices.len() * size_of::<Vertex>()
+        + world.triangles.len() * size_of::<TriangleBounds>()
+        + pixels * size_of::<u32>();
+    bytes as u64
 }
 
 /// What the pixels show of these triangles and of the others.
@@ -229,13 +235,12 @@ fn drawn(
     if bins.pixels().saturating_add(marked) > PIXELS_PER_RAY * screen.width * bins.rows().len() {
         return None;
     }
-    let drawn = bins.draw(screen, edge_functions, |tile| {
+    Some(bins.draw(screen, edge_functions, |tile| {
         planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
         for TriangleBounds { columns, rows, max_inv_depth, .. } in boxes {
             tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
         }
-    });
-    drawn.ok()
+    }))
 }
 
 /// The projection onto the rows that are drawn.
@@ -267,6 +272,13 @@ struct Screen {
     /// How far the inverse depths of two hits may be apart that lie in one place, so that it is decided by the primitives
     /// which of them is seen, and not by the depths.
     same_place: ErrorBound,
+}
+
+impl Screen {
+    /// The number of elements from one row of a buffer to the next.
+    fn stride(&self) -> usize {
+        self.width + tile::LANES
+    }
 }
 
 impl Viewport {

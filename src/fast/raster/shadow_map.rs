@@ -12,9 +12,9 @@ use super::flat_triangle::{Projected, edge_functions};
 use super::light_view::{LightView, MapPlace, SCREEN_ERROR};
 use super::tile::{self, Tile};
 use super::triangle_bounds::TriangleBounds;
-use super::{NOTHING, UNSURE};
+use super::{NOTHING, UNSURE, bytes_for};
 use crate::math::aabb::Aabb;
-use crate::memory::{self, NoMemory};
+use crate::memory;
 use crate::scene::Light;
 use crate::shortcut::Shortcut;
 use crate::world::World;
@@ -61,6 +61,10 @@ impl ShadowMaps {
         if !Shortcut::ShadowMaps.is_taken() || world.finite_count() == 0 || !has_flat_surfaces || !pays {
             return Self::default();
         }
+        let at_once = world.lights.len().min(rayon::current_num_threads()) as u64;
+        if memory::ask(at_once * bytes_for::<Projected>(world, SIZE * (SIZE + tile::LANES))).is_err() {
+            return Self::default();
+        }
         Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light)).collect())
     }
 
@@ -76,11 +80,10 @@ impl ShadowMaps {
 
 impl ShadowMap {
     fn new(world: &World, light: &Light) -> Option<Self> {
-        let mut boxes = memory::with_room(world.finite_count() - world.triangles.len()).ok()?;
-        boxes.extend(world.boxes());
+        let boxes: Vec<Aabb> = world.boxes().collect();
         let bounds = Aabb::around(boxes.iter().flat_map(Aabb::corners).chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        Some(Self { view, nearest_ids: draw(&view, world, &boxes).ok()? })
+        Some(Self { view, nearest_ids: draw(&view, world, &boxes) })
     }
 
     #[inline(always)]
@@ -98,20 +101,19 @@ impl ShadowMap {
 }
 
 /// Draws the triangles, and marks the pixels that may show something in these boxes.
-fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Result<Vec<u32>, NoMemory> {
+fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Vec<u32> {
     let (screen, rows) = (view.screen(), 0..SIZE);
-    let mut vertices: Vec<Projected> = memory::with_room(world.vertices.len())?;
-    world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect_into_vec(&mut vertices);
+    let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
     let bins = Bins::new(&rows, world.triangles.len(), |id| {
         let on_screen = || corners(id).map(|corner| corner.on(&screen));
         world.may_be_hit(id).then(|| TriangleBounds::ahead(&screen, &rows, on_screen(), id)).flatten()
-    })?;
+    });
     let on_screen = |bounds: &Aabb| {
         let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));
         TriangleBounds::of_box_ahead(&screen, &rows, corners)
     };
-    let boxes = memory::collected(boxes.iter().map(on_screen))?;
+    let boxes: Vec<_> = boxes.iter().map(on_screen).collect();
     // Nothing is known of the depth of what casts a shadow.
     let mark = |tile: &mut Tile| {
         for TriangleBounds { columns, rows, .. } in boxes.iter().flatten() {

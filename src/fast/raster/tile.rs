@@ -11,7 +11,6 @@ use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
 use super::{Affine, Screen, TILE_ROWS, UNSURE};
 use crate::math::extremes::min3;
-use crate::memory::{self, NoMemory};
 use std::ops::Range;
 
 /// How many adjacent pixels are processed at a time.
@@ -98,15 +97,10 @@ impl Coverage {
 }
 
 impl<'c> Tile<'c> {
-    pub fn new(
-        screen: Screen,
-        first_row: usize,
-        stride: usize,
-        visible_ids: &'c mut [u32],
-    ) -> Result<Self, NoMemory> {
+    pub fn new(screen: Screen, first_row: usize, stride: usize, visible_ids: &'c mut [u32]) -> Self {
         let rows = first_row..first_row + visible_ids.len() / stride;
-        let far = || memory::filled(screen.nothing, TILE_ROWS * stride);
-        Ok(Self { screen, rows, stride, min_inv_depths: far()?, max_inv_depths: far()?, visible_ids })
+        let far = vec![screen.nothing; TILE_ROWS * stride];
+        Self { screen, rows, stride, min_inv_depths: far.clone(), max_inv_depths: far, visible_ids }
     }
 
     /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. Where it

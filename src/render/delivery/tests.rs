@@ -12,7 +12,7 @@ const ROWS: usize = 1000;
 fn delivered(
     threads: usize,
     goes_on: impl Fn(usize) -> bool + Sync,
-    trace: impl Fn(usize) -> Result<usize, NoMemory> + Sync,
+    trace: impl Fn(usize) -> usize + Sync,
     mut take: impl FnMut(usize) -> Result<(), Stopped> + Send,
 ) -> (Vec<usize>, Result<usize, Stopped>) {
     let watch = |progress: crate::render::Progress| match goes_on(progress.done) {
@@ -44,7 +44,7 @@ fn rows_are_handed_out_in_order_and_not_many_wait_for_a_slow_one() {
                 std::thread::sleep(Duration::from_millis(20));
             }
             traced.fetch_add(1, Ordering::Relaxed);
-            Ok(row)
+            row
         };
         let take = |row| {
             most.fetch_max(traced.load(Ordering::Relaxed) - row, Ordering::Relaxed);
@@ -61,7 +61,7 @@ fn rows_are_handed_out_in_order_and_not_many_wait_for_a_slow_one() {
 #[test]
 fn what_a_cancelled_render_has_traced_is_handed_out() {
     for threads in [1, 3] {
-        let (rows, result) = delivered(threads, |done| done < 40, Ok, |_| Ok(()));
+        let (rows, result) = delivered(threads, |done| done < 40, |row| row, |_| Ok(()));
         assert!((40..40 + threads).contains(&rows.len()), "{}", rows.len());
         assert_eq!(result, Ok(rows.len()));
         assert!(rows.iter().copied().eq(0..rows.len()));
@@ -70,22 +70,17 @@ fn what_a_cancelled_render_has_traced_is_handed_out() {
 
 #[test]
 fn the_first_failure_ends_the_delivery() {
-    let refused = NoMemory { bytes: 7 };
     for threads in [1, 3] {
         let traced = AtomicUsize::new(0);
         let trace = |row| {
             traced.fetch_add(1, Ordering::Relaxed);
-            if row == 200 { Err(refused) } else { Ok(row) }
+            row
         };
-        let (rows, result) = delivered(threads, |_| true, trace, |_| Ok(()));
-        assert_eq!(result, Err(Stopped::Memory(refused)));
-        assert!(rows.into_iter().eq(0..200));
-        assert!(traced.into_inner() <= 200 + ROWS_PER_THREAD * threads);
-
         let full = |row| if row == 200 { Err(Stopped::Output) } else { Ok(()) };
-        let (rows, result) = delivered(threads, |_| true, Ok, full);
+        let (rows, result) = delivered(threads, |_| true, trace, full);
         assert_eq!(result, Err(Stopped::Output));
         assert!(rows.into_iter().eq(0..=200));
+        assert!(traced.into_inner() <= 201 + ROWS_PER_THREAD * threads);
     }
 }
 
@@ -93,7 +88,7 @@ fn the_first_failure_ends_the_delivery() {
 fn no_thread_waits_for_a_row_that_has_panicked() {
     let trace = |row| {
         assert_ne!(row, 100, "on purpose");
-        Ok(row)
+        row
     };
     let delivery = || delivered(3, |_| true, trace, |_| Ok(()));
     assert!(catch_unwind(AssertUnwindSafe(delivery)).is_err());
@@ -106,7 +101,7 @@ fn rows_that_are_handed_out_are_used_again() {
     let trace = |row, used: Option<usize>| {
         new.fetch_add(usize::from(used.is_none()), Ordering::Relaxed);
         assert!(used.is_none_or(|used| used < row));
-        Ok(row)
+        row
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let result = pool.install(|| in_order(ROWS, &tally, trace, |_| Ok::<(), Stopped>(())));

@@ -2,7 +2,6 @@
 //! them disagree, more.
 
 use super::{Colors, Painter, RenderSetting};
-use crate::memory::{self, NoMemory};
 use crate::render::tracing::{RowTracer, RowsTracer};
 use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
 use crate::sampling::sample_packet::{Sample, SamplePacket};
@@ -52,24 +51,19 @@ pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
 
 impl RenderSetting<'_> {
     /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
-    pub fn first_samples(&self, tracer: RowTracer, j: usize) -> Result<(FirstSamples, Counts), NoMemory> {
+    pub fn first_samples(&self, tracer: RowTracer, j: usize) -> (FirstSamples, Counts) {
         let columns = self.columns();
         let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
         self.first_samples_in(tracer, columns, j)
     }
 
     /// Traces the first samples of the pixels in these columns.
-    fn first_samples_in(
-        &self,
-        tracer: RowTracer,
-        columns: Range<usize>,
-        j: usize,
-    ) -> Result<(FirstSamples, Counts), NoMemory> {
-        let mut painter = self.painter(self.empty_row(j, None)?, tracer, false);
+    fn first_samples_in(&self, tracer: RowTracer, columns: Range<usize>, j: usize) -> (FirstSamples, Counts) {
+        let mut painter = self.painter(self.empty_row(j, None), tracer, false);
         painter.row.colors = Colors::Unwanted;
         let (mut packet, start) = (SamplePacket::default(), columns.start);
         let counted = if self.request.has_costs() { columns.len() } else { 0 };
-        let (quarters, counts) = (memory::with_room(columns.len())?, memory::with_room(counted)?);
+        let (quarters, counts) = (Vec::with_capacity(columns.len()), Vec::with_capacity(counted));
         let mut first = FirstSamples { start, quarters, counts };
         let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
         for some in columns.clone().step_by(pixels_at_once) {
@@ -89,27 +83,22 @@ impl RenderSetting<'_> {
                 first.counts.push(painter.row.counts.since(before));
             }
         }
-        Ok((first, painter.row.counts))
+        (first, painter.row.counts)
     }
 
-    /// The samples of one pixel with their strata; none where there is no memory for them.
-    pub fn strata(
-        &self,
-        settings: Adaptive,
-        tracer: &RowsTracer,
-        [column, j]: [usize; 2],
-    ) -> Option<Vec<Stratum>> {
+    /// The samples of one pixel with their strata.
+    pub fn strata(&self, settings: Adaptive, tracer: &RowsTracer, [column, j]: [usize; 2]) -> Vec<Stratum> {
         let [width, height] = self.request.size;
         let columns = column.saturating_sub(1)..(column + 2).min(width);
         let row = |j: Option<usize>| {
-            Some(self.first_samples_in(tracer.row(), columns.clone(), j.filter(|&j| j < height)?).ok()?.0)
+            Some(self.first_samples_in(tracer.row(), columns.clone(), j.filter(|&j| j < height)?).0)
         };
         let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter = self.painter(self.empty_row(j, None).ok()?, tracer.row(), false);
+        let mut painter = self.painter(self.empty_row(j, None), tracer.row(), false);
         painter.row.colors = Colors::Unwanted;
         painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
         painter.refine(column, &mut SamplePacket::default());
-        painter.refinement.map(|refinement| refinement.strata.all().to_vec())
+        painter.refinement.map(|refinement| refinement.strata.all().to_vec()).unwrap_or_default()
     }
 }
 

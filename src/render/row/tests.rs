@@ -27,7 +27,7 @@ fn with_painter(check: impl FnOnce(&mut Painter)) {
     check(&mut Painter {
         shown: 2..10,
         center_weight: 1.0,
-        ..setting.painter(setting.empty_row(5, None).unwrap(), rows.row(), true)
+        ..setting.painter(setting.empty_row(5, None), rows.row(), true)
     });
 }
 

@@ -2,7 +2,6 @@
 //! each other, so that the order along the outline serves as the tree's.
 
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::memory::{NoMemory, filled};
 
 /// A rectangle: its smallest and its largest coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,8 +72,8 @@ pub struct BoxTree {
 
 impl BoxTree {
     /// A tree with room for this number of edges.
-    pub fn new(edges: usize) -> Result<Self, NoMemory> {
-        Ok(Self { nodes: filled(Rectangle::EMPTY, 2 * edges.next_power_of_two())? })
+    pub fn new(edges: usize) -> Self {
+        Self { nodes: vec![Rectangle::EMPTY; 2 * edges.next_power_of_two()] }
     }
 
     fn leaves(&self) -> usize {
@@ -120,7 +119,7 @@ mod tests {
     #[test]
     fn the_edges_that_meet_a_triangle_are_found() {
         for count in [1, 2, 5, 16] {
-            let mut tree = BoxTree::new(count).unwrap();
+            let mut tree = BoxTree::new(count);
             let at = |k: usize| k as f64;
             (0..count)
                 .for_each(|k| tree.put(k, Rectangle::around([[at(k), at(k)], [at(k) + 0.5, at(k) + 0.5]])));

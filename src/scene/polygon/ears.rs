@@ -8,25 +8,24 @@
 use super::box_tree::{BoxTree, Rectangle, Triangle};
 use super::outline::{Corner, Ring};
 use super::projection::DroppedAxis;
-use crate::memory::{NoMemory, collected, filled, with_room};
 use glam::DVec3;
 use std::collections::VecDeque;
 
 /// The ears, all with an area in the projection. None if the outline crosses itself.
-pub fn triangles(ring: &Ring, projection: DroppedAxis) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+pub fn triangles(ring: &Ring, projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
     let turn = projection.turn(&ring.corners);
     if turn == 0 {
-        return Ok(None);
+        return None;
     }
-    let mut corners = collected(ring.corners.iter().copied())?;
+    let mut corners = ring.corners.clone();
     if turn < 0 {
         corners.reverse();
     }
-    let Some(mut triangles) = Clipping::new(corners, projection)?.ears()? else { return Ok(None) };
+    let mut triangles = Clipping::new(corners, projection).ears()?;
     if (turn < 0) != ring.is_backwards {
         triangles.iter_mut().for_each(|triangle| triangle.reverse());
     }
-    Ok(Some(triangles))
+    Some(triangles)
 }
 
 /// An outline that turns to the left, from which ears are cut.
@@ -55,23 +54,21 @@ enum Fate {
 }
 
 impl Clipping {
-    fn new(corners: Vec<Corner>, projection: DroppedAxis) -> Result<Self, NoMemory> {
+    fn new(corners: Vec<Corner>, projection: DroppedAxis) -> Self {
         let count = corners.len();
-        let mut waiting = VecDeque::new();
-        waiting.try_reserve_exact(count).map_err(|_| NoMemory::for_list::<usize>(count))?;
         let mut clipping = Self {
             projection,
-            before: collected((0..count).map(|k| (k + count - 1) % count))?,
-            after: collected((0..count).map(|k| (k + 1) % count))?,
-            is_left: filled(true, count)?,
+            before: (0..count).map(|k| (k + count - 1) % count).collect(),
+            after: (0..count).map(|k| (k + 1) % count).collect(),
+            is_left: vec![true; count],
             left: count,
-            edges: BoxTree::new(count)?,
-            waiting,
-            is_waiting: filled(false, count)?,
+            edges: BoxTree::new(count),
+            waiting: VecDeque::with_capacity(count),
+            is_waiting: vec![false; count],
             corners,
         };
         (0..count).for_each(|corner| clipping.put_edge(corner));
-        Ok(clipping)
+        clipping
     }
 
     fn point(&self, corner: usize) -> DVec3 {
@@ -91,8 +88,8 @@ impl Clipping {
     }
 
     /// All ears, if they use up the outline.
-    fn ears(&mut self) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
-        let mut ears = with_room(self.corners.len())?;
+    fn ears(&mut self) -> Option<Vec<[usize; 3]>> {
+        let mut ears = Vec::with_capacity(self.corners.len());
         (0..self.corners.len()).for_each(|corner| self.wait(corner));
         // Whether a triangle can be cut off changes only when a neighbour goes.
         while let Some(corner) = self.waiting.pop_front()
@@ -108,7 +105,7 @@ impl Clipping {
                 self.remove(corner);
             }
         }
-        Ok((self.left <= 2).then_some(ears))
+        (self.left <= 2).then_some(ears)
     }
 
     fn fate(&self, corner: usize) -> Fate {

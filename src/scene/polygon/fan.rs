@@ -3,16 +3,15 @@
 use super::outline::{Corner, Outline};
 use super::projection::DroppedAxis;
 use crate::math::predicate::area_vector;
-use crate::memory::{NoMemory, with_room};
 
 /// The triangles of a fan around the file's first corner, without those that have no area. None if the fan does not
 /// cover the polygon.
-pub fn triangles(outline: &Outline, projection: DroppedAxis) -> Result<Option<Vec<[usize; 3]>>, NoMemory> {
+pub fn triangles(outline: &Outline, projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
     if !covers(outline.in_file_order(), projection) {
-        return Ok(None);
+        return None;
     }
-    let [first, others @ ..] = outline.in_file_order() else { return Ok(None) };
-    let mut triangles = with_room(others.len().saturating_sub(1))?;
+    let [first, others @ ..] = outline.in_file_order() else { return None };
+    let mut triangles = Vec::with_capacity(others.len().saturating_sub(1));
     for edge in others.windows(2) {
         let corners = [*first, edge[0], edge[1]];
         // One that is projected to a line may have an area in space, and then it closes a gap.
@@ -22,7 +21,7 @@ pub fn triangles(outline: &Outline, projection: DroppedAxis) -> Result<Option<Ve
             triangles.push(corners.map(|corner| corner.index));
         }
     }
-    Ok(Some(triangles))
+    Some(triangles)
 }
 
 /// Whether the corners go around the first one in one direction, and less than once.

@@ -23,7 +23,6 @@ mod trapezoids;
 #[cfg(test)]
 mod tests;
 
-use crate::memory::{NoMemory, collected};
 use glam::DVec3;
 use outline::Outline;
 use projection::DroppedAxis;
@@ -49,21 +48,21 @@ impl From<Vec<[usize; 3]>> for Triangulation {
 ///
 /// A polygon without area becomes a fan of triangles without area. Any other has triangles with an area only. Where
 /// the outline crosses itself, the polygon covers the points around which it goes, however often it does.
-pub fn triangulate(corners: &[DVec3]) -> Result<Triangulation, NoMemory> {
-    let outline = Outline::new(corners)?;
+pub fn triangulate(corners: &[DVec3]) -> Triangulation {
+    let outline = Outline::new(corners);
     let Some(projection) = DroppedAxis::facing(&outline) else { return whole_fan(corners.len()) };
-    if let Some(triangles) = fan::triangles(&outline, projection)? {
-        return Ok(triangles.into());
+    if let Some(triangles) = fan::triangles(&outline, projection) {
+        return triangles.into();
     }
-    let ring = outline.ring()?;
-    match ears::triangles(&ring, projection)? {
-        Some(triangles) => Ok(triangles.into()),
+    let ring = outline.ring();
+    let found = match ears::triangles(&ring, projection) {
+        Some(triangles) => triangles.into(),
         None => trapezoids::triangulation(&ring, projection, corners.len()),
-    }
-    .and_then(|found| if found.triangles.is_empty() { whole_fan(corners.len()) } else { Ok(found) })
+    };
+    if found.triangles.is_empty() { whole_fan(corners.len()) } else { found }
 }
 
 /// The triangles around the first corner, whether or not they have an area.
-fn whole_fan(corners: usize) -> Result<Triangulation, NoMemory> {
-    Ok(collected((1..corners.max(2) - 1).map(|k| [0, k, k + 1]))?.into())
+fn whole_fan(corners: usize) -> Triangulation {
+    (1..corners.max(2) - 1).map(|k| [0, k, k + 1]).collect::<Vec<_>>().into()
 }

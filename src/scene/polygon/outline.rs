@@ -1,6 +1,5 @@
 //! The outline of a polygon: its corners one after the other, where none repeats the one before it.
 
-use crate::memory::{NoMemory, collected, with_room};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -30,8 +29,8 @@ pub struct Ring {
 }
 
 impl Outline {
-    pub fn new(polygon: &[DVec3]) -> Result<Self, NoMemory> {
-        let mut corners: Vec<Corner> = with_room(polygon.len())?;
+    pub fn new(polygon: &[DVec3]) -> Self {
+        let mut corners: Vec<Corner> = Vec::with_capacity(polygon.len());
         for (index, &point) in polygon.iter().enumerate() {
             if corners.last().is_none_or(|last| last.point != point) {
                 corners.push(Corner { index, point });
@@ -51,7 +50,7 @@ impl Outline {
         let backwards = (count - least_start(count, |k| at(0, true, k))) % count;
         let orders = (0..count).map(|k| in_order(at(forwards, false, k), at(backwards, true, k)));
         let is_backwards = orders.fold(Ordering::Equal, Ordering::then) == Ordering::Greater;
-        Ok(Self { start: if is_backwards { backwards } else { forwards }, is_backwards, corners })
+        Self { start: if is_backwards { backwards } else { forwards }, is_backwards, corners }
     }
 
     /// The corners in the order of the file.
@@ -67,9 +66,9 @@ impl Outline {
     }
 
     /// The corners in the outline's own order.
-    pub fn ring(&self) -> Result<Ring, NoMemory> {
-        let corners = collected((0..self.corners.len()).map(|k| self.at(k)))?;
-        Ok(Ring { corners, is_backwards: self.is_backwards })
+    pub fn ring(&self) -> Ring {
+        let corners = (0..self.corners.len()).map(|k| self.at(k)).collect();
+        Ring { corners, is_backwards: self.is_backwards }
     }
 }
 
@@ -111,7 +110,7 @@ mod tests {
             let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::splat(rng.below(2) as f64)).collect();
             points.dedup();
             let own = |points: &[DVec3]| {
-                let ring = Outline::new(points).unwrap().ring().unwrap();
+                let ring = Outline::new(points).ring();
                 ring.corners.iter().map(|corner| corner.point).collect::<Vec<_>>()
             };
             let expected = own(&points);
@@ -128,7 +127,7 @@ mod tests {
     fn repeated_corners_are_one() {
         let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let kept = |points: &[DVec3]| {
-            let outline = Outline::new(points).unwrap();
+            let outline = Outline::new(points);
             outline.in_file_order().iter().map(|corner| corner.index).collect::<Vec<_>>()
         };
         assert_eq!(kept(&[a, a, b, c, c, c, a, a]), [0, 2, 3]);

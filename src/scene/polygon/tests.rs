@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 /// The triangles of a polygon as points.
 fn triangles(corners: &[DVec3]) -> (Vec<[DVec3; 3]>, Triangulation) {
-    let found = triangulate(corners).unwrap();
+    let found = triangulate(corners);
     let point =
         |index: usize| *corners.get(index).unwrap_or_else(|| &found.new_points[index - corners.len()]);
     (found.triangles.iter().map(|triangle| triangle.map(point)).collect(), found)
@@ -334,7 +334,7 @@ fn rounding_makes_no_crossing() {
 fn the_smallest_crossing_has_triangles() {
     let (one, next) = (1.0, 1.0_f64.next_up());
     for order in all_orders(&flat(&[[one, one], [next, next], [next, one], [one, next]])) {
-        assert!(!triangulate(&order).unwrap().triangles.is_empty(), "{order:?}");
+        assert!(!triangulate(&order).triangles.is_empty(), "{order:?}");
     }
 }
 
@@ -345,7 +345,7 @@ fn a_polygon_without_area_is_a_fan_without_area() {
     for corners in
         [vec![a, a, a], vec![a, b, a, b], vec![a, b, 2.0 * b, 4.0 * b], vec![a, b, c], vec![a, b, b, a, a]]
     {
-        let found = triangulate(&corners).unwrap();
+        let found = triangulate(&corners);
         assert_eq!((found.triangles.len(), found.crosses_itself), (corners.len() - 2, false), "{corners:?}");
     }
 }
@@ -402,15 +402,15 @@ fn the_area_is_right_at_any_size_and_place() {
 fn a_fan_stays_where_it_is_right() {
     // From its reflex corner the whole dart is seen.
     let dart = flat(&[[1.5, 2.0], [0.0, 0.0], [4.0, 2.0], [0.0, 4.0]]);
-    assert_eq!(triangulate(&dart).unwrap().triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(triangulate(&dart).triangles, [[0, 1, 2], [0, 2, 3]]);
     let hexagon: Vec<DVec3> =
         (0..6).map(|k| DVec3::new(libm::cos(k as f64), libm::sin(k as f64), 0.3)).collect();
     for order in all_orders(&hexagon) {
-        assert_eq!(triangulate(&order).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
+        assert_eq!(triangulate(&order).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
     }
     // Its first corner is on an edge, so that the last is opposite to the second.
     let flat_corner = flat(&[[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]);
-    assert_eq!(triangulate(&flat_corner).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    assert_eq!(triangulate(&flat_corner).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
     // The second corner is behind the first, where no direction tells how far the others go around.
     let around: Vec<DVec3> =
         [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -0.5], [0.0, 1.0]]
@@ -418,13 +418,13 @@ fn a_fan_stays_where_it_is_right() {
             .enumerate()
             .map(|(k, &[x, y])| DVec3::new(x, y, if k == 1 { 0.1 } else { 0.0 }))
             .collect();
-    assert!(triangulate(&around).unwrap().crosses_itself);
+    assert!(triangulate(&around).crosses_itself);
     // A triangle of it without area is left out; one that is flat only in the projection is not.
     let square = |y: f64| {
         [DVec3::ZERO, DVec3::new(1.0, y, 0.0), 2.0 * DVec3::X, DVec3::new(2.0, 0.0, 2.0), 2.0 * DVec3::Z]
     };
-    assert_eq!(triangulate(&square(0.0)).unwrap().triangles, [[0, 2, 3], [0, 3, 4]]);
-    assert_eq!(triangulate(&square(0.1)).unwrap().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    assert_eq!(triangulate(&square(0.0)).triangles, [[0, 2, 3], [0, 3, 4]]);
+    assert_eq!(triangulate(&square(0.1)).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
 }
 
 #[test]
@@ -445,6 +445,6 @@ fn thousands_of_corners_are_covered_once() {
 fn a_tangle_is_a_fan() {
     let rng = &mut Rng(4);
     let tangle: Vec<DVec3> = (0..3000).map(|_| rng.vector().with_z(0.0)).collect();
-    let found = triangulate(&tangle).unwrap();
+    let found = triangulate(&tangle);
     assert!(found.crosses_itself && found.triangles.len() == tangle.len() - 2 && found.new_points.is_empty());
 }

@@ -6,7 +6,6 @@ use super::Triangulation;
 use super::outline::{Corner, Ring};
 use super::projection::DroppedAxis;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::memory::{NoMemory, collected, filled, make_room, push};
 use glam::DVec3;
 
 /// The number of edges in all strips, and of pairs of edges, after which an outline counts as too tangled: then a fan
@@ -15,15 +14,11 @@ const MOST_WORK: usize = 1 << 25;
 
 /// The trapezoids with a winding number other than zero, as triangles. New points are numbered from `corners`, the
 /// number of the polygon's corners, on.
-pub fn triangulation(
-    ring: &Ring,
-    projection: DroppedAxis,
-    corners: usize,
-) -> Result<Triangulation, NoMemory> {
+pub fn triangulation(ring: &Ring, projection: DroppedAxis, corners: usize) -> Triangulation {
     let plane = Plane::new(&ring.corners, projection);
-    let edges = plane.edges(&ring.corners)?;
-    let Some(heights) = heights(&edges, projection)? else { return fan(&ring.corners) };
-    let (open, place_above) = (vec![], filled(None, edges.len())?);
+    let edges = plane.edges(&ring.corners);
+    let Some(heights) = heights(&edges, projection) else { return fan(&ring.corners) };
+    let (open, place_above) = (vec![], vec![None; edges.len()]);
     let found = Triangulation::default();
     let mut cover = Cover { plane, edges: &edges, ring, corners, open, place_above, found };
     let mut wrong = Wrong::default();
@@ -32,7 +27,7 @@ pub fn triangulation(
         let strip = [strip[0], strip[1]];
         active.retain(|&edge: &usize| edges[edge].high[1] > strip[0]);
         while let Some((edge, _)) = coming.next_if(|(_, edge)| edge.low[1] <= strip[0]) {
-            push(&mut active, edge)?;
+            active.push(edge);
         }
         work += active.len();
         if work > MOST_WORK {
@@ -40,22 +35,22 @@ pub fn triangulation(
         }
         let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
         active.sort_by(|&a, &b| edges[a].at(middle).total_cmp(&edges[b].at(middle)));
-        let inside = intervals(&active, &edges, strip, &mut wrong)?;
-        cover.go_on(inside, strip[0])?;
+        let inside = intervals(&active, &edges, strip, &mut wrong);
+        cover.go_on(inside, strip[0]);
     }
-    cover.go_on(vec![], heights.last().copied().unwrap_or(0.0))?;
+    cover.go_on(vec![], heights.last().copied().unwrap_or(0.0));
     let length: f64 =
         edges.iter().map(|edge| edge.high[1] - edge.low[1] + (edge.high[0] - edge.low[0]).abs()).sum();
     // A corner may be off by a rounding of each coordinate, and an edge within a strip by eleven, of magnitudes below 1.
     let rounding = 32.0 * UNIT_ROUNDOFF * length;
-    Ok(Triangulation { crosses_itself: wrong.area() > rounding, ..cover.found })
+    Triangulation { crosses_itself: wrong.area() > rounding, ..cover.found }
 }
 
 /// A fan around the first corner of an outline, for one that is too tangled.
-fn fan(corners: &[Corner]) -> Result<Triangulation, NoMemory> {
+fn fan(corners: &[Corner]) -> Triangulation {
     let count = corners.len().max(2) - 2;
-    let triangles = collected((0..count).map(|k| [0, k + 1, k + 2].map(|corner| corners[corner].index)))?;
-    Ok(Triangulation { triangles, new_points: vec![], crosses_itself: true })
+    let triangles = (0..count).map(|k| [0, k + 1, k + 2].map(|corner| corners[corner].index)).collect();
+    Triangulation { triangles, new_points: vec![], crosses_itself: true }
 }
 
 /// An edge that is not level, from its lower to its higher end.
@@ -97,9 +92,8 @@ impl Plane {
     }
 
     /// The edges of an outline by the height of their lower ends, and then in the order of the outline.
-    fn edges(self, corners: &[Corner]) -> Result<Vec<Edge>, NoMemory> {
-        let mut edges = vec![];
-        make_room(&mut edges, corners.len())?;
+    fn edges(self, corners: &[Corner]) -> Vec<Edge> {
+        let mut edges = Vec::with_capacity(corners.len());
         for (k, &from) in corners.iter().enumerate() {
             let to = corners[(k + 1) % corners.len()];
             let (p, q) = (self.of(from.point), self.of(to.point));
@@ -110,31 +104,31 @@ impl Plane {
             }
         }
         edges.sort_by(|a, b| a.low[1].total_cmp(&b.low[1]));
-        Ok(edges)
+        edges
     }
 }
 
 /// The heights of all corners and crossings, from the lowest to the highest. None if there are too many.
-fn heights(edges: &[Edge], projection: DroppedAxis) -> Result<Option<Vec<f64>>, NoMemory> {
+fn heights(edges: &[Edge], projection: DroppedAxis) -> Option<Vec<f64>> {
     let (mut heights, mut work) = (vec![], 0);
     for (k, edge) in edges.iter().enumerate() {
-        push(&mut heights, edge.low[1])?;
-        push(&mut heights, edge.high[1])?;
+        heights.push(edge.low[1]);
+        heights.push(edge.high[1]);
         for other in edges[k + 1..].iter().take_while(|other| other.low[1] < edge.high[1]) {
             work += 1;
             if let Some(height) = crossing(edge, other, projection) {
-                push(&mut heights, height)?;
+                heights.push(height);
                 // Of one strip more.
                 work += edges.len() / 4;
             }
             if work > MOST_WORK {
-                return Ok(None);
+                return None;
             }
         }
     }
     heights.sort_by(f64::total_cmp);
     heights.dedup();
-    Ok(Some(heights))
+    Some(heights)
 }
 
 /// The height where two edges cross, rounded. None where they only touch.
@@ -183,12 +177,7 @@ impl Wrong {
 }
 
 /// The parts of a strip that the outline goes around, given the edges from left to right.
-fn intervals(
-    active: &[usize],
-    edges: &[Edge],
-    strip: [f64; 2],
-    wrong: &mut Wrong,
-) -> Result<Vec<Interval>, NoMemory> {
+fn intervals(active: &[usize], edges: &[Edge], strip: [f64; 2], wrong: &mut Wrong) -> Vec<Interval> {
     let (mut found, mut winding, mut start) = (vec![], 0, None);
     let middle = strip[0] + (strip[1] - strip[0]) / 2.0;
     let is_same = |&a: &usize, &b: &usize| edges[a].at(middle) == edges[b].at(middle);
@@ -199,7 +188,7 @@ fn intervals(
         if let Some(left) = start
             && before.signum() != winding.signum()
         {
-            push(&mut found, Interval { left, right: group[0], is_positive: before > 0 })?;
+            found.push(Interval { left, right: group[0], is_positive: before > 0 });
         }
         start = match winding {
             0 => None,
@@ -217,7 +206,7 @@ fn intervals(
             wrong.repeated += if winding.abs() > 1 { area } else { 0.0 };
         }
     }
-    Ok(found)
+    found
 }
 
 /// The trapezoids as they grow from strip to strip.
@@ -235,11 +224,9 @@ struct Cover<'a> {
 
 impl Cover<'_> {
     /// Goes on with the strip above a height: intervals between the same edges as below grow, others end or begin.
-    fn go_on(&mut self, inside: Vec<Interval>, height: f64) -> Result<(), NoMemory> {
+    fn go_on(&mut self, inside: Vec<Interval>, height: f64) {
         let below = std::mem::take(&mut self.open);
-        let mut above = vec![];
-        make_room(&mut above, inside.len())?;
-        above.extend(inside.into_iter().map(|interval| (interval, height)));
+        let mut above: Vec<_> = inside.into_iter().map(|interval| (interval, height)).collect();
         for (place, (interval, _)) in above.iter().enumerate() {
             self.place_above[interval.left] = Some(place);
         }
@@ -247,37 +234,31 @@ impl Cover<'_> {
             let same = self.place_above[interval.left].filter(|&place| above[place].0 == interval);
             match same {
                 Some(place) => above[place].1 = start,
-                None => self.end(interval, [start, height])?,
+                None => self.end(interval, [start, height]),
             }
         }
         above.iter().for_each(|(interval, _)| self.place_above[interval.left] = None);
         self.open = above;
-        Ok(())
     }
 
     /// Adds the triangles of a trapezoid between two heights.
-    fn end(
-        &mut self,
-        Interval { left, right, is_positive }: Interval,
-        [low, high]: [f64; 2],
-    ) -> Result<(), NoMemory> {
+    fn end(&mut self, Interval { left, right, is_positive }: Interval, [low, high]: [f64; 2]) {
         let [a, b] = [left, right].map(|edge| self.vertex(edge, low));
         let [d, c] = [left, right].map(|edge| self.vertex(edge, high));
-        let quad = [a?, b?, c?, d?];
+        let quad = [a, b, c, d];
         for corners in [[0, 1, 2], [0, 2, 3]].map(|places| places.map(|place: usize| quad[place])) {
             if self.plane.projection.orientation(corners.map(|(_, point)| point)) > 0 {
                 let mut triangle = corners.map(|(index, _)| index);
                 if is_positive == self.ring.is_backwards {
                     triangle.reverse();
                 }
-                push(&mut self.found.triangles, triangle)?;
+                self.found.triangles.push(triangle);
             }
         }
-        Ok(())
     }
 
     /// The vertex of an edge at a height: one of its ends, or a new point.
-    fn vertex(&mut self, edge: usize, height: f64) -> Result<(usize, DVec3), NoMemory> {
+    fn vertex(&mut self, edge: usize, height: f64) -> (usize, DVec3) {
         let edge = &self.edges[edge];
         let end = match height {
             _ if height == edge.low[1] => Some(edge.ends[0]),
@@ -285,13 +266,13 @@ impl Cover<'_> {
             _ => None,
         };
         if let Some(Corner { index, point }) = end {
-            return Ok((index, point));
+            return (index, point);
         }
         let t = edge.fraction(height);
         let point = (1.0 - t) * edge.ends[0].point + t * edge.ends[1].point;
         // All vertices of a strip's border are on one line.
         let point = self.plane.projection.with_second(point, libm::ldexp(height, self.plane.exponent));
-        push(&mut self.found.new_points, point)?;
-        Ok((self.corners + self.found.new_points.len() - 1, point))
+        self.found.new_points.push(point);
+        (self.corners + self.found.new_points.len() - 1, point)
     }
 }

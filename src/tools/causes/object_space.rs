@@ -1,6 +1,5 @@
 //! The transforms around the primitives, which the world has applied to them.
 
-use crate::memory::{self, NoMemory};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
 use crate::world::{Placement, Primitive, World, placements};
@@ -19,16 +18,15 @@ const BOX_TRIANGLES: usize = 12;
 
 impl<'a> ObjectSpaces<'a> {
     /// The world is that of the scene and its meshes.
-    pub fn new(scene: &Scene, meshes: &[Mesh], world: &'a World) -> Result<Self, NoMemory> {
+    pub fn new(scene: &Scene, meshes: &[Mesh], world: &'a World) -> Self {
         let mut spaces = Self { world, runs: Default::default() };
         let mut counts = [0; 3];
         for placement in placements(scene) {
-            let placement = placement?;
             let Some((kind, count)) = primitives(&placement, meshes) else { continue };
-            memory::push(&mut spaces.runs[kind], (counts[kind], placement.matrix.matrix3))?;
+            spaces.runs[kind].push((counts[kind], placement.matrix.matrix3));
             counts[kind] += count;
         }
-        Ok(spaces)
+        spaces
     }
 
     /// The normal in the primitive's own space, of any length.

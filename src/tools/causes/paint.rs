@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
-use crate::memory::NoMemory;
+use crate::memory;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::Request;
 use crate::sampling::film::Film;
@@ -31,17 +31,18 @@ pub fn paint(
     let traced_rows = with_border(&rows, filter.support(), height);
     let instructions = Instructions::available()[0];
     let row = |j: usize| {
-        let mut spread = Spread::new(filter, instructions, j, size)?;
+        let mut spread = Spread::new(filter, instructions, j, size);
         for i in traced_columns.clone() {
             for offset in sampler.offsets((i * height + j) as u64) {
                 let ray = camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
                 spread.add(i, offset, color(&ray), 1.0);
             }
         }
-        Ok::<_, NoMemory>(spread)
+        spread
     };
-    let failed = |_| BadSize { width: columns.len(), height: rows.len() };
     let mut picture = FloatPicture::with_room(request.window_size())?;
+    let in_progress = ROWS.min(traced_rows.len()) * Spread::bytes(filter, size);
+    memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
     let mut film = Film::starting_at(filter, size, traced_rows.start);
     for start in traced_rows.clone().step_by(ROWS) {
         let spreads: Vec<_> = (start..traced_rows.end.min(start + ROWS)).into_par_iter().map(row).collect();
@@ -50,9 +51,8 @@ pub fn paint(
                 if rows.contains(&j) {
                     picture.colors.extend(colors.skip(columns.start).take(columns.len()));
                 }
-                Ok(())
             };
-            film.add(spread.map_err(failed)?, &mut finish).map_err(failed)?;
+            film.add(spread, &mut finish);
         }
     }
     turn_over(&mut picture.colors, columns.len());

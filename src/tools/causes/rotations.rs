@@ -47,7 +47,7 @@ mod tests {
             ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
         ] {
             let found = in_radians(&scene(text)).unwrap();
-            let matrix = placements(&found).next().unwrap().unwrap().matrix.matrix3;
+            let matrix = placements(&found).next().unwrap().matrix.matrix3;
             assert!(
                 (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
                 "{text} {matrix}"

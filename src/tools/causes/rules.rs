@@ -235,9 +235,7 @@ pub fn colors(
     right: &impl Rules,
     rule: Option<Rule>,
 ) -> Result<FloatPicture, BadSize> {
-    let [width, height] = request.window_size();
     let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-    let spaces = spaces.map_err(|_| BadSize { width, height })?;
     let rules = Mistaken { right, rule, spaces: &spaces, lights: &renderer.scene.lights };
     let tracer = Tracer { rules: &rules, effects: request.effects };
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);

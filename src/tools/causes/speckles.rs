@@ -10,7 +10,6 @@ use super::{Original, SelfHitting};
 use crate::camera::Camera;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Ray, Visible};
-use crate::memory;
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::render::{Layer, Request};
@@ -60,7 +59,7 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     if !can_show(original) {
         return None;
     }
-    let differing = Differing::new(original, a, b)?;
+    let differing = Differing::new(original, a, b);
     let Differing { all, away_from_edges, .. } = &differing;
     let share_of_all = away_from_edges.len() as f64 / (*all).max(1) as f64;
     if share_of_all < MIN_SHARE_OF_ALL || differing.mixed < MIN_MIXED {
@@ -167,10 +166,9 @@ struct Differing {
 }
 
 impl Differing {
-    /// None where there is no memory for them.
-    fn new(original: &Original, a: &Picture, b: &Picture) -> Option<Self> {
+    fn new(original: &Original, a: &Picture, b: &Picture) -> Self {
         let Request { size: [width, height], .. } = original.request;
-        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b).ok()?);
+        let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b));
         let differs = |at: usize| !nearly(a[at], b[at]);
         let difference = |at: usize| [0, 1, 2].map(|i| i32::from(a[at][i]) - i32::from(b[at][i]));
         let is_away = |at: usize| !edges.is_near_edge(at % width, at / width);
@@ -182,7 +180,7 @@ impl Differing {
                 continue;
             }
             if differs(at) {
-                memory::push(&mut found.away_from_edges, at).ok()?;
+                found.away_from_edges.push(at);
             }
             let right = (at % width + 1 < width).then_some(at + 1);
             let below = (at / width + 1 < height).then_some(at + width);
@@ -192,7 +190,7 @@ impl Differing {
             }
         }
         found.mixed = f64::from(mixed as u32) / pairs.max(1) as f64;
-        Some(found)
+        found
     }
 }
 

@@ -93,7 +93,7 @@ mod tests {
     }
 
     fn matrix(scene: &Scene) -> DAffine3 {
-        placements(scene).next().unwrap().unwrap().matrix
+        placements(scene).next().unwrap().matrix
     }
 
     const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";

@@ -42,13 +42,13 @@ impl Comparison {
     /// Compares picture `a` with the reference `b`. Different sizes are an error.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, CompareError> {
         let mean_flip = Some(Flip::default().mean(a, b)?);
-        Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b).map_err(CompareError::Memory)?) })
+        Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
     }
 
     /// Compares each of these pictures with the reference `b`, without FLIP.
     pub fn of_each(pictures: &[Picture], b: &Picture) -> Result<Vec<Self>, CompareError> {
         pictures.iter().try_for_each(|a| common_size(a, b).map(drop))?;
-        let edges = EdgeMap::new(b).map_err(CompareError::Memory)?;
+        let edges = EdgeMap::new(b);
         Ok(pictures.par_iter().map(|a| Self::without_flip(a, b, &edges)).collect())
     }
 

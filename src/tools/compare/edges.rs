@@ -1,8 +1,7 @@
 //! Where a picture has edges: silhouettes, shadow borders, the lines of a texture.
 
 use super::{Rgb, colors, largest_channel_difference};
-use crate::memory;
-use crate::picture::{BadSize, Picture};
+use crate::picture::Picture;
 
 /// The part of a picture's range of levels that a step between neighbours must exceed to be an edge.
 /// Shading across a surface stays below it: to exceed it, brightness would have to go from end to
@@ -21,11 +20,10 @@ pub struct EdgeMap {
 }
 
 impl EdgeMap {
-    /// Finds the edges. A picture for whose edges there is no memory is an error.
-    pub fn new(picture: &Picture) -> Result<Self, BadSize> {
+    /// Finds the edges.
+    pub fn new(picture: &Picture) -> Self {
         let [width, height] = [picture.width() as usize, picture.height() as usize];
-        let is_edge = memory::filled(false, width * height).map_err(|_| BadSize { width, height })?;
-        let mut map = Self { width, height, is_edge };
+        let mut map = Self { width, height, is_edge: vec![false; width * height] };
         let (pixels, range) = (colors(picture), range(picture));
         for (y, row) in pixels.chunks_exact(width).enumerate() {
             let starts = y * width;
@@ -34,7 +32,7 @@ impl EdgeMap {
                 .filter(|_| y > 0)
                 .for_each(|x| map.mark(pixels, range, [starts - width + x, starts + x]));
         }
-        Ok(map)
+        map
     }
 
     /// Both of two neighbours are edges if the step between them is large.
@@ -71,7 +69,7 @@ mod tests {
     }
 
     fn edges(picture: &Picture) -> Vec<bool> {
-        EdgeMap::new(picture).unwrap().is_edge
+        EdgeMap::new(picture).is_edge
     }
 
     #[test]
@@ -113,7 +111,7 @@ mod tests {
         levels[..2].fill(255);
         levels[7..9].fill(255);
         // The edges are columns 0 to 2 of rows 0 to 2 but for the corners (0, 0) and (2, 2).
-        let map = EdgeMap::new(&grey(7, &levels.chunks(7).collect::<Vec<_>>())).unwrap();
+        let map = EdgeMap::new(&grey(7, &levels.chunks(7).collect::<Vec<_>>()));
         let near: Vec<(usize, usize)> =
             (0..49).map(|i| (i % 7, i / 7)).filter(|&(x, y)| map.is_near_edge(x, y)).collect();
         let expected: Vec<(usize, usize)> =

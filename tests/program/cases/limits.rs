@@ -49,9 +49,9 @@ pub const CASES: &[Case] = &[
         "error: `-threads`: the system does not start 4095 more threads",
     ),
     (
-        "(ulimit -v 400000; r -input s.txt -size 65535 65535 -gaussian_filter 1000 -jittered_samples 2 -output o.tga)",
+        "(ulimit -v 400000; r -input s.txt -size 65535 65535 -gaussian_filter 1000 -jittered_samples 2 -threads 2 -output o.tga)",
         1,
-        "error: not enough memory: at least 8.4 GB are needed",
+        "error: not enough memory: at least 50.3 GB are needed",
     ),
     ("(ulimit -v 400000; r -input deep.txt -size 3 3 -output o.tga)", 0, ""),
     ("(ulimit -s 256; r -input deep.txt -size 3 3 -output o.tga)", 0, ""),

@@ -3,7 +3,6 @@
 //! Asia 2010). `proofs/needles.g` proves the error bound of the plane.
 
 use super::CellRange;
-use crate::caster::error::GridTooLarge;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::grid::touched_cells::TouchedCells;
 use crate::math::extremes::{box_corners, max3, min3};
@@ -12,12 +11,7 @@ use glam::DVec3;
 
 /// Appends the index of every cell that a triangle touches, where each cell is padded by `padding` cells.
 #[inline]
-pub fn of_triangle(
-    lattice: &Lattice,
-    corners: [DVec3; 3],
-    padding: f64,
-    out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &mut TouchedCells) {
     let v = corners.map(|p| lattice.to_cells(p));
     let [min, max] = box_corners(v);
     let range = CellRange::new(lattice, min, max, padding);
@@ -46,11 +40,11 @@ fn push_layer<const U: usize, const V: usize>(
     lattice: &Lattice,
     projection: &Projection<U, V>,
     out: &mut TouchedCells,
-) -> Result<(), GridTooLarge> {
+) {
     let mut start = range.first(lattice);
     for v in range.start[V]..range.end[V] {
         let mut index = start;
-        out.reserve(range.end[U] - range.start[U])?;
+        out.reserve(range.end[U] - range.start[U]);
         for u in range.start[U]..range.end[U] {
             if projection.overlaps([u, v].map(|i| f64::from(i) + 0.5)) {
                 out.push(index);
@@ -59,7 +53,6 @@ fn push_layer<const U: usize, const V: usize>(
         }
         start += lattice.tables.strides[V];
     }
-    Ok(())
 }
 
 /// A triangle projected along the third axis, for overlap tests with cells. The cell with the centre (u, v)

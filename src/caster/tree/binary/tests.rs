@@ -69,7 +69,7 @@ fn the_nodes_have_the_least_area_of_all_that_the_binary_tree_allows() {
             let extent = DVec3::new(rng.unit(), rng.unit(), rng.unit());
             Item::new(&frame, &Aabb { min, max: min + 0.5 * extent * extent }, id)
         };
-        let tree = BinaryTree::new(&mut (0..count).map(&mut item).collect::<Vec<_>>(), 0).unwrap();
+        let tree = BinaryTree::new(&mut (0..count).map(&mut item).collect::<Vec<_>>(), 0);
         let (area, ..) = nodes_of(&tree, tree.root());
         let least = least_area(&tree, tree.halves.len() - 1, 1, &mut Known::new());
         assert!((area - least).abs() <= 1e-5 * least, "{count}: {area} {least}");
@@ -78,7 +78,7 @@ fn the_nodes_have_the_least_area_of_all_that_the_binary_tree_allows() {
 
 #[test]
 fn nodes_are_more_than_half_full() {
-    let tree = BinaryTree::new(&mut scattered(5000), 0).unwrap();
+    let tree = BinaryTree::new(&mut scattered(5000), 0);
     let (_, nodes, leaves) = nodes_of(&tree, tree.root());
     let children = (nodes - 1 + leaves) as f64 / nodes as f64;
     assert!(children > 5.5, "{children}");
@@ -90,7 +90,7 @@ fn of_many_small_items_a_branch_is_small_unless_there_are_too_many_levels_above_
     let far = (0..100).map(|k| DVec3::new(-0.5, -0.5, 0.005 * f64::from(k)));
     let mut items = items(near.chain(far), 1e-6);
     for (level, is_small) in [(0, true), (HEURISTIC_LEVELS - 2, true), (HEURISTIC_LEVELS, false)] {
-        let tree = BinaryTree::new(&mut items, level).unwrap();
+        let tree = BinaryTree::new(&mut items, level);
         let small = tree
             .halves
             .iter()
@@ -117,7 +117,7 @@ fn below_the_levels_of_the_heuristic_items_are_divided_by_their_number() {
         _ => DVec3::new(0.0, 0.0, 1e-3 * f64::from(k)),
     };
     for (level, first) in [(0, 4), (HEURISTIC_LEVELS - 1, 4), (HEURISTIC_LEVELS, 256)] {
-        let tree = BinaryTree::new(&mut items((0..500).map(point), 0.01), level).unwrap();
+        let tree = BinaryTree::new(&mut items((0..500).map(point), 0.01), level);
         let BranchContent::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
         let lengths = halves.map(|index| tree.halves[index].items.len());
         assert_eq!(lengths.into_iter().min(), Some(first.min(500 - first)), "{level}: {lengths:?}");
@@ -136,7 +136,7 @@ fn large_items_are_apart_from_small_ones_in_their_middle() {
     let frame = Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
     let large = Aabb { min: DVec3::new(-0.9, 0.0, -0.9), max: DVec3::new(0.9, 0.0, 0.9) };
     items.extend([500, 501].map(|id| Item::new(&frame, &large, id)));
-    let tree = BinaryTree::new(&mut items, 0).unwrap();
+    let tree = BinaryTree::new(&mut items, 0);
     let BranchContent::Halves(halves) = tree.root().content else { panic!("the root is not divided") };
     let lengths = halves.map(|index| tree.halves[index].items.len());
     assert_eq!(lengths, [2, 500]);

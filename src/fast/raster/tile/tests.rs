@@ -51,7 +51,7 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
             let plane = inv_depth(value, [x, y], per_pixel);
             let edges = [Affine { constant: 1.0, per_x: 0.0, per_y: 0.0 }; 3];
             let mut visible_ids = vec![UNSURE; 32 * STRIDE];
-            let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids).unwrap();
+            let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids);
             let edge_functions = EdgeFunctions { edges, edge_error_bound: 0.0, inv_depth_plane: plane };
             tile.rasterize(&edge_functions, i..i + 2, j..j + 1, 7);
             check_intervals(&tile, &edge_functions.inv_depth_plane, i..i + 2, j..j + 1);
@@ -74,7 +74,7 @@ fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
                 continue;
             }
             let mut visible_ids = vec![UNSURE; 32 * STRIDE];
-            let mut tile = Tile::new(screen, first_row, STRIDE, &mut visible_ids).unwrap();
+            let mut tile = Tile::new(screen, first_row, STRIDE, &mut visible_ids);
             tile.fill(&plane, 7);
             check_intervals(&tile, &plane, 0..WIDTH, first_row..first_row + 32);
         }
@@ -85,7 +85,7 @@ fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
 /// shows at last: primitive k is the one with index k.
 fn shown(intervals: &[[f32; 2]]) -> u32 {
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
-    let mut tile = Tile::new(SCREEN, 0, STRIDE, &mut visible_ids).unwrap();
+    let mut tile = Tile::new(SCREEN, 0, STRIDE, &mut visible_ids);
     for ([min, max], id) in intervals.iter().zip(0..) {
         let (inv_depth, error_bound) = (0.5 * (min + max), 0.5 * (max - min));
         tile.update([0, 0], &Coverage::FULL, &[inv_depth; LANES], error_bound, id);
@@ -112,7 +112,7 @@ fn a_pixel_is_unsure_until_something_is_nearer_than_all_that_it_may_show() {
 #[test]
 fn where_the_depth_is_unknown_pixels_stay_unsure() {
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
-    let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids).unwrap();
+    let mut tile = Tile::new(SCREEN, 32, STRIDE, &mut visible_ids);
     tile.mark_unsure(3..22, 34..36, f32::INFINITY);
     tile.update([3, 34], &Coverage::FULL, &[9.0; LANES], 1.0, 7);
     let unsure = visible_ids.iter().enumerate().filter(|&(_, id)| *id == UNSURE).map(|(k, _)| k);
