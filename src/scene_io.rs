@@ -66,7 +66,12 @@ pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedSc
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
-    let text = decode(path, bytes)?;
+    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, announce)
+}
+
+/// Reads a scene from the text of its file.
+pub fn load_source(source: Source, announce: &dyn Fn(usize)) -> Result<LoadedScene, LoadError> {
+    let path = source.path.clone();
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile| {
         read_mesh(file, directory, announce).map_err(|problem| SceneError {
@@ -75,7 +80,7 @@ pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedSc
             problem,
         })
     };
-    load_text(Source { path: path.to_owned(), text }, &read)
+    load_text(source, &read)
 }
 
 /// A mesh that a scene names.

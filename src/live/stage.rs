@@ -1,4 +1,4 @@
-//! The scenes that are open: the one of the command line, and those that were typed in last.
+//! The scenes that are open: the one of the command line, and the one that was typed in last.
 
 use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::memory;
@@ -13,11 +13,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// How many typed scenes stay open, so that each of a few pages has its own.
-const KEPT: usize = 4;
+use std::sync::Arc;
 
 /// A scene that can be rendered.
 #[derive(Debug)]
@@ -27,14 +23,13 @@ pub struct OpenScene {
     pub renderer: Renderer,
 }
 
-/// The open scenes.
+/// The open scenes: the command line's, and the one that was typed in last.
 pub struct Stage {
     path: PathBuf,
     /// Those of the command line's scene, which may stand anywhere.
     meshes: HashMap<String, Mesh>,
     first: Arc<OpenScene>,
-    typed: Mutex<Vec<Arc<OpenScene>>>,
-    next: AtomicU64,
+    typed: Option<Arc<OpenScene>>,
     threads: Arc<ThreadPool>,
 }
 
@@ -49,37 +44,35 @@ pub struct SceneMessage {
 }
 
 impl Stage {
-    /// Opens the scene of the command line.
-    pub fn open(path: &Path, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
-        let renderer = Renderer::new(scene_io::load(path)?, Meshes::Kept)?.on_threads(threads.clone());
+    /// Opens the scene of the command line, from this text where it is known already.
+    pub fn open(path: &Path, text: Option<String>, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
+        let loaded = match text {
+            Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, &|_| ())?,
+            None => scene_io::load(path)?,
+        };
+        let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
         let first = Arc::new(OpenScene { revision: 0, renderer });
-        let (path, typed, next) = (path.to_owned(), Mutex::default(), AtomicU64::new(1));
-        Ok(Self { path, meshes, first, typed, next, threads })
+        Ok(Self { path: path.to_owned(), meshes, first, typed: None, threads })
     }
 
     /// The scene of the command line.
-    pub fn first(&self) -> &OpenScene {
+    pub fn first(&self) -> &Arc<OpenScene> {
         &self.first
     }
 
-    /// The scene of this revision, if it is still open.
+    /// The scene of this revision, if it is open.
     pub fn scene(&self, revision: u64) -> Option<Arc<OpenScene>> {
-        let typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
-        [&self.first].into_iter().chain(&*typed).find(|scene| scene.revision == revision).cloned()
+        [&self.first].into_iter().chain(&self.typed).find(|scene| scene.revision == revision).cloned()
     }
 
-    /// Opens a text in place of the command line's scene.
-    pub fn type_in(&self, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    /// Opens a text in place of the one that was typed in before.
+    pub fn type_in(&mut self, revision: u64, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
         let renderer = self.renderer(source)?.on_threads(self.threads.clone());
-        let revision = self.next.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene { revision, renderer });
-        let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
-        typed.push(scene.clone());
-        let surplus = typed.len().saturating_sub(KEPT);
-        typed.drain(..surplus);
+        self.typed = Some(scene.clone());
         Ok(scene)
     }
 

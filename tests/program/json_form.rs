@@ -185,6 +185,7 @@ fn of_pictures(documents: &mut Vec<Value>) {
         "-cost_map cells c.png -grid 3 4 5 -stats",
         "-cost_map rays c.png -jittered_samples 3 -mitchell_filter 2",
         "-visualize_grid -grid auto -output o.png",
+        "-repeat 3",
         "-region 3 4 5 6 -output o.png",
     ] {
         documents.push(document(&folder, &format!("-input s.txt -size 24 18 {flags}")));

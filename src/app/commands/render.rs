@@ -3,15 +3,15 @@
 use crate::app::complete_files::CompleteFiles;
 use crate::app::json::{ComparisonResult, Document};
 use crate::app::page;
-use crate::app::pictures::{Rendered, render};
+use crate::app::pictures::{Rendered, read_picture, render};
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::Crew;
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
+use raytracer::image_io::{OutputFile, TextFile};
 use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -74,7 +74,8 @@ pub fn run(
     };
     files.finish(signals)?;
     signals.end_at_once()?;
-    Ok(Outcome { text, passes })
+    let written = told_files(options.progress, options.written().map(Path::to_owned));
+    Ok(Outcome { text, written, passes })
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
@@ -96,7 +97,8 @@ struct Compared<'o> {
 impl<'o> Compared<'o> {
     /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
     fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
-        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, tell)).transpose();
+        let read =
+            |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
@@ -140,16 +142,6 @@ impl<'o> Compared<'o> {
 /// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
 /// wrong ones, with something to spare.
 const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
-
-/// Reads a picture to compare.
-fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
-    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
-    if clamped > 0 {
-        let shown = quoted(path);
-        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are compared clamped"));
-    }
-    Ok(picture)
-}
 
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.

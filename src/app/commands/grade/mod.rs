@@ -7,7 +7,7 @@ use crate::app::complete_files::CompleteFiles;
 use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::threads::{self, PoolPlace};
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use folder::Folder;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
@@ -65,7 +65,8 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
         complete.add(values.complete(&csv(&table)).map_err(failed)?)?;
         complete.finish(signals)?;
     }
-    Ok(Outcome { text: summary(&table), passes: options.tolerance.is_none() || table.passes() })
+    let written = told_files(options.progress, options.report_files().into_iter().flatten());
+    Ok(Outcome { text: summary(&table), written, passes: options.tolerance.is_none() || table.passes() })
 }
 
 /// Says whose pictures were found under other names, in a line for each name.
