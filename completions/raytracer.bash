@@ -28,24 +28,23 @@ _raytracer() {
     if [[ $current != -[a-zA-Z]* ]]; then
         case $flag:$count in
             input:0) _raytracer_files "$current" txt; return ;;
-            output:0) _raytracer_files "$current" tga png pfm exr; return ;;
+            output:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             size:0) return ;;
             size:1) return ;;
-            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
             region:0) return ;;
             region:1) return ;;
             region:2) return ;;
             region:3) return ;;
             merge:*) _raytracer_files "$current" tga png; return ;;
+            convert:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             depth:0) return ;;
             depth:1) return ;;
-            depth:2) _raytracer_files "$current" tga png pfm exr; return ;;
-            normals:0 | normal:0) _raytracer_files "$current" tga png pfm exr; return ;;
+            depth:2) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            normals:0 | normal:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             bounces:0) return ;;
             weight:0) return ;;
             random_samples:0) return ;;
             uniform_samples:0) return ;;
-            regular_samples:0) return ;;
             jittered_samples:0) return ;;
             adaptive_samples:0) return ;;
             adaptive_samples:1) return ;;
@@ -54,16 +53,16 @@ _raytracer() {
             tent_filter:0) return ;;
             gaussian_filter:0) return ;;
             mitchell_filter:0) return ;;
-            render_samples:0) _raytracer_files "$current" tga png pfm exr; return ;;
+            render_samples:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             render_samples:1) return ;;
-            render_filter:0) _raytracer_files "$current" tga png pfm exr; return ;;
+            render_filter:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             render_filter:1) return ;;
             grid:0) COMPREPLY=($(compgen -W 'auto none' -- "$current")); return ;;
             grid:1) return ;;
             grid:2) return ;;
-            compare:0) _raytracer_files "$current" tga png pfm exr; return ;;
-            reference:0) _raytracer_files "$current" tga png pfm exr; return ;;
-            difference:0) _raytracer_files "$current" tga png; return ;;
+            compare:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            reference:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            difference:0) _raytracer_files "$current" tga png bmp ppm; return ;;
             tolerance:0) return ;;
             tolerance:1) return ;;
             grade:0) _raytracer_files "$current"; return ;;
@@ -71,8 +70,9 @@ _raytracer() {
             report:0) _raytracer_files "$current" html; return ;;
             error_report:0) _raytracer_files "$current"; return ;;
             target:0) return ;;
+            repeat:0) return ;;
             cost_map:0) COMPREPLY=($(compgen -W 'rays tests cells' -- "$current")); return ;;
-            cost_map:1) _raytracer_files "$current" tga png; return ;;
+            cost_map:1) _raytracer_files "$current" tga png bmp ppm; return ;;
             pixel:0) return ;;
             pixel:1) return ;;
             json:0) _raytracer_files "$current" json; return ;;
@@ -80,10 +80,10 @@ _raytracer() {
             port:0) return ;;
             tessellation:0) return ;;
             tessellation:1) return ;;
-            help:0 | h:0) COMPREPLY=($(compgen -W 'input output size edition region merge depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples regular_samples jittered_samples adaptive_samples jitter filter seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud specular_fix help version' -- "$current")); return ;;
+            help:0) COMPREPLY=($(compgen -W 'input output size region merge convert depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats repeat cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud h help version' -- "$current")); return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -size -edition -region -merge -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -specular_fix -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -size -region -merge -convert -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -jittered_samples -adaptive_samples -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

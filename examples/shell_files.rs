@@ -17,10 +17,11 @@ fn main() -> std::io::Result<()> {
     }
     let page = root.join("docs/command-line.md");
     let text = fs::read_to_string(&page)?;
-    // The table is the first one of the page.
-    let is_row = |line: &&str| line.starts_with('|');
-    let head = text.lines().take_while(|line| !is_row(line));
-    let rest = text.lines().skip_while(|line| !is_row(line)).skip_while(is_row);
+    let head = text.lines().take_while(|line| !line.starts_with(table::HEAD));
+    let rest = text
+        .lines()
+        .skip_while(|line| !line.starts_with(table::HEAD))
+        .skip_while(|line| line.starts_with('|'));
     let lines = |lines: Vec<&str>| lines.join("\n") + "\n";
     fs::write(page, lines(head.collect()) + &table::table() + &lines(rest.collect()))
 }

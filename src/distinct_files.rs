@@ -1,7 +1,7 @@
 //! What a run reads it never writes, and no file is written twice: the files of a run are listed and compared, whatever
 //! their names are.
 
-use crate::cli::{ErrorReporting, Grading, JsonTarget, Merging, Options, Output};
+use crate::cli::{Converting, ErrorReporting, Grading, JsonTarget, Merging, Options, Output};
 use crate::escape::quoted;
 use crate::image_io::{FileId, part_beside};
 use crate::render::Layer;
@@ -44,7 +44,7 @@ pub enum ReadAs {
     Scene,
     /// A mesh that a scene names.
     Mesh,
-    /// A picture, to compare with another.
+    /// A picture, to compare with another or to convert.
     Picture,
     /// A part of a picture.
     Part,
@@ -84,6 +84,12 @@ impl WrittenFiles {
         let files = Self::distinct(vec![Written::output(&merging.output)])?;
         merging.parts.iter().try_for_each(|part| files.check_read(ReadAs::Part, part))?;
         Ok(files)
+    }
+
+    /// That of a run that writes a picture in another format. An error also if it is that picture.
+    pub fn of_converting(converting: &Converting) -> Result<Self, SameFile> {
+        let files = Self::distinct(vec![Written::output(&converting.output)])?;
+        files.check_read(ReadAs::Picture, &converting.picture).map(|()| files)
     }
 
     /// Those of a run that grades. An error also if one of them is the list of command lines.

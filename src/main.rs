@@ -2,17 +2,19 @@
 
 mod app;
 
-use app::commands::{self, grade, merge, report_errors};
+use app::commands::{self, convert, grade, merge, report_errors};
 use app::{End, Interrupted, Outcome, Signals, failed, tell};
 use raytracer::cli::{self, Command, Options};
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// The exit status of a run whose pictures differ by more than the tolerance.
 const DIFFERENT: u8 = 3;
 
 fn main() -> ExitCode {
+    let start = Instant::now();
     outlive_file_limit();
     let argv: Vec<OsString> = std::env::args_os().collect();
     let mut signals = match Signals::watch() {
@@ -22,12 +24,18 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    if let Some(status) = app::page_worker(&argv) {
+        return status;
+    }
     match cli::parse(argv.iter().cloned()) {
-        Ok(Command::Help(text) | Command::Version(text)) => report(Ok(Outcome { text, passes: true })),
-        Ok(Command::Render(options)) => render(&options, &argv, &mut signals),
-        Ok(Command::Grade(options)) => report(grade::run(&options, &signals, &tell)),
-        Ok(Command::Merge(options)) => report(merge::run(&options, &signals)),
-        Ok(Command::ReportErrors(options)) => report(report_errors::run(&options, &signals, &tell)),
+        Ok(Command::Help(text) | Command::Version(text)) => {
+            report(start, Ok(Outcome { text, written: vec![], passes: true }))
+        }
+        Ok(Command::Render(options)) => render(start, &options, &argv, &mut signals),
+        Ok(Command::Grade(options)) => report(start, grade::run(&options, &signals, &tell)),
+        Ok(Command::Merge(options)) => report(start, merge::run(&options, &signals)),
+        Ok(Command::Convert(options)) => report(start, convert::run(&options, &signals, &tell)),
+        Ok(Command::ReportErrors(options)) => report(start, report_errors::run(&options, &signals, &tell)),
         Err(error) => {
             tell(&failed(error));
             ExitCode::from(2)
@@ -36,13 +44,16 @@ fn main() -> ExitCode {
 }
 
 /// Does what the options ask for, and then shows the scene's page if they ask for that.
-fn render(options: &Options, argv: &[OsString], signals: &mut Signals) -> ExitCode {
+fn render(start: Instant, options: &Options, argv: &[OsString], signals: &mut Signals) -> ExitCode {
     let outcome = commands::render::run(options, argv, signals, &tell);
     let is_done = outcome.is_ok();
-    let status = report(match options.has_standard_output() {
-        true => outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }),
-        false => outcome,
-    });
+    let status = report(
+        start,
+        match options.has_standard_output() {
+            true => outcome.map(|outcome| Outcome { text: told(outcome.text), ..outcome }),
+            false => outcome,
+        },
+    );
     match if is_done { app::show_page(options, signals, &tell) } else { Ok(()) } {
         Ok(()) => status,
         Err(message) => {
@@ -52,9 +63,14 @@ fn render(options: &Options, argv: &[OsString], signals: &mut Signals) -> ExitCo
     }
 }
 
-/// Says what a run has to say.
-fn report(outcome: Result<Outcome, End>) -> ExitCode {
-    match outcome.and_then(|outcome| Ok(app::print(&outcome.text).map(|()| outcome.passes)?)) {
+/// Says what a run has to say that has begun at this time.
+fn report(start: Instant, outcome: Result<Outcome, End>) -> ExitCode {
+    let say = |Outcome { text, written, passes }: Outcome| {
+        app::print(&text)?;
+        app::tell_written(&written, start.elapsed());
+        Ok(passes)
+    };
+    match outcome.and_then(say) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
         Err(End::Failed(message)) => {

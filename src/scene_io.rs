@@ -3,7 +3,7 @@
 mod error;
 
 use crate::escape::escape;
-use crate::image_io::{read_bmp, read_picture};
+use crate::image_io::read_picture;
 use crate::memory;
 use crate::near_names::nearest_file;
 use crate::scene::edition::{Choice, Clues, Edition};
@@ -105,7 +105,16 @@ pub fn load_announcing(
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
-    let text = decode(path, bytes)?;
+    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
+}
+
+/// Reads a scene from the text of its file.
+pub fn load_source(
+    source: Source,
+    hints: &Hints,
+    announce: &dyn Fn(usize),
+) -> Result<LoadedScene, LoadError> {
+    let path = source.path.clone();
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile, edition, is_textured| {
         read_mesh(file, (directory, edition), is_textured, announce).map_err(|problem| SceneError {
@@ -118,7 +127,7 @@ pub fn load_announcing(
         find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError::new(image.at, problem))
     };
     let readers = Readers { mesh: &read, image: &read_image };
-    load_text(Source { path: path.to_owned(), text }, hints, readers)
+    load_text(source, hints, readers)
 }
 
 /// A mesh that a scene names.
@@ -266,9 +275,7 @@ fn find_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Arc<T
 /// Reads the picture that a scene calls `name`.
 fn read_texels(name: &str, file: &Path, edition: Edition) -> Result<Texels, Problem> {
     let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
-    let is_bmp = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("bmp"));
-    let picture = if is_bmp { read_bmp(file) } else { read_picture(file) };
-    let picture = picture.map_err(|error| unreadable(error.to_string()))?;
+    let picture = read_picture(file).map_err(|error| unreadable(error.to_string()))?;
     let size = [picture.width(), picture.height()].map(|n| n as usize);
     Ok(Texels { size, rgb: picture.pixels().to_vec(), divides_last: edition.divides_texels_last() })
 }

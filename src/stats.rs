@@ -101,6 +101,49 @@ fn seconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Er
     serializer.serialize_f64(time.as_secs_f64())
 }
 
+/// The times of a scene that was rendered several times.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Repeats {
+    /// How often it was rendered.
+    pub times: usize,
+    /// The least time.
+    #[serde(serialize_with = "seconds")]
+    pub least: Duration,
+    /// The time in the middle, or the mean of the two there.
+    #[serde(serialize_with = "seconds")]
+    pub median: Duration,
+    /// The most time less the least.
+    #[serde(serialize_with = "seconds")]
+    pub spread: Duration,
+}
+
+impl Repeats {
+    /// What these times come to; none if there are none.
+    pub fn of(mut times: Vec<Duration>) -> Option<Self> {
+        times.sort();
+        let (least, most) = (*times.first()?, *times.last()?);
+        let median = (times[(times.len() - 1) / 2] + times[times.len() / 2]) / 2;
+        Some(Self { times: times.len(), least, median, spread: most - least })
+    }
+}
+
+impl fmt::Display for Repeats {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        line(f, "rendered", format!("{} times", self.times))?;
+        line(f, "least", ms(self.least))?;
+        line(f, "median", ms(self.median))?;
+        line(f, "spread", ms(self.spread))
+    }
+}
+
+fn line(f: &mut fmt::Formatter, label: &str, value: String) -> fmt::Result {
+    writeln!(f, "  {label:<27}{value}")
+}
+
+fn ms(time: Duration) -> String {
+    format!("{:.3} ms", time.as_secs_f64() * 1e3)
+}
+
 /// The course's statistics block, followed by a block with the time of each stage. `Display` prints both. The
 /// first has the course's format byte for byte, except that its time has milliseconds.
 #[derive(Clone, Debug)]
@@ -123,7 +166,6 @@ pub(crate) const RULE: &str = "********************************************";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let line = |f: &mut fmt::Formatter, label: &str, value: String| writeln!(f, "  {label:<27}{value}");
         let rays = self.counts.rays();
         let [width, height] = self.size;
         let pixels = width * height;
@@ -147,7 +189,7 @@ impl fmt::Display for Report {
             ("rendering", self.timings.rendering),
             ("writing", self.timings.writing),
         ] {
-            line(f, label, format!("{:.3} ms", time.as_secs_f64() * 1e3))?;
+            line(f, label, ms(time))?;
         }
         line(f, "threads", self.threads.to_string())
     }
@@ -226,6 +268,15 @@ RAY TRACING STATISTICS
         let text = Report { bounds: None, grid: None, ..report() }.to_string();
         assert!(text.contains("  scene bounds               NULL\n"));
         assert!(text.contains("  num grid cells             NULL\n"));
+    }
+
+    #[test]
+    fn repeats_have_the_least_the_median_and_the_spread() {
+        let of = |times: &[u64]| Repeats::of(times.iter().map(|&ms| Duration::from_millis(ms)).collect());
+        let [least, median, spread] = [2, 4, 9].map(Duration::from_millis);
+        assert_eq!(of(&[11, 4, 2]), Some(Repeats { times: 3, least, median, spread }));
+        assert_eq!(of(&[11, 5, 3, 2]), Some(Repeats { times: 4, least, median, spread }));
+        assert_eq!(of(&[]), None);
     }
 
     #[test]

@@ -21,7 +21,7 @@ mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
-pub use rules::{ByModel, Departure, Rules};
+pub use rules::{ByModel, Departure, Rules, View};
 pub(crate) use secondary::{Path, SecondaryRay};
 
 /// Which objects cast shadows.
@@ -161,10 +161,9 @@ impl<R: Rules> Tracer<'_, R> {
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = if is_inside { -surface.normal } else { surface.normal };
+        let normal = self.rules.shading_normal(surface.normal, is_inside);
         let to_viewer = -*direction;
-        let ambient = self.world().ambient * self.rules.ambient_color(surface, material.phong.diffuse);
-        let mut color = self.rules.sum(Color::ZERO, ambient);
+        let mut color = self.rules.sum(Color::ZERO, self.rules.ambient(surface, material.phong));
         observer.observe(|| Event::Ambient(color));
         for (index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
@@ -172,7 +171,8 @@ impl<R: Rules> Tracer<'_, R> {
             // The course's program casts the shadow ray even where the light has no effect.
             let passed = self.light_passed(arrival, &light, index, observer);
             if material.shows(highlight, &light, cosine) && passed != Color::ZERO {
-                let lit = passed * material.reflect(highlight, &light, cosine, normal, to_viewer);
+                let view = View { cosine, normal, to_viewer };
+                let lit = passed * self.rules.reflect(material, (&light, index), &view);
                 color = self.rules.sum(color, self.rules.light(lit));
             }
             observer.observe(|| {

@@ -3,7 +3,7 @@
 use crate::app::pictures::Rendered;
 use raytracer::cli::Options;
 use raytracer::render::{Cost, Tracing};
-use raytracer::stats::{Counts, Timings};
+use raytracer::stats::{Counts, Repeats, Timings};
 use raytracer::tools::causes::Finding;
 use raytracer::tools::compare::{Comparison, LargestDifference, Tolerance};
 use raytracer::tools::explain::{CostReport, PixelTree};
@@ -44,10 +44,12 @@ pub struct Document<'a> {
     written: Vec<String>,
     /// The lines on standard error.
     warnings: &'a [String],
-    /// This and the next three are null without a scene.
+    /// This and the next four are null without a scene.
     scene: Option<SceneSummary>,
     grid: Option<Grid>,
     timings: Option<Timings>,
+    /// Null also without `-repeat`.
+    repeats: Option<Repeats>,
     /// Null also where nothing is counted.
     statistics: Option<Counts>,
     cost_map: Option<CostSummary>,
@@ -149,6 +151,7 @@ impl<'a> Document<'a> {
             scene: rendered.map(|rendered| SceneSummary::of(&rendered.renderer)),
             grid: rendered.and_then(|rendered| rendered.report.grid).map(|cells| Grid { cells }),
             timings: rendered.map(|rendered| rendered.report.timings),
+            repeats: rendered.and_then(|rendered| rendered.repeats),
             statistics: rendered
                 .filter(|_| options.tracing() == Tracing::Counted)
                 .map(|rendered| rendered.report.counts),

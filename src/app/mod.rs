@@ -3,6 +3,7 @@
 //! A module uses only those before it in this list.
 
 mod start;
+mod terminal;
 #[cfg(target_os = "linux")]
 mod allocator;
 mod signals;
@@ -18,13 +19,16 @@ mod page;
 mod json;
 pub mod commands;
 
-pub use page::show as show_page;
+pub use page::{show as show_page, worker as page_worker};
 pub use signals::{Interrupted, Signals};
 pub use streams::print;
 
+use raytracer::cli::ShowProgress;
 use raytracer::distinct_files::SameFile;
 use std::fmt::Display;
 use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
 
 /// Why a run ends before it is complete.
 pub enum End {
@@ -58,13 +62,28 @@ impl From<Interrupted> for End {
 pub struct Outcome {
     /// What goes to standard output, or to standard error if a picture goes there.
     pub text: String,
+    /// The files that it wrote, which are no streams, unless nobody is to be told.
+    pub written: Vec<PathBuf>,
     /// Whether the pictures that were compared differ by no more than the tolerance.
     pub passes: bool,
 }
 
 /// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
 pub fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", terminal::in_color(line));
+}
+
+/// Tells a person at a terminal what a run wrote in this time, if it wrote anything.
+pub fn tell_written(written: &[PathBuf], took: Duration) {
+    if terminal::has_reader() && !written.is_empty() {
+        tell(&terminal::finished(written, took));
+    }
+}
+
+/// The files of which a finished run tells.
+pub fn told_files(wish: ShowProgress, files: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let files = files.into_iter().filter(|file| file.as_os_str() != "-");
+    if wish == ShowProgress::Never { vec![] } else { files.collect() }
 }
 
 /// The message of an error.

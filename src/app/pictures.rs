@@ -11,16 +11,17 @@ use crate::app::{End, failed};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Comparison, Options, Output};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::escape::quoted;
 use raytracer::fingerprint;
-use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile};
+use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile, read_clamped_picture};
 use raytracer::memory::Bytes;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
-use raytracer::stats::{Report, Timings};
-use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
+use raytracer::stats::{Repeats, Report, Timings};
+use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -30,6 +31,9 @@ use std::time::{Duration, Instant};
 
 /// The size of a mesh's file, in bytes, from which on its parsing is work for several threads.
 const LARGE_MESH: usize = 1 << 18;
+
+/// How long the rays behind a pixel are followed. It is as much as millions of rays take.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
 /// The number of camera rays from which on a picture is work for several threads.
 const MANY_RAYS: usize = 1 << 17;
@@ -46,6 +50,8 @@ pub struct Rendered {
     pub options: Options,
     pub renderer: Renderer,
     pub report: Report,
+    /// The times of all renderings, if there are several.
+    pub repeats: Option<Repeats>,
     /// What the pixels of a cost map have cost, if one is drawn.
     pub costs: Option<CostReport>,
     /// What is behind the pixel in question, if there is one.
@@ -175,25 +181,59 @@ pub fn render(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
     };
+    let repeats = match options.repeat {
+        Some(count) => Repeats::of(repeated(count, rendering, &prepared, &request, options, signals)?),
+        None => None,
+    };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
         files.before_waiting(signals)?;
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
-    Ok(Rendered { options: settled, renderer, report, costs, pixel, picture: finished.kept, files })
+    Ok(Rendered { options: settled, renderer, report, repeats, costs, pixel, picture: finished.kept, files })
 }
 
 impl Rendered {
     /// What there is to print.
     pub fn text(&self, options: &Options) -> String {
-        let blocks: [Option<&dyn Display>; 3] = [
+        let blocks: [Option<&dyn Display>; 4] = [
             options.stats.then_some(&self.report),
+            self.repeats.as_ref().map(|repeats| repeats as _),
             self.costs.as_ref().map(|costs| costs as _),
             self.pixel.as_ref().map(|pixel| pixel as _),
         ];
         blocks.into_iter().flatten().map(ToString::to_string).collect()
     }
+}
+
+/// The times of `count` renderings, of which the first has taken this time. The others leave nothing behind, and a
+/// signal ends them.
+fn repeated(
+    count: u32,
+    first: Duration,
+    prepared: &Prepared,
+    request: &Request,
+    options: &Options,
+    signals: &Signals,
+) -> Result<Vec<Duration>, String> {
+    let progress = ProgressLine::new(options.progress);
+    let mut times = vec![first];
+    for number in 2..=count {
+        let doing = format!("rendering {number} of {count}");
+        let watch = |rows| {
+            progress.show(|passed| rows_text(&doing, rows, passed));
+            if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let start = Instant::now();
+        match prepared.render_rows(request, &watch, &mut |_, _| ControlFlow::Continue(())) {
+            Err(Stopped::Cancelled { .. }) => break,
+            rendered => rendered.map_err(failed)?,
+        };
+        times.push(start.elapsed());
+    }
+    progress.end();
+    Ok(times)
 }
 
 /// Checks that a picture can be written.
@@ -202,6 +242,16 @@ pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
         true => Ok(OutputFile::standard_output(output.format)),
         false => OutputFile::prepare_as(&output.file, output.format),
     }
+}
+
+/// Reads a picture. A note says how many of its pixels are `done`, which is what is done with them, clamped.
+pub fn read_picture(path: &Path, done: &str, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    if clamped > 0 {
+        let shown = quoted(path);
+        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"));
+    }
+    Ok(picture)
 }
 
 /// What is to be said of pixels that the files do not show as they are.
@@ -236,7 +286,11 @@ fn explanation(
         Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
     };
     let explainer = Explainer::new(&prepared).map_err(failed)?;
-    Ok(explainer.pixel(&request, pixel))
+    let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+    match explainer.pixel(&request, pixel, &stop) {
+        Err(ExplainError::Outside) => Ok(None),
+        explained => explained.map(Some).map_err(failed),
+    }
 }
 
 /// How many of the fullest cells are named.

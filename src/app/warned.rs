@@ -78,6 +78,7 @@ fn shows_colors(options: &Options) -> bool {
 
 /// Whether a run would leave nothing behind.
 fn asks_for_nothing(options: &Options) -> bool {
-    let prints = options.stats || options.pixel.is_some() || options.json.is_some();
+    let prints =
+        options.stats || options.repeat.is_some() || options.pixel.is_some() || options.json.is_some();
     options.outputs.is_empty() && options.comparison.is_none() && !prints && !options.preview
 }

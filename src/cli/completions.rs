@@ -25,12 +25,6 @@ fn flag_names(dash: &str) -> String {
     FLAGS.iter().map(|flag| format!("{dash}{}", flag.name)).collect::<Vec<_>>().join(" ")
 }
 
-/// The first sentence of what a flag does.
-fn summary(flag: &Flag) -> &'static str {
-    let end = flag.help.find(". ").unwrap_or(flag.help.len());
-    flag.help[..end].trim_end_matches('.')
-}
-
 /// The completions for bash.
 pub fn bash() -> String {
     let cases: String = of_values(bash_case);
@@ -105,7 +99,7 @@ fn zsh_specs(flag: &Flag) -> Vec<String> {
     // A flag is given once, by one of its names.
     let once: Vec<String> = flag.names().map(|name| format!("-{name}")).chain(excluded).collect();
     let values: String = (0..flag.values.len()).map(|index| zsh_value(flag, index)).collect();
-    let doc = summary(flag).replace(['[', ']'], "").replace('\'', "'\\''");
+    let doc = flag.summary().replace(['[', ']'], "").replace('\'', "'\\''");
     flag.names().map(|name| format!("    '({})-{name}[{doc}]{values}'", once.join(" "))).collect()
 }
 
@@ -167,7 +161,7 @@ complete -c raytracer -f
 }
 
 fn fish_flag(flag: &Flag) -> String {
-    let doc = summary(flag).replace('\\', "\\\\").replace('\'', "\\'");
+    let doc = flag.summary().replace('\\', "\\\\").replace('\'', "\\'");
     flag.names().map(|name| format!("complete -c raytracer -o {name} -d '{doc}'\n")).collect()
 }
 

@@ -1,6 +1,6 @@
 //! The errors of the command line, and their messages.
 
-use super::flag::Offer;
+use super::flag::{Flag, Offer};
 use super::flags;
 use crate::escape::quoted;
 use crate::scene::edition::Edition;
@@ -155,6 +155,8 @@ pub enum Problem {
     NotPicture,
     /// It does not have the file extension of a picture of bytes.
     NotBytes,
+    /// It does not have the file extension of a picture that may be a part.
+    NotPart,
     /// It is not the name of a format.
     NotFormat,
     /// It is standard output, and no format follows.
@@ -186,9 +188,10 @@ impl fmt::Display for Problem {
             Self::NotAlone => f.write_str("stands alone, in place of the three numbers"),
             Self::NotEdition => write!(f, "is none of the editions {}", Edition::NAMES.join(", ")),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
-            Self::NotPicture => f.write_str("ends in none of .tga, .png, .pfm and .exr"),
-            Self::NotBytes => f.write_str("ends in neither .tga nor .png"),
-            Self::NotFormat => f.write_str("is none of the formats tga, png, pfm and exr"),
+            Self::NotPicture => f.write_str("ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+            Self::NotBytes => f.write_str("ends in none of .tga, .png, .bmp and .ppm"),
+            Self::NotPart => f.write_str("ends in neither .tga nor .png, as parts do"),
+            Self::NotFormat => f.write_str("is none of the formats tga, png, bmp, ppm, pfm and exr"),
             Self::NoFormat => f.write_str("needs its format as the next word, as in `- png`"),
         }
     }
@@ -232,7 +235,7 @@ impl CliError {
             Self::EnlargedTooMuch { flag } => {
                 format!("`-{flag}`: the enlarged picture would be above 65535 pixels a side")
             }
-            Self::InputNeeded => "no scene: `-input file` is required (`-help` lists every flag)".into(),
+            Self::InputNeeded => "no scene: `-input file` is required (`-h` lists the usual flags)".into(),
             Self::ComparisonNeeded { flag } => {
                 format!("`-{flag}` needs a picture: `-compare file` or `-reference file`")
             }
@@ -252,7 +255,12 @@ impl std::error::Error for CliError {}
 fn unknown_flag(flag: &str, nearest: Option<&str>) -> String {
     let shown = quoted(format!("-{flag}"));
     match nearest {
-        Some(nearest) => format!("unknown flag {shown}; did you mean `-{nearest}`?"),
+        Some(nearest) => {
+            // Who knows it by another name may not know its values.
+            let meant = flags::meant(&flag.to_lowercase()).map(Flag::usage);
+            let meant = meant.unwrap_or_else(|| format!("-{nearest}"));
+            format!("unknown flag {shown}; did you mean `{meant}`?")
+        }
         None => format!("unknown flag {shown} (`-help` lists every flag)"),
     }
 }

@@ -13,6 +13,10 @@ pub(super) struct Flag {
     pub name: &'static str,
     /// Other spellings, which the help does not list.
     pub aliases: &'static [&'static str],
+    /// What other programs call it. These are no spellings: who gives one is told the name.
+    pub elsewhere: &'static [&'static str],
+    /// Whether it is one of the few that people use, which the short help lists.
+    pub is_usual: bool,
     pub values: &'static [Value],
     /// The smallest number of values, where fewer than all are understood.
     pub fewest: usize,
@@ -39,6 +43,7 @@ pub(super) struct Flag {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Run {
     Merge,
+    Convert,
     Grade,
     ErrorReport,
     /// The live page, whose pictures the flag shapes.
@@ -117,6 +122,8 @@ impl Flag {
             section,
             name,
             aliases: &[],
+            elsewhere: &[],
+            is_usual: false,
             values: &[],
             fewest: 0,
             default: "",
@@ -136,6 +143,14 @@ impl Flag {
 
     pub const fn aliases(self, aliases: &'static [&'static str]) -> Self {
         Self { aliases, ..self }
+    }
+
+    pub const fn elsewhere(self, elsewhere: &'static [&'static str]) -> Self {
+        Self { elsewhere, ..self }
+    }
+
+    pub const fn usual(self) -> Self {
+        Self { is_usual: true, ..self }
     }
 
     pub const fn fewest(self, fewest: usize) -> Self {
@@ -199,6 +214,12 @@ impl Flag {
     /// Whether the last value stands for any number of values.
     pub fn takes_any_number(&self) -> bool {
         self.values.last().is_some_and(|value| value.name.ends_with("..."))
+    }
+
+    /// The first sentence of what it does, without its full stop.
+    pub fn summary(&self) -> &'static str {
+        let end = self.help.find(". ").unwrap_or(self.help.len());
+        self.help[..end].trim_end_matches('.')
     }
 
     /// All spellings.

@@ -23,6 +23,11 @@ pub(super) fn find(name: &str) -> Option<&'static Flag> {
     FLAGS.iter().copied().find(|flag| flag.names().any(|known| known == name))
 }
 
+/// The flag that another program calls `name`.
+pub(super) fn meant(name: &str) -> Option<&'static Flag> {
+    FLAGS.iter().copied().find(|flag| flag.elsewhere.contains(&name))
+}
+
 /// Defines flags, and lists them.
 macro_rules! flags {
     ($($name:ident: $value:ty = $definition:expr;)*) => {
@@ -32,9 +37,10 @@ macro_rules! flags {
     };
 }
 
-/// The endings of pictures of bytes, and those of all pictures.
-const BYTES: &[&str] = &["tga", "png"];
-const PICTURES: &[&str] = &["tga", "png", "pfm", "exr"];
+/// The endings of pictures that may be parts, of pictures of bytes, and of all pictures.
+const PARTS: &[&str] = &["tga", "png"];
+const BYTES: &[&str] = &["tga", "png", "bmp", "ppm"];
+const PICTURES: &[&str] = &["tga", "png", "bmp", "ppm", "pfm", "exr"];
 
 /// The runs for which a flag is that shapes the colour picture.
 const SHAPING: &[Run] = &[Run::ErrorReport, Run::Page];
@@ -49,6 +55,7 @@ const MAX_INT: u32 = i32::MAX as u32;
 /// started.
 const THREADS_RANGE: (u32, u32) = (1, 4096);
 const SAMPLES: (u32, u32) = (1, 65536);
+const REPEATS: (u32, u32) = (1, 10_000);
 /// The range of the largest number of adaptive samples. A pixel is not divided into more strata.
 const ADAPTIVE_MOST: (u32, u32) = (Adaptive::BASE, Adaptive::LIMIT);
 /// The range of filter sizes, in pixels.
@@ -59,6 +66,8 @@ const CELL_LIMIT: u64 = 1 << 31;
 flags! {
     INPUT: PathBuf = Flag::new(Section::Pictures, "input")
         .values(&[file("file", &["txt"])])
+        .usual()
+        .elsewhere(&["i", "f", "in", "file", "scene"])
         .help("The scene; - reads it from standard input. Required, unless two pictures are compared.")
         .details("Mesh files that the scene names are looked for in the working directory and then beside the scene.")
         .example("-input scene.txt")
@@ -68,17 +77,21 @@ flags! {
 
     OUTPUT: Output = Flag::new(Section::Pictures, "output")
         .values(&[output(PICTURES)])
+        .usual()
+        .elsewhere(&["o", "out", "outfile", "image", "format"])
         .default("none")
-        .help("Writes the picture as .tga, .png or, in floating point, .pfm or .exr; - png writes it to standard output.")
+        .help("Writes the picture as .tga, .png, .bmp, .ppm or, in floating point, .pfm or .exr. Here - png writes it to standard output.")
         .details("The file appears under its name when it is complete.")
         .example("-output picture.png")
         .after("-input scene.txt")
-        .runs(&[Run::Merge])
+        .runs(&[Run::Merge, Run::Convert])
         .read(|values| picture(values, [Layer::Color; 2]));
 
     SIZE: [usize; 2] = Flag::new(Section::Pictures, "size")
         .values(&[number("w"), number("h")])
         .fewest(1)
+        .usual()
+        .elsewhere(&["w", "width", "height", "s", "res", "resolution", "dimensions"])
         .default("100 100")
         .help("Width and height of every picture in pixels, 1 to 65535.")
         .details("The longer side spans the camera's view, which the shorter side crops around the middle. The form 200x200 is understood too.")
@@ -105,12 +118,22 @@ flags! {
         .read(region);
 
     MERGE: Vec<PathBuf> = Flag::new(Section::Pictures, "merge")
-        .values(&[file("files...", BYTES)])
+        .values(&[file("files...", PARTS)])
         .help("Puts these parts of a picture together in -output. They come from -region, in any order.")
         .example("-merge top.png bottom.png")
         .after("-output whole.png")
         .runs(&[Run::Merge])
-        .read(|values| values.words.iter().map(|word| values.byte_picture(word)).collect());
+        .read(|values| values.words.iter().map(|word| values.part(word)).collect());
+
+    CONVERT: PathBuf = Flag::new(Section::Pictures, "convert")
+        .values(&[file("file", PICTURES)])
+        .help("Writes this picture in the format of -output, which is one of bytes. No scene is needed.")
+        .details("Its pixels stay the same. Numbers of .pfm and .exr become bytes as colours of a scene do; a line says how many are clamped.")
+        .example("-convert mine.tga")
+        .before("-output mine.png")
+        .excludes(&[&MERGE.flag])
+        .runs(&[Run::Convert])
+        .read(|values| values.picture());
 
     DEPTH: Output = Flag::new(Section::Pictures, "depth")
         .values(&[number("t0"), number("t1"), output(PICTURES)])
@@ -130,12 +153,15 @@ flags! {
         .read(|values| picture(values, [Layer::Normals, Layer::SignedNormals]));
 
     SHADE_BACK: () = Flag::new(Section::Shading, "shade_back")
+        .usual()
+        .elsewhere(&["two_sided", "double_sided"])
         .help("Lights surfaces seen from behind; without it they are black.")
         .details("Scenes with glass need it, because a ray inside the glass sees its surface from behind.")
         .runs(SHAPING)
         .switch();
 
     SHADOWS: () = Flag::new(Section::Shading, "shadows")
+        .usual()
         .help("Casts shadows.")
         .details("Transparent objects cast them too.")
         .runs(SHAPING)
@@ -155,6 +181,8 @@ flags! {
 
     BOUNCES: u32 = Flag::new(Section::Shading, "bounces")
         .values(&[number("n")])
+        .usual()
+        .elsewhere(&["b", "d", "reflections", "max_depth", "max_bounces", "recursion"])
         .default("0")
         .help("Traces reflected and refracted rays to this depth.")
         .details("Where a material both reflects and transmits, each bounce can double the number of rays; -weight ends those that hardly count.")
@@ -201,8 +229,10 @@ flags! {
 
     JITTERED_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "jittered_samples")
         .values(&[number("n")])
+        .usual()
+        .elsewhere(&["aa", "antialias", "antialiasing", "supersample", "supersampling", "msaa", "samples", "spp", "n", "jitter"])
         .default("1, the centre")
-        .help("Takes a random sample in each cell of that grid.")
+        .help("Takes n samples per pixel, which smooths edges. Each lies at random in a cell of the grid of -uniform_samples.")
         .example("-jittered_samples 16")
         .runs(SHAPING)
         .read(|values| samples(values, Pattern::Jittered));
@@ -313,8 +343,10 @@ flags! {
 
     COMPARE: PathBuf = Flag::new(Section::Comparison, "compare")
         .values(&[file("file", PICTURES)])
+        .usual()
+        .elsewhere(&["diff"])
         .default("the rendered picture")
-        .help("Compares this picture, .tga, .png, .pfm or .exr, with the reference.")
+        .help("Compares this picture with the reference, whatever the formats of both.")
         .details("With a scene too, the likely cause of a difference is looked for.")
         .example("-compare mine.tga")
         .before("-reference theirs.png")
@@ -395,10 +427,21 @@ flags! {
         .read(|values| values.not_negative_number());
 
     STATS: () = Flag::new(Section::Statistics, "stats")
+        .usual()
+        .elsewhere(&["v", "verbose", "time", "timing", "benchmark"])
         .help("Prints counters and times after rendering.")
         .details("The program then does and counts what the course's program does, so that the counters compare.")
         .after("-input scene.txt")
         .switch();
+
+    REPEAT: u32 = Flag::new(Section::Statistics, "repeat")
+        .values(&[number("n")])
+        .default("1")
+        .help("Renders n times, 1 to 10000, and prints the least and the median time and the spread, which is the most less the least.")
+        .details("With -stats these are times of a run that counts, without it of one that does not. Pictures are written once.")
+        .example("-repeat 5")
+        .after("-input scene.txt -stats")
+        .read(|values| values.number(REPEATS));
 
     COST_MAP: Output = Flag::new(Section::Statistics, "cost_map")
         .values(&[word("kind", &["rays", "tests", "cells"]), output(BYTES)])
@@ -427,6 +470,7 @@ flags! {
 
     THREADS: usize = Flag::new(Section::Other, "threads")
         .values(&[number("n")])
+        .elsewhere(&["j", "t", "jobs", "cores", "nthreads"])
         .default("all cores")
         .help("Renders with n threads, 1 to 4096. The picture stays the same.")
         .details("Without it, one thread begins what looks like little work, and the others start if it lasts.")
@@ -442,8 +486,9 @@ flags! {
         .switch();
 
     QUIET: () = Flag::new(Section::Other, "quiet")
-        .help("Does not tell how far the run has come.")
-        .runs(&[Run::Merge, Run::Grade, Run::ErrorReport])
+        .elsewhere(&["q", "silent"])
+        .help("Tells neither how far the run has come nor, on a terminal, what it wrote.")
+        .runs(&[Run::Merge, Run::Convert, Run::Grade, Run::ErrorReport])
         .switch();
 
     STRICT: () = Flag::new(Section::Other, "strict")
@@ -451,6 +496,8 @@ flags! {
         .switch();
 
     GUI: () = Flag::new(Section::Preview, "gui")
+        .usual()
+        .elsewhere(&["preview", "window", "interactive", "live"])
         .help("Renders what the line asks for, then shows the scene as a live page in the browser. Needs a terminal, or -port.")
         .switch();
 
@@ -483,11 +530,15 @@ flags! {
         .help("Accepted from Aalto's edition; changes nothing.")
         .read(|_| Ok(()));
 
+    USUAL: () = Flag::new(Section::Other, "h")
+        .help("Prints the ten flags that people use.")
+        .after("")
+        .read(|_| Ok(()));
+
     HELP: () = Flag::new(Section::Other, "help")
-        .values(&[flag_name("flag")])
+        .values(&[flag_name("word")])
         .fewest(0)
-        .aliases(&["h"])
-        .help("Prints this text, or all about one flag.")
+        .help("Prints this text, all about a flag, or the flags whose names or descriptions have a word in them.")
         .example("-help size")
         .after("")
         .read(|_| Ok(()));

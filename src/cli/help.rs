@@ -8,6 +8,8 @@ use std::ffi::OsStr;
 
 /// The column at which the descriptions start.
 const INDENT: usize = 32;
+/// The same in the short help.
+const USUAL_INDENT: usize = 24;
 /// The length of the longest lines in characters.
 const WIDTH: usize = 80;
 
@@ -16,7 +18,19 @@ Renders a scene of MIT's 6.837 ray tracing assignments and writes the requested
 pictures.
 
 Usage: raytracer -input scene.txt [flags, in any order]
-       raytracer -help flag        all about one flag
+       raytracer -help word        all about a flag, or the flags with this word
+";
+
+const USUAL_HEAD: &str = "\
+Renders a scene of MIT's 6.837 ray tracing assignments.
+
+Usage: raytracer -input scene.txt -output picture.png [flags, in any order]
+
+";
+
+const USUAL_TAIL: &str = "
+-help lists all flags, -help size tells all about one, and -help shadow lists
+those with this word.
 ";
 
 const TAIL: &str = "
@@ -39,13 +53,32 @@ pub(super) fn text() -> String {
     format!("{HEAD}{sections}{TAIL}{}", paragraph(STATUS, 0))
 }
 
-/// The text that `-help` prints for one flag, which may be named with or without dashes.
+/// The text that `-h` prints, which fits on a screen of 24 lines.
+pub(super) fn usual() -> String {
+    let row = |flag: &&Flag| {
+        let lines = wrap(&format!("{}.", flag.summary()), WIDTH - USUAL_INDENT);
+        table_row(flag, USUAL_INDENT, lines)
+    };
+    let flags: String = FLAGS.iter().filter(|flag| flag.is_usual).map(row).collect();
+    format!("{USUAL_HEAD}{flags}{USUAL_TAIL}")
+}
+
+/// The text that `-help` prints for a word: all about the flag of this name, which may have dashes, or about the one
+/// that other programs call so; otherwise the flags whose names or descriptions have the word in them.
 pub(super) fn about(word: &OsStr) -> Result<String, CliError> {
     let name = word.to_string_lossy();
     let name = name.trim_start_matches('-');
-    match flags::find(name) {
-        Some(flag) => Ok(in_full(flag)),
-        None => Err(CliError::UnknownFlag { flag: name.to_owned(), nearest: nearest(name) }),
+    if let Some(flag) = flags::find(name).or_else(|| flags::meant(name)) {
+        return Ok(in_full(flag));
+    }
+    let part = name.to_lowercase();
+    let has_it = |flag: &&&Flag| {
+        flag.names().chain([flag.help, flag.details]).any(|text| text.to_lowercase().contains(&part))
+    };
+    let found: Vec<String> = FLAGS.iter().filter(has_it).map(|flag| entry(flag)).collect();
+    match found.is_empty() {
+        true => Err(CliError::UnknownFlag { flag: name.to_owned(), nearest: nearest(name) }),
+        false => Ok(found.concat()),
     }
 }
 
@@ -60,10 +93,16 @@ fn section((section, title): (Section, &str)) -> String {
 }
 
 fn entry(flag: &Flag) -> String {
+    let lines = wrap(flag.help, WIDTH - INDENT).into_iter().chain(default_and_example(flag));
+    table_row(flag, INDENT, lines.collect())
+}
+
+/// A flag, and beside it these lines from a column on.
+fn table_row(flag: &Flag, column: usize, lines: Vec<String>) -> String {
     let mut left = format!("  {}", flag.usage());
     let mut text = String::new();
-    for line in wrap(flag.help, WIDTH - INDENT).into_iter().chain(default_and_example(flag)) {
-        text += &format!("{left:<INDENT$}{line}\n");
+    for line in lines {
+        text += &format!("{left:<column$}{line}\n");
         left.clear();
     }
     text
@@ -145,6 +184,38 @@ mod tests {
     }
 
     #[test]
+    fn the_usual_flags_are_ten_on_one_screen() {
+        let text = usual();
+        assert_eq!(FLAGS.iter().filter(|flag| flag.is_usual).count(), 10);
+        assert!(
+            text.lines().count() < 24 && text.lines().all(|line| line.chars().count() <= WIDTH),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn no_flag_has_a_name_that_another_program_gives_to_another_one() {
+        let others: Vec<&str> = FLAGS.iter().flat_map(|flag| flag.elsewhere).copied().collect();
+        for (index, name) in others.iter().enumerate() {
+            assert!(flags::find(name).is_none() && !others[..index].contains(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_word_lists_the_flags_that_have_it() {
+        let listed = |word: &str| {
+            let text = about(OsStr::new(word)).unwrap();
+            let flags = text.lines().filter_map(|line| line.strip_prefix("  -")?.split(' ').next());
+            flags.map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(listed("_Filter").len(), 5);
+        assert_eq!(listed("gaussian"), ["gaussian_filter"]);
+        assert!(listed("shadow").contains(&"transparent_shadows".into()));
+        let text = |word: &str| about(OsStr::new(word));
+        assert_eq!([text("-o"), text("spp")], [text("output"), text("jittered_samples")]);
+    }
+
+    #[test]
     fn usage_leaves_room_for_the_description() {
         assert!(FLAGS.iter().all(|flag| flag.usage().len() + 3 <= INDENT));
     }
@@ -170,7 +241,7 @@ mod tests {
             Err(CliError::UnknownFlag { nearest, .. }) => nearest,
             other => panic!("{other:?}"),
         };
-        assert_eq!(nearest("shadow"), Some("shadows".into()));
+        assert_eq!(nearest("shadwos"), Some("shadows".into()));
         assert_eq!((nearest("teapot"), nearest(&"s".repeat(1000))), (None, None));
     }
 }

@@ -8,6 +8,7 @@
 
 mod commands;
 mod comparison;
+mod conversion;
 pub mod completions;
 mod error;
 mod error_report;
@@ -28,6 +29,7 @@ mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
 pub use comparison::Comparison;
+pub use conversion::Converting;
 pub use error::{CliError, Problem};
 pub use error_report::ErrorReporting;
 pub use grading::{Grading, References};
@@ -48,6 +50,8 @@ pub enum Command {
     Grade(Grading),
     /// Put parts of a picture together with these options.
     Merge(Merging),
+    /// Write a picture in another format.
+    Convert(Converting),
     /// Measure speed against error with these options.
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -58,12 +62,13 @@ pub enum Command {
 
 /// Parses a command line. The first word of `argv` is the program's name.
 ///
-/// No file is accessed. `-help` and `-version` take precedence over errors later in the line. Errors: the
+/// No file is accessed. `-h`, `-help` and `-version` take precedence over errors later in the line. Errors: the
 /// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
     match Raw::parse(argv.into_iter().skip(1).collect()) {
         Ok(raw) => command(&raw),
         Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
+        Err(Stop::Usual) => Ok(Command::Help(help::usual())),
         Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
         Err(Stop::Version) => Ok(Command::Version(help::version())),
         Err(Stop::Error(error)) => Err(error),
@@ -76,6 +81,9 @@ fn command(raw: &Raw) -> Result<Command, CliError> {
     }
     if let Some(merging) = Merging::from_raw(raw)? {
         return Ok(Command::Merge(merging));
+    }
+    if let Some(converting) = Converting::from_raw(raw)? {
+        return Ok(Command::Convert(converting));
     }
     match ErrorReporting::from_raw(raw)? {
         Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),

@@ -63,6 +63,8 @@ pub struct Options {
     pub comparison: Option<Comparison>,
     /// Whether statistics are printed.
     pub stats: bool,
+    /// How often the scene is rendered, 1 to 10000, if the times are to be compared.
+    pub repeat: Option<u32>,
     /// Whether a warning is an error.
     pub strict: bool,
     /// Where everything that is reported goes as a JSON document, if anywhere.
@@ -143,6 +145,7 @@ impl Options {
             visualize_grid: raw.given(&flags::VISUALIZE_GRID),
             comparison: Comparison::from_raw(raw)?,
             stats: raw.given(&flags::STATS),
+            repeat: raw.read(&flags::REPEAT)?,
             strict: raw.given(&flags::STRICT),
             json: raw.read(&flags::JSON)?,
             pixel: raw.read(&flags::PIXEL)?,
@@ -225,10 +228,19 @@ impl Options {
         pictures.chain(difference.map(|file| (&flags::DIFFERENCE.flag, file))).collect()
     }
 
+    /// The names of all files to write, where `-` is standard output.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        let json = match &self.json {
+            Some(JsonTarget::File(file)) => Some(file.as_path()),
+            Some(JsonTarget::StandardOutput) | None => None,
+        };
+        self.files().into_iter().map(|(_, file)| file).chain(json)
+    }
+
     /// Whether anything is written to standard output.
     pub fn needs_standard_output(&self) -> bool {
         let counts = self.tracing() == Tracing::Counted;
-        let prints = counts || self.pixel.is_some() || self.comparison.is_some();
+        let prints = counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some();
         prints || self.json == Some(JsonTarget::StandardOutput) || self.has_standard_output()
     }
 

@@ -1,6 +1,6 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::CliError;
+use super::error::{CliError, Problem};
 use super::flag::Flag;
 use super::flags;
 use super::raw::Raw;
@@ -53,6 +53,17 @@ pub(super) fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {
         &flags::COST_MAP,
     ];
     flags.into_iter().filter_map(|flag| raw.read(flag).transpose()).collect()
+}
+
+/// The picture of bytes that `-output` asks for, which `flag` needs.
+pub(super) fn output_of_bytes(raw: &Raw, flag: &'static Flag) -> Result<Output, CliError> {
+    let needed = || CliError::Needed { flag: flag.name, needed: flags::OUTPUT.usage() };
+    let values = raw.values(&flags::OUTPUT).ok_or_else(needed)?;
+    let output = (flags::OUTPUT.read)(&values)?;
+    match values.words.last() {
+        Some(word) if output.format.is_float() => Err(values.bad(word, Problem::NotBytes)),
+        _ => Ok(output),
+    }
 }
 
 /// Compares full paths, not the file system: links that lead to one file are found when the files are at hand.

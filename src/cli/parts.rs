@@ -1,10 +1,10 @@
 //! The flags about parts of pictures.
 
-use super::error::{CliError, Problem};
+use super::error::CliError;
 use super::flag::Run;
 use super::flags;
 use super::options::ShowProgress;
-use super::outputs::Output;
+use super::outputs::{Output, output_of_bytes};
 use super::raw::Raw;
 use crate::render::Window;
 use std::path::PathBuf;
@@ -28,18 +28,11 @@ impl Merging {
         let Some(values) = raw.values(&flags::MERGE) else { return Ok(None) };
         raw.refuse_others(&flags::MERGE, Run::Merge)?;
         let parts = (flags::MERGE.read)(&values)?;
-        let Some(values) = raw.values(&flags::OUTPUT) else {
-            return Err(CliError::Needed { flag: flags::MERGE.name, needed: flags::OUTPUT.usage() });
-        };
-        let output = (flags::OUTPUT.read)(&values)?;
-        match values.words.last() {
-            Some(word) if output.format.is_float() => Err(values.bad(word, Problem::NotBytes)),
-            _ => Ok(Some(Self {
-                parts,
-                output,
-                region: raw.read(&flags::REGION)?,
-                progress: ShowProgress::from_raw(raw),
-            })),
-        }
+        Ok(Some(Self {
+            parts,
+            output: output_of_bytes(raw, &flags::MERGE)?,
+            region: raw.read(&flags::REGION)?,
+            progress: ShowProgress::from_raw(raw),
+        }))
     }
 }

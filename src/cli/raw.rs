@@ -25,8 +25,10 @@ struct Given {
 
 /// The reason why parsing ends without flags.
 pub(super) enum Stop {
-    /// The help, or that of the flag with this name.
+    /// The help, or that for this word.
     Help(Option<OsString>),
+    /// The help about the usual flags.
+    Usual,
     Version,
     Error(CliError),
 }
@@ -56,6 +58,12 @@ impl Raw {
             let given = Given { flag, values: index + 1..index + 1 };
             if flag.name == flags::HELP.name {
                 return Err(Stop::Help(topic(raw.line.get(index + 1))));
+            }
+            if flag.name == flags::USUAL.name {
+                return Err(match topic(raw.line.get(index + 1)) {
+                    None => Stop::Usual,
+                    word => Stop::Help(word),
+                });
             }
             if flag.name == flags::VERSION.name {
                 return Err(Stop::Version);
@@ -182,20 +190,29 @@ fn with_equals(word: &OsString) -> Option<String> {
     flags::find(name).filter(|_| is_flag(word.as_encoded_bytes())).map(|_| name.to_owned())
 }
 
-/// What help is asked about: the word after the flag for help, unless it is a flag that does not exist.
+/// What help is asked about: the word after the flag for help, unless it is a flag that no program has.
 fn topic(word: Option<&OsString>) -> Option<OsString> {
-    word.filter(|word| !is_flag(word.as_encoded_bytes()) || named(word).is_some()).cloned()
+    let is_known = |word: &OsString| named(word).is_some() || flags::meant(&name_of(word)).is_some();
+    word.filter(|word| !is_flag(word.as_encoded_bytes()) || is_known(word)).cloned()
+}
+
+/// The name in a word that is a flag, known or not.
+fn name_of(word: &OsStr) -> String {
+    let text = word.to_string_lossy();
+    text.trim_start_matches('-').split('=').next().unwrap_or_default().to_owned()
 }
 
 fn unknown(word: &OsStr) -> CliError {
     const SIMILAR: f64 = 0.7;
-    let text = word.to_string_lossy();
-    let name = text.trim_start_matches('-').split('=').next().unwrap_or_default();
-    let names = FLAGS.iter().flat_map(|flag| flag.names());
-    let similar =
-        names.map(|known| (strsim::jaro(name, known), known)).filter(|(likeness, _)| *likeness > SIMILAR);
-    let nearest = similar.max_by(|(one, _), (other, _)| one.total_cmp(other));
-    CliError::UnknownFlag { flag: name.into(), nearest: nearest.map(|(_, known)| known.into()) }
+    let name = name_of(word);
+    let nearest = flags::meant(&name.to_lowercase()).map(|flag| flag.name).or_else(|| {
+        let names = FLAGS.iter().flat_map(|flag| flag.names());
+        let similar = names
+            .map(|known| (strsim::jaro(&name, known), known))
+            .filter(|(likeness, _)| *likeness > SIMILAR);
+        similar.max_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, known)| known)
+    });
+    CliError::UnknownFlag { flag: name, nearest: nearest.map(str::to_owned) }
 }
 
 /// The error for a word that is not the value of any flag. Its ending may tell the flag that is missing before it.

@@ -4,10 +4,13 @@ use super::flag::Flag;
 use super::flags::FLAGS;
 use super::raw::is_flag;
 
+/// How the table starts.
+pub const HEAD: &str = "| Flag | Values |";
+
 /// The table in Markdown.
 pub fn table() -> String {
     let rows: String = FLAGS.iter().map(|flag| row(flag)).collect();
-    format!("| Flag | Values | Default | Meaning |\n|---|---|---|---|\n{rows}")
+    format!("{HEAD} Default | Meaning |\n|---|---|---|---|\n{rows}")
 }
 
 fn row(flag: &Flag) -> String {

@@ -112,6 +112,14 @@ impl<'a> Values<'a> {
         }
     }
 
+    /// The name of a picture that may be a part of another.
+    pub fn part(&self, word: &OsStr) -> Result<PathBuf, CliError> {
+        match Format::of(Path::new(word)) {
+            Some(format) if format.has_parts() => Ok(word.into()),
+            _ => Err(self.bad(word, Problem::NotPart)),
+        }
+    }
+
     /// The values of a flag that writes a picture, and the word after the picture's name that tells its format, if
     /// there is one. No word may follow a name that tells it.
     pub fn of_output<const N: usize>(&self) -> Result<OutputWords<'a, N>, CliError> {

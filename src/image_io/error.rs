@@ -9,7 +9,7 @@ use std::{fmt, io};
 /// the file.
 #[derive(Debug)]
 pub enum ImageError {
-    /// The name ends in none of `.tga`, `.png`, `.pfm` and `.exr`.
+    /// The name ends in none of the endings of pictures.
     Ending {
         /// The path of the file.
         path: PathBuf,
@@ -18,6 +18,13 @@ pub enum ImageError {
     Folder {
         /// The path of the file.
         path: PathBuf,
+    },
+    /// An output in a folder that does not exist.
+    NoFolder {
+        /// The path of the file.
+        path: PathBuf,
+        /// The folder.
+        folder: PathBuf,
     },
     /// The system failed to read or write a file.
     Io {
@@ -39,6 +46,15 @@ pub enum ImageError {
     },
     /// A side is too long for the format.
     Sides {
+        /// The path of the file.
+        path: PathBuf,
+        /// The width in pixels.
+        width: usize,
+        /// The height in pixels.
+        height: usize,
+    },
+    /// A picture is too large for a BMP file.
+    TooLargeForBmp {
         /// The path of the file.
         path: PathBuf,
         /// The width in pixels.
@@ -85,6 +101,13 @@ pub enum ImageError {
     NoPart {
         /// The path of the file.
         path: PathBuf,
+    },
+    /// A whole picture in place of a part.
+    Whole {
+        /// The path of the file.
+        path: PathBuf,
+        /// The width and height in pixels.
+        size: [u32; 2],
     },
     /// A part without a checksum.
     NoChecksum {
@@ -144,14 +167,26 @@ impl ImageError {
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Ending { path } => write!(f, "{} ends in none of .tga, .png, .pfm and .exr", shown(path)),
+            Self::Ending { path } => {
+                write!(f, "{} ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr", shown(path))
+            }
             Self::Folder { path } => write!(f, "cannot write {}: it is a folder", shown(path)),
+            Self::NoFolder { path, folder } => {
+                write!(f, "cannot write {}: there is no folder {}", shown(path), shown(folder))
+            }
             Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
             Self::Coding { action, path, error } => {
                 write!(f, "cannot {action} {}: {}", shown(path), escape(&error.to_string()))
             }
             Self::Sides { path, width, height } => {
                 write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
+            }
+            Self::TooLargeForBmp { path, width, height } => {
+                let path = shown(path);
+                write!(
+                    f,
+                    "cannot write {path}: {width} x {height} pixels are above 4 GB, where a BMP file ends"
+                )
             }
             Self::NotAFile { path } => write!(f, "cannot read {}: it is not a regular file", shown(path)),
             Self::NoHeader { path } => write!(f, "cannot read {}: it ends within its header", shown(path)),
@@ -167,6 +202,13 @@ impl fmt::Display for ImageError {
             }
             Self::NoPart { path } => {
                 write!(f, "{} is no part of a picture, as `-region` makes it", shown(path))
+            }
+            Self::Whole { path, size: [width, height] } => {
+                let path = shown(path);
+                write!(
+                    f,
+                    "{path} is a whole picture of {width} x {height} pixels, and no part as `-region` makes it"
+                )
             }
             Self::NoChecksum { path } => {
                 write!(f, "{} is a part without a checksum: render it again with this program", shown(path))

@@ -7,6 +7,7 @@ use crate::memory::with_room;
 use crate::picture::{BadSize, CHANNELS, Picture};
 use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
+use image::codecs::pnm::PnmDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
 use std::fs::{self, File};
@@ -24,7 +25,12 @@ const MAX_PNG_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// Upper bound on the pixels in a packet of run-length encoding.
 const MAX_PIXELS_PER_PACKET: u64 = 128;
 
-/// Reads a picture of any common variant of TGA or PNG, or of floating-point numbers. The format is determined by the
+/// Upper bound on the pixels per byte of a BMP file: two bytes of its run-length encoding stand for 255 pixels.
+const MAX_BMP_PIXELS_PER_BYTE: u64 = 128;
+/// Upper bound on the pixels per byte of a file in one of the formats of Netpbm, which may have one bit per pixel.
+const MAX_PNM_PIXELS_PER_BYTE: u64 = 8;
+
+/// Reads a picture of any common variant of TGA, PNG, BMP or PPM, or of floating-point numbers. The format is determined by the
 /// end of the name.
 ///
 /// The result is 8-bit RGB. Alpha is ignored: a transparent pixel keeps its colour and is not blended with a
@@ -53,17 +59,6 @@ pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, Imag
     read(path, Some(size)).map(|(picture, _)| picture)
 }
 
-/// Reads a BMP file like [`read_picture`].
-pub fn read_bmp(path: &Path) -> Result<Picture, ImageError> {
-    let failed = |error| ImageError::io("read", path, error);
-    let found = fs::metadata(path).map_err(failed)?;
-    if !found.is_file() {
-        return Err(ImageError::NotAFile { path: path.to_owned() });
-    }
-    let file = InputFile { path, length: found.len(), expected: None };
-    file.read_bmp(BufReader::new(File::open(path).map_err(failed)?))
-}
-
 fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<(Picture, u64), ImageError> {
     let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
     let failed = |error| ImageError::io("read", path, error);
@@ -76,6 +71,8 @@ fn read(path: &Path, expected: Option<[u32; 2]>) -> Result<(Picture, u64), Image
     match format {
         Format::Tga => file.read_tga(reader).map(|picture| (picture, 0)),
         Format::Png => file.read_png(reader).map(|picture| (picture, 0)),
+        Format::Bmp => file.read_bmp(reader).map(|picture| (picture, 0)),
+        Format::Ppm => file.read_ppm(reader).map(|picture| (picture, 0)),
         Format::Pfm => file.read_pfm(reader),
         Format::Exr => file.read_exr(reader),
     }
@@ -99,12 +96,6 @@ impl InputFile<'_> {
         self.decode(decoder, self.length.saturating_mul(MAX_PNG_PIXELS_PER_BYTE))
     }
 
-    fn read_bmp(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
-        let decoder = BmpDecoder::new(reader).map_err(|error| self.coding(error))?;
-        // A byte holds eight pixels of two colours, and a run of them at most 255.
-        self.decode(decoder, self.length.saturating_mul(255))
-    }
-
     fn read_tga(&self, mut reader: BufReader<File>) -> Result<Picture, ImageError> {
         let mut header = [0; TGA_HEADER];
         reader.read_exact(&mut header).map_err(|error| self.coding(error.into()))?;
@@ -115,6 +106,16 @@ impl InputFile<'_> {
         let max_pixels = header.max_pixels(self.length);
         let decoder = TgaDecoder::new(header.with_standard_alpha().chain(reader));
         self.decode(decoder.map_err(|error| self.coding(error))?, max_pixels)
+    }
+
+    fn read_bmp(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
+        let decoder = BmpDecoder::new(reader).map_err(|error| self.coding(error))?;
+        self.decode(decoder, self.length.saturating_mul(MAX_BMP_PIXELS_PER_BYTE))
+    }
+
+    fn read_ppm(&self, reader: BufReader<File>) -> Result<Picture, ImageError> {
+        let decoder = PnmDecoder::new(reader).map_err(|error| self.coding(error))?;
+        self.decode(decoder, self.length.saturating_mul(MAX_PNM_PIXELS_PER_BYTE))
     }
 
     /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.

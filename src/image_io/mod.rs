@@ -1,6 +1,7 @@
-//! Reading and writing of TGA, PNG, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing
+//! Reading and writing of TGA, PNG, BMP, PPM, PFM and OpenEXR files, parts of pictures, pictures embedded in pages, and writing
 //! of text files.
 
+mod bmp;
 mod checksum;
 mod complete_file;
 pub(crate) mod embedded;
@@ -24,7 +25,7 @@ pub use complete_file::{CompleteFile, put_in_place};
 pub use error::ImageError;
 pub use file_id::FileId;
 pub use float_rows::{Content, Exceptional};
-pub use input::{read_bmp, read_clamped_picture, read_picture, read_picture_of_size};
+pub use input::{read_clamped_picture, read_picture, read_picture_of_size};
 pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
 pub use part::{NotPart, Part};
@@ -44,6 +45,10 @@ pub enum Format {
     Tga,
     /// `.png`, 8 bits per channel, without alpha.
     Png,
+    /// `.bmp`, 24 bits per pixel, with rows from the bottom.
+    Bmp,
+    /// `.ppm`, 8 bits per channel.
+    Ppm,
     /// `.pfm`, single precision, without clamping.
     Pfm,
     /// `.exr`, OpenEXR in single precision, without clamping.
@@ -57,6 +62,8 @@ impl Format {
         match end.to_ascii_lowercase().as_slice() {
             b".tga" => Some(Self::Tga),
             b".png" => Some(Self::Png),
+            b".bmp" => Some(Self::Bmp),
+            b".ppm" => Some(Self::Ppm),
             b".pfm" => Some(Self::Pfm),
             b".exr" => Some(Self::Exr),
             _ => None,
@@ -66,6 +73,11 @@ impl Format {
     /// The format with this name, as in an ending without the dot.
     pub fn named(name: &str) -> Option<Self> {
         Self::of(Path::new(&format!(".{name}"))).filter(|_| name.len() == 3)
+    }
+
+    /// Whether its files can say which part of a larger picture they are.
+    pub fn has_parts(self) -> bool {
+        matches!(self, Self::Tga | Self::Png)
     }
 
     /// Whether it holds numbers as they were rendered, and not bytes.

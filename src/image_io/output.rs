@@ -97,8 +97,13 @@ impl Target {
             }
             Err(error) => return Err(failed(error)),
         };
-        target.probe().map_err(failed)?;
-        Ok(target)
+        match target.probe() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let folder = target.folder();
+                Err(ImageError::NoFolder { path: path.to_owned(), folder })
+            }
+            probed => probed.map_err(failed).map(|()| target),
+        }
     }
 
     /// The folder for temporary files, which is on the disk of the target if that is a regular file.

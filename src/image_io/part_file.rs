@@ -53,7 +53,8 @@ impl PartFile {
         let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
         let no_part = || ImageError::NoPart { path: path.to_owned() };
         let (rows, start) = Rows::read(path, format, source(path)?)?;
-        let text = start.comment.ok_or_else(no_part)?;
+        let whole = || ImageError::Whole { path: path.to_owned(), size: rows.size };
+        let text = start.comment.filter(|text| !text.is_empty()).ok_or_else(whole)?;
         let checked = text.parse().map_err(|reason| match reason {
             Unchecked::NotPart => no_part(),
             Unchecked::NoChecksum => ImageError::NoChecksum { path: path.to_owned() },
@@ -111,7 +112,7 @@ impl Rows {
         let read = match format {
             Format::Tga => tga(source),
             Format::Png => png(source),
-            Format::Pfm | Format::Exr => Ok(None),
+            Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
         };
         match read {
             Ok(Some((size, decoder, start))) => {

@@ -2,6 +2,7 @@
 //!
 //! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
+use super::bmp;
 use super::checksum::{CheckedPart, PartHasher};
 use super::complete_file::CompleteFile;
 use super::error::ImageError;
@@ -46,11 +47,23 @@ pub struct PictureWriter {
 }
 
 enum Encoder {
-    /// The rows follow the header uncompressed, with blue first.
-    Tga,
+    /// The rows follow the header uncompressed.
+    Plain(Plain),
     Png(Box<png::StreamWriter<'static, Shared>>),
     /// PFM or OpenEXR.
     Floats(FloatRows),
+}
+
+/// How uncompressed rows are encoded.
+struct Plain {
+    is_blue_first: bool,
+    /// How many zeros follow each row.
+    padding: usize,
+}
+
+impl Plain {
+    const TGA: Self = Self { is_blue_first: true, padding: 0 };
+    const PPM: Self = Self { is_blue_first: false, padding: 0 };
 }
 
 /// The spool. It is shared, because the PNG encoder owns what it writes to.
@@ -84,7 +97,7 @@ impl PictureWriter {
         content: Content,
         part: Option<&Part>,
     ) -> Result<Self, ImageError> {
-        let checked = part.filter(|_| !format.is_float());
+        let checked = part.filter(|_| format.has_parts());
         let checked = checked.map(|part| CheckedPart { part: part.clone(), checksum: 0 });
         let bytes = if format.is_float() { size_of::<f32>() } else { 1 };
         let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS * bytes);
@@ -101,7 +114,27 @@ impl PictureWriter {
                     height,
                 })?;
                 let written = spool.clone().write_all(&header);
-                written.map_err(|error| ImageError::io("write", &path, error)).map(|()| Encoder::Tga)?
+                written.map_err(|error| ImageError::io("write", &path, error))?;
+                Encoder::Plain(Plain::TGA)
+            }
+            Format::Bmp => {
+                let [width, height] = size;
+                let header = bmp::header(size).ok_or(ImageError::TooLargeForBmp {
+                    path: path.clone(),
+                    width,
+                    height,
+                })?;
+                let length = bmp::row_length(width);
+                spool.spool().reverse_rows(header.len(), length);
+                let written = spool.clone().write_all(&header);
+                written.map_err(|error| ImageError::io("write", &path, error))?;
+                Encoder::Plain(Plain { padding: length - width * CHANNELS, ..Plain::TGA })
+            }
+            Format::Ppm => {
+                let [width, height] = size;
+                let written = write!(spool.clone(), "P6\n{width} {height}\n255\n");
+                written.map_err(|error| ImageError::io("write", &path, error))?;
+                Encoder::Plain(Plain::PPM)
             }
             Format::Png => png_encoder(spool.clone(), size, checked.as_ref())
                 .map_err(|error| ImageError::io("write", &path, error.into()))
@@ -130,7 +163,9 @@ impl PictureWriter {
     pub fn exceptional(&self) -> Exceptional {
         match &self.encoder {
             Encoder::Floats(rows) => rows.exceptional,
-            Encoder::Tga | Encoder::Png(_) => Exceptional { black: self.black, ..Exceptional::default() },
+            Encoder::Plain(_) | Encoder::Png(_) => {
+                Exceptional { black: self.black, ..Exceptional::default() }
+            }
         }
     }
 
@@ -138,8 +173,12 @@ impl PictureWriter {
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
         self.bytes.resize(colors.len() * CHANNELS, 0);
         match &mut self.encoder {
-            Encoder::Tga => self.black += truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
-            Encoder::Png(_) => self.black += truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+            Encoder::Plain(Plain { is_blue_first: true, .. }) => {
+                self.black += truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes);
+            }
+            Encoder::Plain(_) | Encoder::Png(_) => {
+                self.black += truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes)
+            }
             Encoder::Floats(rows) => rows.encode(colors, &mut self.bytes),
         }
         self.encode()
@@ -153,7 +192,7 @@ impl PictureWriter {
         }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
-        if let Encoder::Tga = self.encoder {
+        if let Encoder::Plain(Plain { is_blue_first: true, .. }) = self.encoder {
             self.bytes.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
         }
         self.encode()
@@ -167,7 +206,11 @@ impl PictureWriter {
             (None, _) => {}
         }
         let written = match &mut self.encoder {
-            Encoder::Tga | Encoder::Floats(_) => self.spool.write_all(&self.bytes),
+            Encoder::Plain(plain) => {
+                self.bytes.resize(self.bytes.len() + plain.padding, 0);
+                self.spool.write_all(&self.bytes)
+            }
+            Encoder::Floats(_) => self.spool.write_all(&self.bytes),
             Encoder::Png(encoder) => encoder.write_all(&self.bytes),
         };
         written.map_err(|error| ImageError::io("write", &self.path, error))
@@ -175,7 +218,7 @@ impl PictureWriter {
 
     /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
     /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or
-    /// if it has floating-point numbers, which are not put together.
+    /// if its format has no parts.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
         let part_path = part_beside(&self.path, self.format);
         let Some(path) = part_path.filter(|_| self.rows > 0 && matches!(self.target, Target::Replace { .. }))
@@ -234,9 +277,9 @@ impl PictureWriter {
 }
 
 /// The file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. None if the name does
-/// not tell the format, or if the picture has floating-point numbers, which are not put together.
+/// not tell the format, or if that has no parts.
 pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
-    let has_parts = !format.is_float() && Format::of(path) == Some(format);
+    let has_parts = format.has_parts() && Format::of(path) == Some(format);
     has_parts.then(|| beside(path, "partial"))
 }
 

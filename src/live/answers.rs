@@ -1,30 +1,46 @@
 //! Answers the questions of the page.
 
 use super::camera_block::camera_block;
-use super::http::{Answer, Refusal};
-use super::limits::{BYTES_PER_PIXEL, MAX_PICTURE_FILE, MAX_QUESTION, MAX_SIDE};
+use super::cancel::Cancel;
+use super::http::Refusal;
+use super::limits::{BYTES_PER_PIXEL, MAX_SIDE};
 use super::objects::ObjectMap;
-use super::painter::{Painted, Painter, Subject, Unpainted};
-use super::questions::{Edited, PageView, TracedPixel, Wanted};
+use super::painter::{Easel, Painted, Subject, Unpainted};
+use super::questions::{Asked, PageView, TracedPixel, Wanted, understood};
 use super::rays::Rays;
 use super::reference::{cause, compare, decode};
 use super::saving::save;
-use super::server::Setup;
 use super::settings::{Most, command_line};
 use super::stage::{OpenScene, Stage};
+use super::wire::Question;
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
 use crate::memory;
 use crate::picture::{CHANNELS, Picture};
-use crate::render::{Layer, Tracing};
+use crate::render::{Layer, Tracing, grid_view};
 use crate::scene::Camera;
-use crate::scene::edition::Edition;
 use crate::scene::parser::parse_camera;
-use crate::tools::explain::Explainer;
-use serde::de::DeserializeOwned;
+use crate::tools::explain::{Explainer, Stop};
+use crate::undisturbed::without_signals;
+use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How long the rays behind a pixel are followed.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(10);
+
+/// What a page is made of.
+pub struct Setup<'o> {
+    /// The command line. It has a page.
+    pub options: &'o Options,
+    /// Its scene.
+    pub input: &'o Path,
+    /// The flags that the page starts with.
+    pub words: &'o [String],
+}
 
 /// Everything that the page can ask for.
 pub struct App {
@@ -36,10 +52,7 @@ pub struct App {
     compared: Vec<PathBuf>,
     most: Most,
     stage: Stage,
-    painter: Painter,
-    reference: Mutex<Option<Arc<Reference>>>,
-    /// One of the long tasks at a time.
-    task: Mutex<()>,
+    reference: Option<Reference>,
 }
 
 struct Reference {
@@ -47,19 +60,36 @@ struct Reference {
     picture: Picture,
 }
 
-/// The status of a request that a later one has overtaken.
-const OVERTAKEN: u16 = 409;
+/// A question with what it has brought along taken in.
+pub struct Task {
+    pub question: Question,
+    /// The scene that it is about.
+    pub scene: Arc<OpenScene>,
+    /// Whether the scene that it has brought along is open.
+    pub has_opened: bool,
+    body: Vec<u8>,
+    /// Why what it has brought along is useless.
+    refused: Option<Found>,
+}
 
-type Found = Result<Answer, Refusal>;
+/// A description in JSON and bytes, as in [`framed`].
+type Found = Result<Vec<u8>, Refusal>;
 
 impl App {
-    pub fn new(setup: &Setup, stage: Stage) -> std::io::Result<Self> {
+    /// Opens the command line's scene, from this text where it is known already; an error is a message.
+    pub fn open(setup: &Setup, text: Option<String>) -> Result<Self, String> {
+        let cores = || thread::available_parallelism().map_or(1, usize::from);
+        let count = setup.options.threads.unwrap_or_else(cores);
+        let threads = without_signals(|| ThreadPoolBuilder::new().num_threads(count).build());
+        let threads = threads.map_err(|error| format!("error: cannot serve the page: {error}"))?;
+        let stage = Stage::open(setup.input, text, &setup.options.hints(), Arc::new(threads))
+            .map_err(|error| error.to_string())?;
         let comparison = setup.options.comparison.as_ref();
         let file = comparison.and_then(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
         let reference = file.and_then(|path| {
             let name = path.to_string_lossy().into_owned();
-            read_picture(path).ok().map(|picture| Arc::new(Reference { name, picture }))
+            read_picture(path).ok().map(|picture| Reference { name, picture })
         });
         let compared = comparison.into_iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
         Ok(Self {
@@ -69,38 +99,65 @@ impl App {
             compared: compared.flatten().cloned().collect(),
             most: Most::of(setup.options),
             stage,
-            painter: Painter::start()?,
-            reference: Mutex::new(reference),
-            task: Mutex::default(),
+            reference,
         })
     }
 
-    /// The most bytes of a question to this path.
-    pub fn longest_body(&self, path: &str) -> usize {
-        if path == "/reference" { MAX_PICTURE_FILE } else { MAX_QUESTION }
+    /// The text of the command line's scene.
+    pub fn text(&self) -> &str {
+        &self.stage.first().renderer.source.text
     }
 
-    /// Answers a question.
-    pub fn answer(&self, path: &str, query: &str, body: Vec<u8>) -> Found {
-        let found = self.found(path, query, body);
-        match found {
-            // This is no failure, and a browser lists failures.
-            Err(refusal) if refusal.status == OVERTAKEN => Ok(framed(json!({ "overtaken": true }), &[])),
-            found => found,
+    /// Takes in what a question brings along.
+    pub fn unpack(&mut self, (question, parts): (Question, Vec<Vec<u8>>)) -> Task {
+        let mut parts = parts.into_iter();
+        let body = parts.next().unwrap_or_default();
+        let mut refused = None;
+        let mut scene = self.stage.first().clone();
+        if let Some(revision) = question.opens {
+            let text = String::from_utf8_lossy(&parts.next().unwrap_or_default()).into_owned();
+            match self.stage.type_in(revision, text) {
+                Ok(opened) => scene = opened,
+                Err(errors) if question.path == "/scene" => {
+                    refused = Some(Ok(framed(json!({ "errors": errors }), &[])));
+                }
+                // It was a scene before: a mesh is gone, or there is too little memory.
+                Err(errors) => {
+                    let problem = errors.into_iter().next().map(|error| error.problem);
+                    refused = Some(Err(impossible(problem.unwrap_or_default())));
+                }
+            }
+        } else if let Some(open) =
+            understood(&body).ok().and_then(|asked: Asked| self.stage.scene(asked.scene()))
+        {
+            scene = open;
         }
+        let has_opened = question.opens.is_some() && refused.is_none();
+        if let Some(name) = &question.reference {
+            match decode(name, &parts.next().unwrap_or_default()) {
+                Ok(picture) => self.reference = Some(Reference { name: name.clone(), picture }),
+                Err(reason) => refused = Some(Err(impossible(reason))),
+            }
+        }
+        Task { question, scene, has_opened, body, refused }
     }
 
-    fn found(&self, path: &str, query: &str, body: Vec<u8>) -> Found {
-        match path {
+    /// Answers a question about the scene that is on the easel.
+    pub fn answer(&mut self, task: &mut Task, easel: &mut Easel, stop: &Cancel) -> Found {
+        if let Some(refused) = task.refused.take() {
+            return refused;
+        }
+        let body = &task.body;
+        match task.question.path.as_str() {
             "/start" => Ok(framed(self.start(), &[])),
-            "/scene" => self.edit(understood(&body)?),
-            "/picture" => self.picture(understood(&body)?),
-            "/objects" => self.objects(understood(&body)?),
-            "/trace" => self.trace(understood(&body)?),
-            "/save" => self.save(understood(&body)?),
-            "/reference" => self.take_reference(query, &body),
-            "/compare" => self.compare(understood(&body)?),
-            "/cause" => self.cause(understood(&body)?),
+            "/scene" => Ok(framed(json!({ "scene": description(&task.scene) }), &[])),
+            "/picture" => self.picture(understood(body)?, easel, stop),
+            "/objects" => self.objects(understood(body)?),
+            "/trace" => self.trace(understood(body)?),
+            "/save" => self.save(understood(body)?, easel, stop),
+            "/reference" => Ok(framed(self.reference.as_ref().map(summary).into(), &[])),
+            "/compare" => self.compare(understood(body)?, easel, stop),
+            "/cause" => self.cause(understood(body)?, easel, stop),
             _ => Err(Refusal::new(404, "there is nothing here")),
         }
     }
@@ -108,7 +165,7 @@ impl App {
     fn start(&self) -> Value {
         let first = self.stage.first();
         let outputs: Vec<_> = self.outputs.iter().map(|output| output.file.to_string_lossy()).collect();
-        let reference = self.reference().map(|found| summary(&found));
+        let reference = self.reference.as_ref().map(summary);
         json!({
             "name": self.input.to_string_lossy(),
             "words": self.words,
@@ -116,25 +173,23 @@ impl App {
             "text": first.renderer.source.text,
             "scene": description(first),
             "reference": reference,
+            "most": self.most,
+            "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
 
-    fn edit(&self, Edited { text, edition }: Edited) -> Found {
-        Ok(match self.stage.type_in(text, edition.as_deref().and_then(Edition::named)) {
-            Ok(scene) => framed(json!({ "scene": description(&scene) }), &[]),
-            Err(errors) => framed(json!({ "errors": errors }), &[]),
-        })
-    }
-
-    fn picture(&self, wanted: Wanted) -> Found {
+    fn picture(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
         let subject = Subject { sketch: wanted.sketch.map(clipped), ..self.subject(&wanted.view)? };
         let (shown, camera) = (subject.sketch.unwrap_or(subject.options.size), subject.camera);
-        let painted = self.painter.paint(subject, wanted.page, wanted.turn)?;
+        let painted = easel.paint(&subject, stop)?;
         let output = self.output(wanted.view.show.cost().map_or(Layer::Color, Layer::Cost));
         let output = output.map(|output| output.file.as_path());
         let cost = wanted.view.show.cost();
         let Painted { picture, costs, nans, time } = painted;
+        let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
+        let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
+        let counts: Vec<u8> = counts.collect();
         let meta = json!({
             "size": [picture.width(), picture.height()],
             "shows": shown,
@@ -144,12 +199,11 @@ impl App {
             "command": command_line(&self.input, &wanted.view.words, cost, output),
             "camera": camera.as_ref().map(camera_block),
         });
-        Ok(framed(meta, &[&rgba(&picture)]))
+        Ok(framed(meta, &[&rgba(&picture), &counts]))
     }
 
     fn objects(&self, view: PageView) -> Found {
         let subject = self.subject(&view)?;
-        let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         let size = clipped(subject.options.size);
         let map = ObjectMap::new(&subject.scene.renderer, subject.camera, size).map_err(impossible)?;
         Ok(framed(json!({ "size": size, "objects": map.objects }), &[&map.places]))
@@ -157,7 +211,6 @@ impl App {
 
     fn trace(&self, TracedPixel { view, pixel }: TracedPixel) -> Found {
         let subject = self.subject(&view)?;
-        let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         let (options, renderer) = (&subject.options, &subject.scene.renderer);
         let request = crate::render::Request {
             camera: subject.camera,
@@ -167,30 +220,21 @@ impl App {
         let prepared = renderer.prepare_for(options.structure, &request, Tracing::Counted);
         let prepared = prepared.map_err(|error| impossible(error.to_string()))?;
         let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.to_string()))?;
-        let tree =
-            explainer.pixel(&request, pixel).ok_or_else(|| impossible("outside the picture".into()))?;
+        let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+        let tree = explainer.pixel(&request, pixel, &stop).map_err(|error| impossible(error.to_string()))?;
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
         Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
-    fn save(&self, view: PageView) -> Found {
+    fn save(&self, view: PageView, easel: &mut Easel, stop: &Cancel) -> Found {
         let subject = self.subject(&view)?;
-        let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
-        let said = save(&subject, &self.outputs, &self.compared, &self.painter).map_err(impossible)?;
+        let said = save(&subject, &self.outputs, &self.compared, &mut |subject| easel.paint(subject, stop))
+            .map_err(impossible)?;
         Ok(framed(json!({ "said": said }), &[]))
     }
 
-    fn take_reference(&self, query: &str, body: &[u8]) -> Found {
-        let name = query.strip_prefix("name=").unwrap_or_default();
-        let picture = decode(name, body).map_err(impossible)?;
-        let found = Arc::new(Reference { name: name.to_owned(), picture });
-        let said = summary(&found);
-        *self.reference.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
-        Ok(framed(said, &[]))
-    }
-
-    fn compare(&self, wanted: Wanted) -> Found {
-        let (reference, own, subject) = self.pair(&wanted)?;
+    fn compare(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
+        let (reference, own, subject) = self.pair(&wanted, easel, stop)?;
         let picture = &reference.picture;
         let compared = subject.scene.renderer.on_own_threads(|| compare(picture, &own));
         let (block, amplification, difference) = compared.map_err(impossible)?;
@@ -200,26 +244,27 @@ impl App {
         Ok(framed(meta, &[&rgba(picture), &rgba(&own), &rgba(&difference)]))
     }
 
-    fn cause(&self, wanted: Wanted) -> Found {
-        let (reference, own, subject) = self.pair(&wanted)?;
+    fn cause(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
+        let (reference, own, subject) = self.pair(&wanted, easel, stop)?;
         if picture_size(&reference.picture) != picture_size(&own) {
             return Err(impossible("the pictures differ in size".into()));
         }
-        let _task = self.task.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(framed(json!({ "cause": cause(&reference.picture, &own, &subject) }), &[]))
     }
 
     /// The picture from elsewhere, and the view's.
-    fn pair(&self, wanted: &Wanted) -> Result<(Arc<Reference>, Picture, Subject), Refusal> {
-        let reference =
-            self.reference().ok_or_else(|| impossible("there is no picture to compare with".into()))?;
-        let subject = self.subject(&wanted.view)?;
-        let own = self.painter.paint(subject.clone(), wanted.page, wanted.turn)?.picture;
+    fn pair(
+        &self,
+        wanted: &Wanted,
+        easel: &mut Easel,
+        stop: &Cancel,
+    ) -> Result<(&Reference, Picture, Subject), Refusal> {
+        let reference = self.reference.as_ref();
+        let reference = reference.ok_or_else(|| impossible("there is no picture to compare with".into()))?;
+        // Costs are no colours, and their map has a scale beside it.
+        let subject = Subject { cost: None, ..self.subject(&wanted.view)? };
+        let own = easel.paint(&subject, stop)?.picture;
         Ok((reference, own, subject))
-    }
-
-    fn reference(&self) -> Option<Arc<Reference>> {
-        self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     fn output(&self, layer: Layer) -> Option<&Output> {
@@ -246,22 +291,13 @@ fn read_camera(block: &str) -> Result<Camera, Refusal> {
     parse_camera(block).map_err(|error| impossible(format!("the camera: {error}")))
 }
 
-fn understood<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Refusal> {
-    serde_json::from_slice(body).map_err(|error| Refusal::new(400, format!("not a question: {error}")))
-}
-
 fn impossible(reason: String) -> Refusal {
     Refusal::new(422, reason)
 }
 
 impl From<Unpainted> for Refusal {
     fn from(reason: Unpainted) -> Self {
-        let status = match reason {
-            Unpainted::Overtaken => OVERTAKEN,
-            Unpainted::Busy => 503,
-            Unpainted::TooSlow | Unpainted::Failed(_) => 422,
-        };
-        Self::new(status, reason.to_string())
+        impossible(reason.to_string())
     }
 }
 
@@ -307,11 +343,11 @@ fn rgba(picture: &Picture) -> Vec<u8> {
 
 /// A description in JSON and the bytes that it describes: the length of the first as four bytes, the lowest one first,
 /// and then both.
-fn framed(meta: Value, parts: &[&[u8]]) -> Answer {
+pub fn framed(meta: Value, parts: &[&[u8]]) -> Vec<u8> {
     let meta = meta.to_string().into_bytes();
     let mut body = Vec::with_capacity(4 + meta.len() + parts.iter().map(|part| part.len()).sum::<usize>());
     body.extend((meta.len() as u32).to_le_bytes());
     body.extend(meta);
     parts.iter().for_each(|part| body.extend_from_slice(part));
-    Answer::bytes(body)
+    body
 }

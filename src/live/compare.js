@@ -11,7 +11,8 @@ const compared = {
   timer: 0,
 };
 
-const comparing = () => compared.file !== null;
+// A cost is no colour that could be compared.
+const comparing = () => compared.file !== null && shown() === 'color';
 const look = () => document.querySelector('input[name=look]:checked').value;
 
 // Takes a file as the reference, and gives the picture its size.
@@ -23,8 +24,8 @@ async function takeFile(file) {
     takeReference(meta, file.name);
     [find('width').value, find('height').value] = meta.size;
     find('show').value = 'color';
-    if (!find('controls').checkValidity()) say('The picture is larger than this page shows.');
-    controlsChanged();
+    if (sayWhatIsWrong()) controlsChanged();
+    else say('The picture is larger than this page shows.');
   } catch (error) {
     complain(error);
   }
@@ -41,12 +42,14 @@ function takeReference(file, name) {
 async function compareLive(mine) {
   const question = { page, turn: mine, view: view.question(), sketch: null };
   find('cause').textContent = '';
+  // Those of the last comparison may be of another view.
+  compared.images = null;
   const { meta, bytes } = await ask('/compare', question);
   if (mine !== turn || !comparing()) return;
   const [width, height] = meta.size;
   const image = (place) => new ImageData(bytes.slice(place * width * height * 4, (place + 1) * width * height * 4), width);
   compared.images = { reference: image(0), own: image(1), difference: image(2) };
-  find('comparison').textContent = meta.block;
+  find('comparison').textContent = groupedIn(meta.block);
   find('amplified').textContent = `× ${meta.amplification}`;
   showLook();
   status(`compared, ${meta.size.join(' × ')}`);
@@ -63,24 +66,51 @@ async function compareLive(mine) {
 // Shows the picture, the file, their difference, or both side by side.
 function showLook(kind = look()) {
   const { images } = compared;
-  if (!images || view.sketching) return;
-  if (kind !== 'slider') return view.show(images[kind]);
-  view.show(images.own);
-  const middle = Math.round((find('slider').value / 1000) * images.own.width);
-  view.context.putImageData(images.reference, 0, 0, 0, 0, middle, images.own.height);
-  view.context.fillStyle = '#fff';
-  view.context.fillRect(middle, 0, 1, images.own.height);
+  if (!images || view.sketching || !comparing()) return;
+  if (kind !== 'slider') {
+    view.show(images[kind]);
+    return drawOverlay();
+  }
+  const both = new ImageData(images.own.data.slice(), images.own.width);
+  const left = divider();
+  for (let row = 0; row < both.height; row++) {
+    const start = row * both.width * 4;
+    both.data.set(images.reference.data.subarray(start, start + left * 4), start);
+  }
+  view.show(both);
+  drawOverlay();
+}
+
+// The column of the picture from which on the file is not shown; 0 where both are not side by side.
+const divider = () => (comparing() && compared.images && look() === 'slider'
+  ? Math.round((find('slider').value / 1000) * compared.images.own.width) : 0);
+
+function drawDivider(context) {
+  const left = divider();
+  if (left === 0 || view.stage === 'sketch') return;
+  const x = left * (view.size[0] / size()[0]);
+  for (const [color, from, wide] of [['#000', -1.5, 3], ['#fff', -0.5, 1]]) {
+    context.fillStyle = color;
+    context.fillRect(x + from, 0, wide, view.size[1]);
+  }
+}
+
+// The images whose pixels are told of: [name, image]. In a comparison these are both.
+function toldImages() {
+  const { images } = compared;
+  if (comparing() && images && view.stage !== 'sketch') return [['file', images.reference], ['here', images.own]];
+  return view.image ? [['colour', view.image]] : [];
 }
 
 // Shows the file and the picture in turn.
 function blink() {
   if (compared.timer) return stopBlinking();
-  if (!compared.images) return say('There is no picture to blink with: drop one in.');
+  if (!compared.images || !comparing()) return say('There is no picture to blink with: drop one in.');
   let isFile = false;
   compared.timer = setInterval(() => {
     isFile = !isFile;
     showLook(isFile ? 'reference' : 'own');
-    find('pointed').textContent = isFile ? 'the file' : "this program's picture";
+    find('blink').firstChild.textContent = isFile ? 'The file ' : 'This picture ';
   }, BLINK);
   find('blink').setAttribute('aria-pressed', 'true');
 }
@@ -89,6 +119,7 @@ function stopBlinking() {
   clearInterval(compared.timer);
   compared.timer = 0;
   find('blink').setAttribute('aria-pressed', 'false');
+  find('blink').firstChild.textContent = 'Blink ';
   if (comparing()) showLook();
 }
 

@@ -4,7 +4,8 @@ use super::limits::MAX_CONNECTIONS;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Mutex, PoisonError};
 
-/// The open connections. Where there are too many, the oldest that has not shown the key makes room.
+/// The open connections. Where there are too many, the oldest that has not shown the key makes room, or else the oldest
+/// that asks for nothing.
 #[derive(Default)]
 pub struct Connections {
     open: Mutex<Vec<Open>>,
@@ -14,6 +15,7 @@ struct Open {
     id: u64,
     stream: TcpStream,
     has_shown_key: bool,
+    rests: bool,
 }
 
 impl Connections {
@@ -23,17 +25,19 @@ impl Connections {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         if open.len() >= MAX_CONNECTIONS {
             let stranger = open.iter().position(|other| !other.has_shown_key);
-            let stranger = stranger.ok_or(std::io::ErrorKind::ConnectionRefused)?;
-            let _ = open.remove(stranger).stream.shutdown(Shutdown::Both);
+            let first = stranger.or_else(|| open.iter().position(|other| other.rests));
+            let first = first.ok_or(std::io::ErrorKind::ConnectionRefused)?;
+            let _ = open.remove(first).stream.shutdown(Shutdown::Both);
         }
-        open.push(Open { id, stream, has_shown_key: false });
+        open.push(Open { id, stream, has_shown_key: false, rests: true });
         Ok(())
     }
 
-    /// The connection has shown the key.
-    pub fn trust(&self, id: u64) {
+    /// The connection has shown the key, and asks for something or rests.
+    pub fn trust(&self, id: u64, rests: bool) {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        open.iter_mut().filter(|other| other.id == id).for_each(|other| other.has_shown_key = true);
+        let known = open.iter_mut().filter(|other| other.id == id);
+        known.for_each(|other| (other.has_shown_key, other.rests) = (true, rests));
     }
 
     /// The connection has ended.

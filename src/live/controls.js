@@ -6,18 +6,21 @@ const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-a
 const FILTERS = ['-box_filter', '-tent_filter', '-gaussian_filter', '-mitchell_filter'];
 const FINER = [[16, 8], [64, 3], [256, 1]];
 
-const value = (id) => find(id).value.trim();
+// What a field says, or has said before if that is not valid.
+const lastValid = {};
+function value(id) {
+  const field = find(id);
+  if (!field.matches(':invalid')) lastValid[id] = field.value.trim();
+  return lastValid[id] ?? field.defaultValue;
+}
 const size = () => [Number(value('width')), Number(value('height'))];
 
 // The flags. Those of the samples can be replaced.
 function wordsOf(samples = sampleWords()) {
   const words = ['-size', value('width'), value('height')];
-  if (value('edition')) words.push('-edition', value('edition'));
   if (value('shadows')) words.push(value('shadows'));
   if (find('shade_back').checked) words.push('-shade_back');
-  // There the default is another.
-  const isSaid = value('edition') === '2012a5';
-  if (isSaid || Number(value('bounces')) !== 0) words.push('-bounces', value('bounces'));
+  if (Number(value('bounces')) !== 0) words.push('-bounces', value('bounces'));
   if (Number(value('weight')) !== 0) words.push('-weight', value('weight'));
   words.push(...samples);
   if (value('seed')) words.push('-seed', value('seed'));
@@ -47,7 +50,6 @@ function fillControls(words) {
   for (; at < words.length; at++) {
     const flag = words[at];
     if (flag === '-size') [set('width', next()), set('height', next())];
-    if (flag === '-edition') set('edition', next());
     if (flag === '-shadows' && value('shadows') === '') set('shadows', flag);
     if (flag === '-transparent_shadows') set('shadows', flag);
     if (flag === '-shade_back') find('shade_back').checked = true;
@@ -87,17 +89,54 @@ function toggleShow(kind) {
   controlsChanged();
 }
 
+// Says which numbers are none, or outside their limits, and whether all are right.
+function sayWhatIsWrong() {
+  const wrong = [...find('controls').querySelectorAll(':invalid')].filter((field) => field.matches('input'));
+  const limits = ({ min, max }) => (max ? `between ${min} and ${max}` : `of at least ${min}`);
+  const lines = wrong.map((field) => {
+    const [name, kind] = [field.labels[0].firstChild.textContent.trim(), field.step === 'any' ? 'number' : 'whole number'];
+    field.setAttribute('aria-invalid', 'true');
+    return `${name}: a ${kind} ${limits(field)} is needed.`;
+  });
+  for (const field of find('controls').querySelectorAll('input:valid')) field.removeAttribute('aria-invalid');
+  // What is said already is not said again.
+  if (find('wrong').textContent !== lines.join('\n')) find('wrong').textContent = lines.join('\n');
+  find('wrong').hidden = lines.length === 0;
+  return lines.length === 0;
+}
+
+// The command line may ask for more than a page would.
+function setLimits({ side, samples, bounces, support }) {
+  for (const [id, most] of [['width', side], ['height', side], ['count', samples], ['bounces', bounces], ['radius', support]]) {
+    find(id).max = most;
+  }
+}
+
+// The colours of the cells, by the number of primitives in them.
+function showCellColors(colors) {
+  find('cells').replaceChildren(...colors.map((color, place) => {
+    const [item, swatch] = [document.createElement('li'), document.createElement('span')];
+    swatch.className = 'swatch';
+    swatch.style.background = `rgb(${color.join(' ')})`;
+    item.append(swatch, `${place + 1}${place + 1 === colors.length ? ' or more' : ''}`);
+    return item;
+  }));
+  const title = document.createElement('li');
+  title.textContent = 'Primitives in a cell:';
+  find('cells').prepend(title);
+}
+
 function startControls() {
-  find('edition').addEventListener('change', editorSends);
   find('controls').addEventListener('submit', (event) => event.preventDefault());
   find('controls').addEventListener('input', () => {
     enableControls();
-    if (find('controls').checkValidity()) controlsChanged();
+    if (sayWhatIsWrong()) controlsChanged();
   });
 }
 
 function controlsChanged() {
   find('costs').hidden = true;
+  find('cells').hidden = value('show') !== 'grid';
   view.layout();
   view.rest();
 }

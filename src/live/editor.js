@@ -23,7 +23,7 @@ async function editorSends() {
   clearTimeout(editor.timer);
   const text = editor.area.value;
   try {
-    const { meta } = await ask('/scene', { text, edition: value('edition') || null });
+    const { meta } = await ask('/scene', { text });
     if (mine !== editor.sent) return;
     editor.errors = meta.errors || [];
     if (meta.scene) view.open(meta.scene);
@@ -83,7 +83,13 @@ function drawMarks() {
   }
   find('marks').replaceChildren(...parts, `${text.slice(done)}\n`);
   const count = text.split('\n').length;
-  find('lines').textContent = Array.from({ length: count }, (_, index) => index + 1).join('\n');
+  const wrong = new Set(editor.errors.filter(({ at }) => at).map(({ at }) => at[0]));
+  find('lines').replaceChildren(...Array.from({ length: count }, (_, index) => {
+    if (!wrong.has(index + 1)) return `${index + 1}\n`;
+    const mark = document.createElement('mark');
+    mark.textContent = `${index + 1}`;
+    return [mark, '\n'];
+  }).flat());
   editor.area.setAttribute('aria-invalid', editor.errors.length > 0 ? 'true' : 'false');
   writeComplaints();
 }
@@ -95,9 +101,11 @@ function writeComplaints() {
   // What is said already is not said again.
   if (complaint.dataset.said !== said.join('\n')) {
     complaint.dataset.said = said.join('\n');
-    complaint.replaceChildren(...said.map((line) => {
-      const message = document.createElement('span');
+    complaint.replaceChildren(...said.map((line, index) => {
+      const message = document.createElement('button');
+      message.type = 'button';
       message.textContent = line;
+      message.addEventListener('click', () => goToError(index));
       return message;
     }));
   }
@@ -105,24 +113,24 @@ function writeComplaints() {
   scrollMarks();
 }
 
+// Selects the word at which an error was found.
+function goToError(index) {
+  const { at } = editor.errors[index] || {};
+  if (!at) return;
+  const { area } = editor;
+  area.focus();
+  area.setSelectionRange(...wordAt(offsetOf(...at)));
+  area.scrollTop = topOf(at[0]) - area.clientHeight / 2;
+}
+
 const lineHeight = () => parseFloat(getComputedStyle(editor.area).lineHeight);
 const topOf = (line) => parseFloat(getComputedStyle(editor.area).paddingTop) + (line - 1) * lineHeight();
 
-// The marks, the numbers and the messages follow the text. A message stands under its line; one whose line is out of
-// sight stands at the edge.
+// The marks and the numbers follow the text.
 function scrollMarks() {
   const { scrollTop, scrollLeft } = editor.area;
   find('marks').style.transform = `translate(${-scrollLeft}px, ${-scrollTop}px)`;
   find('lines').style.transform = `translateY(${-scrollTop}px)`;
-  let top = 0;
-  for (const [place, message] of [...find('complaint').children].entries()) {
-    const { at } = editor.errors[place];
-    const below = at ? topOf(at[0] + 1) - scrollTop + 2 : 0;
-    const room = find('paper').clientHeight - message.offsetHeight - 4;
-    top = Math.max(top, Math.min(room, below));
-    message.style.top = `${top}px`;
-    top += message.offsetHeight + 2;
-  }
 }
 
 // The objects that the picture shows, once it rests.
@@ -170,9 +178,10 @@ function outlineObject(context) {
   const place = objects.indexOf(object) + 1;
   const [across, down] = [view.size[0] / width, view.size[1] / height];
   const is = (x, y) => x >= 0 && y >= 0 && x < width && y < height && places[y * width + x] === place;
+  const [left, top, right, bottom] = view.visible([width, height]);
   context.fillStyle = '#ff5fd2';
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) {
+  for (let y = top; y < bottom; y++) {
+    for (let x = left; x < right; x++) {
       const isEdge = is(x, y) && !(is(x - 1, y) && is(x + 1, y) && is(x, y - 1) && is(x, y + 1));
       if (isEdge) context.fillRect(x * across, y * down, Math.max(1.5, across), Math.max(1.5, down));
     }

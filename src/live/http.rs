@@ -5,7 +5,7 @@
 //! has found, and reads a body to its end however long it is. So the part that is easy to get wrong, the head of a
 //! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
 
-use super::limits::{MAX_HEAD, MAX_HEADERS};
+use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
 use std::fmt::Write as _;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
@@ -90,11 +90,74 @@ impl<'s> Requests<'s> {
             return Err(io::ErrorKind::TimedOut.into());
         }
         self.stream.set_read_timeout(Some(left))?;
+        self.read(most)
+    }
+
+    /// Reads once.
+    fn read(&mut self, most: usize) -> io::Result<usize> {
         let mut part = [0; 1 << 14];
         let room = most.saturating_sub(self.received.len()).min(part.len());
-        let count = self.stream.read(&mut part[..room])?;
+        let mut stream = self.stream;
+        let count = stream.read(&mut part[..room])?;
         self.received.extend_from_slice(&part[..count]);
         Ok(count)
+    }
+
+    /// Looks after the other side while its request is answered.
+    pub fn waiting(&mut self) -> Waiting<'_, 's> {
+        Waiting { requests: self, says_no_more: false, sent: 0, next: Instant::now() }
+    }
+}
+
+/// How every answer starts.
+const START: &[u8] = b"HTTP/1.1 ";
+
+/// Looks whether the other side still waits for its answer.
+///
+/// One that has closed the connection looks at first like one that only says no more. The difference shows when
+/// something is sent: so it gets the first bytes of the answer, which are known, one by one.
+pub struct Waiting<'r, 's> {
+    requests: &'r mut Requests<'s>,
+    says_no_more: bool,
+    /// How many bytes of the answer have been sent, and when the next one is.
+    sent: usize,
+    next: Instant,
+}
+
+impl Waiting<'_, '_> {
+    /// Whether the other side is gone, as far as can be told.
+    pub fn has_left(&mut self) -> bool {
+        let stream = self.requests.stream;
+        if !self.says_no_more {
+            let found = stream.set_nonblocking(true).and_then(|()| self.requests.read(MAX_HEAD));
+            if stream.set_nonblocking(false).is_err() {
+                return true;
+            }
+            match found {
+                // Nobody needs to say more than a head before there is an answer.
+                Ok(0) if self.requests.received.len() >= MAX_HEAD => return true,
+                Ok(0) => (self.says_no_more, self.next) = (true, Instant::now()),
+                Err(error) if error.kind() != io::ErrorKind::WouldBlock => return true,
+                Ok(_) | Err(_) => return false,
+            }
+        }
+        if matches!(stream.take_error(), Ok(Some(_)) | Err(_)) {
+            return true;
+        }
+        if self.sent < START.len() && Instant::now() >= self.next {
+            let mut stream = stream;
+            if stream.write_all(&START[self.sent..=self.sent]).is_err() {
+                return true;
+            }
+            self.sent += 1;
+            self.next += Duration::from_millis(250) * (1 << self.sent);
+        }
+        false
+    }
+
+    /// How many bytes of the answer have been sent.
+    pub fn sent(&self) -> usize {
+        self.sent
     }
 }
 
@@ -177,10 +240,9 @@ impl Answer {
         Self { status: 200, content_type: "application/octet-stream", policy: None, body }
     }
 
-    /// Sends it. The other side may take a while, but not for ever, to receive each part.
-    pub fn send(&self, mut stream: &TcpStream, closes: bool) -> io::Result<()> {
-        const PATIENCE: Duration = Duration::from_secs(10);
-        stream.set_write_timeout(Some(PATIENCE))?;
+    /// Sends it from this byte on. The other side may take a while to receive it, but not for ever.
+    pub fn send(&self, mut stream: &TcpStream, closes: bool, from: usize) -> io::Result<()> {
+        let deadline = Instant::now() + SEND_TIME;
         let mut head = format!(
             "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n",
             self.status,
@@ -196,7 +258,16 @@ impl Answer {
         head += if closes { "Connection: close\r\n\r\n" } else { "\r\n" };
         let mut message = head.into_bytes();
         message.extend_from_slice(&self.body);
-        stream.write_all(&message)
+        let mut rest = &message[from..];
+        while !rest.is_empty() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Err(io::ErrorKind::TimedOut.into());
+            }
+            stream.set_write_timeout(Some(left))?;
+            rest = &rest[stream.write(rest)?..];
+        }
+        Ok(())
     }
 }
 

@@ -18,8 +18,22 @@ pub const HEAD_TIME: Duration = Duration::from_secs(5);
 pub const IDLE_TIME: Duration = Duration::from_secs(120);
 /// How long a body may take to arrive.
 pub const BODY_TIME: Duration = Duration::from_secs(20);
-/// How long a picture may take.
-pub const PICTURE_TIME: Duration = Duration::from_secs(60);
+/// How long an answer may take to be received.
+pub const SEND_TIME: Duration = Duration::from_secs(60);
+/// How long a page waits to hear that the program is still there.
+pub const ALIVE_TIME: Duration = Duration::from_secs(30);
+/// Processes that answer questions.
+pub const MAX_WORKERS: usize = 4;
+
+/// How long the answer to a question may take, with the time for which it waits for others.
+pub fn answer_time(path: &str) -> Duration {
+    Duration::from_secs(match path {
+        "/picture" | "/compare" | "/cause" => 60,
+        // The command line may name pictures that no page would show.
+        "/save" => 600,
+        _ => 20,
+    })
+}
 
 /// The longer side of a picture in pixels, and the limits below, unless the command line itself asks for more.
 pub const MAX_SIDE: usize = 2048;

@@ -28,22 +28,36 @@ function startTabs() {
 }
 
 async function quit() {
+  ending.abort();
   try {
     await ask('/quit');
   } catch {
     // The answer has no description; the program ends.
   }
-  view.scene = null;
-  status('The program has ended.');
-  document.body.classList.add('ended');
+  status('');
+  showOver('The program has ended.');
 }
 
-async function save() {
+// Writes the pictures of the command line, or downloads the one that is shown if there are none.
+async function save(outputs) {
+  if (outputs.length === 0) return download();
   try {
     say((await ask('/save', { ...view.question(), show: 'color' })).meta.said);
   } catch (error) {
     complain(error);
   }
+}
+
+function download() {
+  if (view.stage === '' || view.stage === 'sketch') return say('The picture is not finished yet.');
+  view.canvas.toBlob((file) => {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(file);
+    link.download = `${find('name').textContent.replace(/^.*[\\/]/, '').replace(/\.[^.]*$/, '') || 'picture'}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    say(`Downloaded as ${link.download}.`);
+  }, 'image/png');
 }
 
 // Copies a field, by the old way where the page is not on this machine's own name.
@@ -55,9 +69,8 @@ async function copy(field) {
 }
 
 function startButtons(outputs) {
-  find('save').title = outputs.length > 0 ? `writes ${outputs.join(', ')}` : 'the command line names no picture';
-  find('save').disabled = outputs.length === 0;
-  find('save').addEventListener('click', save);
+  find('save').title = outputs.length > 0 ? `writes ${outputs.join(', ')}` : 'downloads the picture that is shown as PNG';
+  find('save').addEventListener('click', () => save(outputs));
   find('quit').addEventListener('click', quit);
   find('help-button').addEventListener('click', KEYS['?']);
   find('home').addEventListener('click', () => {
@@ -74,7 +87,9 @@ async function start() {
   const { meta } = await ask('/start');
   find('name').textContent = meta.name;
   document.title = `${meta.name} · raytracer`;
+  setLimits(meta.most);
   fillControls(meta.words);
+  showCellColors(meta.cell_colors);
   startTabs();
   startButtons(meta.outputs);
   startControls();
@@ -82,7 +97,9 @@ async function start() {
   startRays();
   startEditor(meta.text);
   startCompare(meta.reference);
+  find('cells').hidden = value('show') !== 'grid';
   view.open(meta.scene);
+  listen();
   window.addEventListener('resize', () => view.layout());
 }
 

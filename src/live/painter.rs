@@ -1,8 +1,7 @@
-//! Paints pictures one after the other, and drops those that are overtaken.
-//!
-//! A thread keeps the scene that was painted last prepared, so that the next picture of it starts at once.
+//! Paints pictures one after the other. The scene stays prepared, so that the next picture of it starts at once.
 
-use super::limits::{BYTES_PER_REFERENCE, PICTURE_TIME};
+use super::cancel::Cancel;
+use super::limits::BYTES_PER_REFERENCE;
 use super::stage::OpenScene;
 use crate::caster::GridTooLarge;
 use crate::caster::choose::{Rays, Resolution, Structure};
@@ -16,17 +15,11 @@ use crate::renderer::{Prepared, Renderer};
 use crate::scene::{Camera, Color};
 use crate::tools::explain::{CostMap, CostReport};
 use crate::world::World;
+use std::fmt;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Pictures that wait for the painter.
-const QUEUE: usize = 8;
-/// Pages whose turns are remembered.
-const PAGES: usize = 16;
 /// Scenes stay prepared with so many structures.
 const STRUCTURES: usize = 3;
 /// About the rays of a scene that turns for a while, by which its structure is chosen.
@@ -58,96 +51,23 @@ pub struct Painted {
 /// Why a picture is not finished.
 #[derive(Debug)]
 pub enum Unpainted {
-    /// The page has asked for a later one.
-    Overtaken,
-    /// It takes too long.
-    TooSlow,
-    /// Too many pictures wait already.
-    Busy,
+    /// Nobody waits for it any more.
+    Stopped,
     /// It is impossible, for this reason.
     Failed(String),
 }
 
-struct Job {
-    subject: Subject,
-    turn: Turn,
-    reply: SyncSender<Result<Painted, Unpainted>>,
-}
-
-/// A request's place among those of its page.
-#[derive(Clone)]
-struct Turn {
-    number: u64,
-    newest: Arc<AtomicU64>,
-}
-
-impl Turn {
-    fn is_overtaken(&self) -> bool {
-        self.newest.load(Ordering::Relaxed) > self.number
-    }
-}
-
-/// Paints pictures on a thread of its own.
-pub struct Painter {
-    jobs: SyncSender<Job>,
-    /// The newest turn of each page, the page that asked first coming first.
-    turns: Mutex<Vec<(u64, Arc<AtomicU64>)>>,
-}
-
-impl Painter {
-    pub fn start() -> std::io::Result<Self> {
-        let (jobs, waiting) = sync_channel(QUEUE);
-        thread::Builder::new().name("painter".into()).spawn(move || paint_all(&waiting))?;
-        Ok(Self { jobs, turns: Mutex::default() })
-    }
-
-    /// Paints a picture, unless the page asks for one with a higher turn meanwhile.
-    pub fn paint(&self, subject: Subject, page: u64, turn: u64) -> Result<Painted, Unpainted> {
-        let (reply, painted) = sync_channel(1);
-        let job = Job { subject, turn: self.turn(page, turn), reply };
-        self.jobs.try_send(job).map_err(|error| match error {
-            TrySendError::Full(_) => Unpainted::Busy,
-            TrySendError::Disconnected(_) => Unpainted::Failed("the painter has ended".into()),
-        })?;
-        painted.recv().unwrap_or_else(|_| Err(Unpainted::Failed("the painter has ended".into())))
-    }
-
-    fn turn(&self, page: u64, number: u64) -> Turn {
-        let mut turns = self.turns.lock().unwrap_or_else(PoisonError::into_inner);
-        let newest = match turns.iter().find(|(known, _)| *known == page) {
-            Some((_, newest)) => newest.clone(),
-            None => {
-                let surplus = (turns.len() + 1).saturating_sub(PAGES);
-                turns.drain(..surplus);
-                turns.push((page, Arc::default()));
-                turns[turns.len() - 1].1.clone()
-            }
-        };
-        newest.fetch_max(number, Ordering::Relaxed);
-        Turn { number, newest }
-    }
-}
-
-/// Paints until nobody can ask any more.
-fn paint_all(jobs: &Receiver<Job>) {
-    let mut next = jobs.recv().ok();
-    while let Some(job) = next.take() {
-        let scene = job.subject.scene.clone();
-        let mut easel = Easel { renderer: &scene.renderer, ready: vec![] };
-        let mut same = Some(job);
-        while let Some(Job { subject, turn, reply }) = same.take() {
-            // Whoever has asked may be gone.
-            let _ = reply.send(easel.paint(&subject, &turn));
-            match jobs.recv().ok() {
-                Some(job) if Arc::ptr_eq(&job.subject.scene, &scene) => same = Some(job),
-                other => next = other,
-            }
-        }
+impl fmt::Display for Unpainted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stopped => "nobody waits for it",
+            Self::Failed(reason) => reason,
+        })
     }
 }
 
 /// A scene with the structures that its last pictures were traced through.
-struct Easel<'r> {
+pub struct Easel<'r> {
     renderer: &'r Renderer,
     ready: Vec<(Purpose, Prepared<'r>)>,
 }
@@ -166,13 +86,16 @@ struct Purpose {
 }
 
 impl<'r> Easel<'r> {
-    fn paint(&mut self, subject: &Subject, turn: &Turn) -> Result<Painted, Unpainted> {
-        if turn.is_overtaken() {
-            return Err(Unpainted::Overtaken);
-        }
+    /// Nothing is prepared yet.
+    pub fn new(renderer: &'r Renderer) -> Self {
+        Self { renderer, ready: vec![] }
+    }
+
+    /// Paints a picture of the scene, unless it is stopped.
+    pub fn paint(&mut self, subject: &Subject, stop: &Cancel) -> Result<Painted, Unpainted> {
         let start = Instant::now();
         let ready = self.ready(subject).map_err(|error| Unpainted::Failed(error.to_string()))?;
-        let watch = |_: Progress| match turn.is_overtaken() || start.elapsed() > PICTURE_TIME {
+        let watch = |_: Progress| match stop.is_over() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
@@ -185,8 +108,7 @@ impl<'r> Easel<'r> {
         };
         match ready.render_rows(&request, &watch, &mut take_row) {
             Ok(_) => {}
-            Err(Stopped::Cancelled { .. }) if turn.is_overtaken() => return Err(Unpainted::Overtaken),
-            Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::TooSlow),
+            Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::Stopped),
             Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
         }
         let costs = subject.cost.map(|cost| CostReport {
@@ -278,28 +200,5 @@ impl Colors {
         let before = self.bytes.len();
         self.bytes.resize(before + row.len() * CHANNELS, 0);
         self.nans += truncate_to_bytes::<RED_FIRST>(row, &mut self.bytes[before..]);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_turn_overtakes_those_before_it_on_its_own_page() {
-        let painter = Painter::start().unwrap();
-        let (first, other) = (painter.turn(1, 1), painter.turn(2, 1));
-        assert!(!first.is_overtaken());
-        let second = painter.turn(1, 2);
-        assert_eq!([&first, &second, &other].map(Turn::is_overtaken), [true, false, false]);
-        assert!(painter.turn(1, 1).is_overtaken(), "what comes late is overtaken at once");
-    }
-
-    #[test]
-    fn pages_are_forgotten_in_their_order() {
-        let painter = Painter::start().unwrap();
-        (0..3 * PAGES as u64).for_each(|page| drop(painter.turn(page, 7)));
-        assert_eq!(painter.turns.lock().unwrap().len(), PAGES);
-        assert!(!painter.turn(0, 1).is_overtaken() && painter.turn(3 * PAGES as u64 - 1, 1).is_overtaken());
     }
 }

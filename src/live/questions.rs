@@ -1,7 +1,9 @@
 //! What the page asks, in JSON.
 
+use super::http::Refusal;
 use crate::render::Cost;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone, Debug, Deserialize)]
@@ -42,13 +44,9 @@ impl Show {
     }
 }
 
-/// A picture. Of the requests of one page, those with a lower turn are overtaken.
+/// A picture.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Wanted {
-    /// A random number of the page.
-    pub page: u64,
-    /// Grows with each request.
-    pub turn: u64,
     pub view: PageView,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
     pub sketch: Option<[usize; 2]>,
@@ -58,8 +56,6 @@ pub struct Wanted {
 #[derive(Clone, Debug, Deserialize)]
 pub struct Edited {
     pub text: String,
-    /// The edition that it is read in; none for that which its words tell.
-    pub edition: Option<String>,
 }
 
 /// The pixel whose rays are traced, by column and row from the top left.
@@ -67,4 +63,33 @@ pub struct Edited {
 pub struct TracedPixel {
     pub view: PageView,
     pub pixel: [usize; 2],
+}
+
+/// What any question says about whom it comes from, and what for. Of the questions of one page, those with a lower turn
+/// are overtaken.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct Asked {
+    /// A random number of the page.
+    pub page: Option<u64>,
+    /// Grows with each picture.
+    pub turn: Option<u64>,
+    scene: Option<u64>,
+    view: Option<OfScene>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct OfScene {
+    scene: u64,
+}
+
+impl Asked {
+    /// The revision of the scene that the question is about; 0 is the command line's.
+    pub fn scene(&self) -> u64 {
+        self.scene.or(self.view.as_ref().map(|view| view.scene)).unwrap_or(0)
+    }
+}
+
+/// A question in the body of a request.
+pub fn understood<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Refusal> {
+    serde_json::from_slice(body).map_err(|error| Refusal::new(400, format!("not a question: {error}")))
 }

@@ -54,16 +54,19 @@ function lightRay(event) {
   drawOverlay();
 }
 
-// Draws the rays, the cells that they pass and the outline of an object over the picture.
+// Draws the grid of enlarged pixels, the rays, the cells that they pass and the outline of an object over the picture.
 function drawOverlay() {
   const overlay = find('overlay');
-  const [width, height] = view.size;
+  const [width, height] = view.room;
   const zoom = window.devicePixelRatio || 1;
   [overlay.width, overlay.height] = [width, height].map((side) => Math.max(1, Math.round(side * zoom)));
   [overlay.style.width, overlay.style.height] = [`${width}px`, `${height}px`];
   if (!view.scene) return;
   const context = overlay.getContext('2d');
   context.scale(zoom, zoom);
+  context.translate(...view.origin);
+  drawPixels(context);
+  drawDivider(context);
   outlineObject(context);
   if (!traced.rays) return;
   const camera = view.seenWith();

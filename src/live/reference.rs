@@ -19,9 +19,11 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture, String> {
     let suffix = match Format::of(Path::new(name)) {
         Some(Format::Tga) => ".tga",
         Some(Format::Png) => ".png",
+        Some(Format::Bmp) => ".bmp",
+        Some(Format::Ppm) => ".ppm",
         Some(Format::Pfm) => ".pfm",
         Some(Format::Exr) => ".exr",
-        None => return Err("the name of a picture ends in .tga, .png, .pfm or .exr".into()),
+        None => return Err("the name of a picture ends in .tga, .png, .bmp, .ppm, .pfm or .exr".into()),
     };
     // A signal would leave the file behind.
     undisturbed(|| read_as_file(name, suffix, bytes))

@@ -1,6 +1,6 @@
 //! Writes the pictures that the command line names, and no others.
 
-use super::painter::{Painter, Subject, Unpainted};
+use super::painter::{Painted, Subject, Unpainted};
 use crate::caster::choose::Structure;
 use crate::cli::Output;
 use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
@@ -13,19 +13,21 @@ use crate::scene_io::mesh_places;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+type Paint<'a> = dyn FnMut(&Subject) -> Result<Painted, Unpainted> + 'a;
+
 /// Writes these pictures of a view, all or none, and returns a line that says so; an error is a line too.
 /// `compared` has the pictures that the command line compares.
 pub fn save(
     subject: &Subject,
     outputs: &[Output],
     compared: &[PathBuf],
-    painter: &Painter,
+    paint: &mut Paint,
 ) -> Result<String, String> {
     if outputs.is_empty() {
         return Err("the command line names no picture to write; copy the one below".into());
     }
     check(subject, outputs, compared).map_err(|error| error.to_string())?;
-    let files = outputs.iter().map(|output| complete(subject, output, painter));
+    let files = outputs.iter().map(|output| complete(subject, output, paint));
     let files = files.collect::<Result<_, _>>()?;
     put_in_place(files).map_err(|error| error.to_string())?;
     let names: Vec<String> = outputs.iter().map(|output| quoted(&output.file)).collect();
@@ -45,7 +47,7 @@ fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<
     compared.iter().try_for_each(|picture| files.check_read(ReadAs::Picture, picture))
 }
 
-fn complete(subject: &Subject, output: &Output, painter: &Painter) -> Result<CompleteFile, String> {
+fn complete(subject: &Subject, output: &Output, paint: &mut Paint) -> Result<CompleteFile, String> {
     // A pipe would wait for a reader.
     if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
         return Err(format!("{} is no file", quoted(&output.file)));
@@ -54,8 +56,7 @@ fn complete(subject: &Subject, output: &Output, painter: &Painter) -> Result<Com
     let failed = |error: ImageError| error.to_string();
     if let Layer::Cost(cost) = output.layer {
         let subject = Subject { cost: Some(cost), sketch: None, ..subject.clone() };
-        // A page of its own, so that nothing overtakes it.
-        let painted = painter.paint(subject, u64::MAX, 0).map_err(|error| error.to_string())?;
+        let painted = paint(&subject).map_err(|error| error.to_string())?;
         return file.complete(&painted.picture).map_err(failed);
     }
     let request = Request { camera: subject.camera, layers: vec![output.layer], ..subject.options.request() };
@@ -76,15 +77,4 @@ fn prepare<'r>(renderer: &'r Renderer, subject: &Subject, request: &Request) -> 
         structure => renderer.prepare_for(structure, request, Tracing::Fast),
     };
     prepared.map_err(|error| error.to_string())
-}
-
-impl std::fmt::Display for Unpainted {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Overtaken => "overtaken by a later request",
-            Self::TooSlow => "this picture takes longer than a page may: choose a smaller one",
-            Self::Busy => "too many pictures are waiting",
-            Self::Failed(reason) => reason,
-        })
-    }
 }

@@ -1,36 +1,21 @@
 //! Listens, and answers one request after the other on each connection.
 
 use super::admission::admit;
-use super::answers::App;
 use super::connections::Connections;
+use super::desk::Desk;
 use super::http::{Answer, Head, Refusal, Requests};
 use super::key::Key;
-use super::limits::{BODY_TIME, HEAD_TIME, IDLE_TIME};
+use super::limits::{ALIVE_TIME, BODY_TIME, HEAD_TIME, IDLE_TIME};
 use super::page::page;
-use super::stage::Stage;
-use crate::cli::Options;
-use crate::scene_io::LoadError;
-use rayon::ThreadPoolBuilder;
+use super::workers::Workers;
 use std::fmt::Display;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-
-/// What a page is made of.
-pub struct Setup<'o> {
-    /// The command line. It has a page.
-    pub options: &'o Options,
-    /// Its scene.
-    pub input: &'o Path,
-    /// The flags that the page starts with.
-    pub words: &'o [String],
-    /// The port to listen at; 0 is any free one.
-    pub port: u16,
-}
 
 /// A page that is being served.
 pub struct Server {
@@ -42,28 +27,27 @@ pub struct Server {
 /// What the connections share.
 struct Shared {
     key: Key,
-    app: App,
+    desk: Desk,
     connections: Connections,
     has_ended: AtomicBool,
 }
 
 impl Server {
-    /// Opens the scene, and listens on the loopback interface. An error is a line, or the message for a scene.
-    pub fn open(setup: &Setup) -> Result<Self, String> {
+    /// Has the scene opened, and listens on the loopback interface at this port, where 0 is any free one. The work is
+    /// done by processes that `worker` starts, which call [`work`](super::work). An error is a line, or the message for
+    /// a scene.
+    pub fn open(
+        port: u16,
+        worker: impl Fn() -> io::Result<Command> + Send + Sync + 'static,
+    ) -> Result<Self, String> {
         let failed = |error: &dyn Display| format!("error: cannot serve the page: {error}");
-        let cores = || thread::available_parallelism().map_or(1, usize::from);
-        let count = setup.options.threads.unwrap_or_else(cores);
-        let threads = ThreadPoolBuilder::new().num_threads(count).build();
-        let threads = Arc::new(threads.map_err(|error| failed(&error))?);
-        let stage = Stage::open(setup.input, &setup.options.hints(), threads)
-            .map_err(|error: LoadError| error.to_string())?;
-        let app = App::new(setup, stage).map_err(|error| failed(&error))?;
-        let listener =
-            TcpListener::bind((Ipv4Addr::LOCALHOST, setup.port)).map_err(|error| failed(&error))?;
+        let desk = Desk::new(Workers::new(worker));
+        desk.open()?;
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| failed(&error))?;
         let address = listener.local_addr().map_err(|error| failed(&error))?;
         let key = Key::new().map_err(|error| failed(&error))?;
         let shared =
-            Shared { key, app, connections: Connections::default(), has_ended: AtomicBool::new(false) };
+            Shared { key, desk, connections: Connections::default(), has_ended: AtomicBool::new(false) };
         Ok(Self { listener, address, shared: Arc::new(shared) })
     }
 
@@ -118,11 +102,13 @@ impl Shared {
                 Ok(admitted) => admitted,
                 Err(refusal) => return refuse(refusal, stream),
             };
-            self.connections.trust(id);
+            self.connections.trust(id, head.path == "/alive");
             patience = IDLE_TIME;
             let body = requests.body(length, Instant::now() + BODY_TIME)?;
-            let answer = self.answer(&head, body);
-            answer.send(stream, head.closes)?;
+            let mut waiting = requests.waiting();
+            let answer = self.answer(&head, body, &mut || waiting.has_left());
+            answer.send(stream, head.closes, waiting.sent())?;
+            self.connections.trust(id, true);
             if head.closes || self.has_ended.load(Ordering::Relaxed) {
                 break;
             }
@@ -133,7 +119,7 @@ impl Shared {
     /// The head of a request that may be answered, and the length of its body.
     fn admitted(&self, head: Head) -> Result<(Head, usize), Refusal> {
         admit(&head, &self.key)?;
-        let most = self.app.longest_body(&head.path);
+        let most = Desk::longest_body(&head.path);
         match head.length {
             Some(length) if length > most => Err(Refusal::new(413, format!("at most {most} bytes"))),
             Some(length) => Ok((head, length)),
@@ -142,22 +128,37 @@ impl Shared {
         }
     }
 
-    fn answer(&self, head: &Head, body: Vec<u8>) -> Answer {
+    fn answer(&self, head: &Head, body: Vec<u8>, has_left: &mut dyn FnMut() -> bool) -> Answer {
         match (head.is_post, head.path.as_str()) {
             (false, "/") => page(),
             (true, "/quit") => {
                 self.has_ended.store(true, Ordering::Relaxed);
                 Answer::text(200, "ended")
             }
-            (true, path) => self.app.answer(path, &head.query, body).unwrap_or_else(Answer::from),
+            (true, "/alive") => self.alive(has_left),
+            (true, path) => self.desk.answer(path, &head.query, body, has_left).unwrap_or_else(Answer::from),
             (false, _) => Answer::text(404, "there is nothing here"),
+        }
+    }
+}
+
+impl Shared {
+    /// Answers late: a page that waits for it learns at once that the program has ended.
+    fn alive(&self, has_left: &mut dyn FnMut() -> bool) -> Answer {
+        let end = Instant::now() + ALIVE_TIME;
+        while !self.has_ended.load(Ordering::Relaxed) && Instant::now() < end && !has_left() {
+            thread::sleep(Duration::from_millis(50));
+        }
+        match self.has_ended.load(Ordering::Relaxed) {
+            true => Answer::text(200, "ended"),
+            false => Answer::text(200, "alive"),
         }
     }
 }
 
 /// Says why, and waits a little for the other side to read it before the connection is closed.
 fn refuse(refusal: Refusal, stream: &TcpStream) -> io::Result<()> {
-    Answer::from(refusal).send(stream, true)?;
+    Answer::from(refusal).send(stream, true, 0)?;
     stream.shutdown(Shutdown::Write)?;
     let mut rest = Requests::new(stream);
     const ENOUGH: usize = 1 << 16;

@@ -5,11 +5,12 @@ use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
 use crate::escape::shell_word;
 use crate::render::Cost;
+use serde::Serialize;
 use std::ffi::OsString;
 use std::path::Path;
 
 /// The most that a picture may ask for: what the command line asks for, or the limits of any page.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Most {
     side: usize,
     samples: u32,

@@ -1,4 +1,4 @@
-//! The scenes that are open: the one of the command line, and those that were typed in last.
+//! The scenes that are open: the one of the command line, and the one that was typed in last.
 
 use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::memory;
@@ -15,11 +15,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// How many typed scenes stay open, so that each of a few pages has its own.
-const KEPT: usize = 4;
+use std::sync::Arc;
 
 /// A scene that can be rendered.
 #[derive(Debug)]
@@ -31,15 +27,14 @@ pub struct OpenScene {
     pub renderer: Renderer,
 }
 
-/// The open scenes.
+/// The open scenes: the command line's, and the one that was typed in last.
 pub struct Stage {
     path: PathBuf,
     hints: Hints,
     /// Those of the command line's scene, which may stand anywhere.
     meshes: HashMap<String, Mesh>,
     first: Arc<OpenScene>,
-    typed: Mutex<Vec<Arc<OpenScene>>>,
-    next: AtomicU64,
+    typed: Option<Arc<OpenScene>>,
     threads: Arc<ThreadPool>,
 }
 
@@ -54,54 +49,46 @@ pub struct SceneMessage {
 }
 
 impl Stage {
-    /// Opens the scene of the command line.
-    pub fn open(path: &Path, hints: &Hints, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
-        let loaded = scene_io::load_announcing(path, hints, &|_| ())?;
-        let hints = hints.clone();
+    /// Opens the scene of the command line, from this text where it is known already.
+    pub fn open(
+        path: &Path,
+        text: Option<String>,
+        hints: &Hints,
+        threads: Arc<ThreadPool>,
+    ) -> Result<Self, LoadError> {
+        let loaded = match text {
+            Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, hints, &|_| ())?,
+            None => scene_io::load_announcing(path, hints, &|_| ())?,
+        };
         let edition = loaded.choice.edition;
         let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
         let first = Arc::new(OpenScene { revision: 0, edition, renderer });
-        let (path, typed, next) = (path.to_owned(), Mutex::default(), AtomicU64::new(1));
-        Ok(Self { path, hints, meshes, first, typed, next, threads })
+        Ok(Self { path: path.to_owned(), hints: hints.clone(), meshes, first, typed: None, threads })
     }
 
     /// The scene of the command line.
-    pub fn first(&self) -> &OpenScene {
+    pub fn first(&self) -> &Arc<OpenScene> {
         &self.first
     }
 
-    /// The scene of this revision, if it is still open.
+    /// The scene of this revision, if it is open.
     pub fn scene(&self, revision: u64) -> Option<Arc<OpenScene>> {
-        let typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
-        [&self.first].into_iter().chain(&*typed).find(|scene| scene.revision == revision).cloned()
+        [&self.first].into_iter().chain(&self.typed).find(|scene| scene.revision == revision).cloned()
     }
 
-    /// Opens a text in place of the command line's scene. Without an edition its words tell it.
-    pub fn type_in(
-        &self,
-        text: String,
-        edition: Option<Edition>,
-    ) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    /// Opens a text in place of the one that was typed in before.
+    pub fn type_in(&mut self, revision: u64, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
-        let (edition, renderer) = self.renderer(source, edition)?;
+        let (edition, renderer) = self.renderer(source)?;
         let renderer = renderer.on_threads(self.threads.clone());
-        let revision = self.next.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene { revision, edition, renderer });
-        let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
-        typed.push(scene.clone());
-        let surplus = typed.len().saturating_sub(KEPT);
-        typed.drain(..surplus);
+        self.typed = Some(scene.clone());
         Ok(scene)
     }
 
-    fn renderer(
-        &self,
-        source: Source,
-        edition: Option<Edition>,
-    ) -> Result<(Edition, Renderer), Vec<SceneMessage>> {
-        let hints = Hints { edition, ..self.hints.clone() };
+    fn renderer(&self, source: Source) -> Result<(Edition, Renderer), Vec<SceneMessage>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let find = |name: &str| match self.meshes.get(name) {
@@ -134,7 +121,7 @@ impl Stage {
             })
         };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
+        let loaded = scene_io::load_text(source, &self.hints, readers).map_err(SceneMessage::of)?;
         let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
         let count = primitives(&loaded);
         if count > MAX_PRIMITIVES {

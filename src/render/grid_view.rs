@@ -146,27 +146,29 @@ fn face_normal(axis: Option<usize>, ray: &Ray) -> DVec3 {
     DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 
-/// The course's colour scale, from white through blue, green and yellow to red.
+/// The course's colour scale, from white through blue, green and yellow to red: of cells with one primitive, two, and so
+/// on. Those with more have the last colour.
+pub const SCALE: [[f64; 3]; 17] = [
+    [1.0, 1.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [0.7, 0.0, 1.0],
+    [0.3, 0.0, 1.0],
+    [0.0, 0.0, 1.0],
+    [0.0, 0.3, 1.0],
+    [0.0, 0.7, 1.0],
+    [0.0, 1.0, 1.0],
+    [0.0, 1.0, 0.7],
+    [0.0, 1.0, 0.3],
+    [0.0, 1.0, 0.0],
+    [0.3, 1.0, 0.0],
+    [0.7, 1.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [1.0, 0.7, 0.0],
+    [1.0, 0.3, 0.0],
+    [1.0, 0.0, 0.0],
+];
+
 fn count_color(count: u32) -> Color {
-    const SCALE: [[f64; 3]; 17] = [
-        [1.0, 1.0, 1.0],
-        [1.0, 0.0, 1.0],
-        [0.7, 0.0, 1.0],
-        [0.3, 0.0, 1.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 0.3, 1.0],
-        [0.0, 0.7, 1.0],
-        [0.0, 1.0, 1.0],
-        [0.0, 1.0, 0.7],
-        [0.0, 1.0, 0.3],
-        [0.0, 1.0, 0.0],
-        [0.3, 1.0, 0.0],
-        [0.7, 1.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [1.0, 0.7, 0.0],
-        [1.0, 0.3, 0.0],
-        [1.0, 0.0, 0.0],
-    ];
     Color::from_array(SCALE[(count as usize).clamp(1, SCALE.len()) - 1])
 }
 

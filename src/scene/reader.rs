@@ -21,6 +21,8 @@ pub struct Reader<'a> {
     pub(super) text: &'a str,
     lexer: Lexer<'a>,
     ahead: Word<'a>,
+    /// The last word taken that is no number, and how many numbers were taken after it.
+    values: (&'a str, usize),
     /// The number of braces that are open before the next word.
     pub(super) depth: usize,
     pub(super) findings: Findings,
@@ -39,7 +41,16 @@ impl<'a> Reader<'a> {
     pub fn of(edition: Edition, text: &'a str) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        Self { text, lexer, ahead, depth: 0, findings: Findings::default(), edition, images: vec![] }
+        Self {
+            text,
+            lexer,
+            ahead,
+            values: ("", 0),
+            depth: 0,
+            findings: Findings::default(),
+            edition,
+            images: vec![],
+        }
     }
 
     /// The index of the picture with this name, which the scene names here.
@@ -71,7 +82,15 @@ impl<'a> Reader<'a> {
             "}" => self.depth = self.depth.saturating_sub(1),
             _ => {}
         }
+        self.values = (self.ahead.text, 0);
         std::mem::replace(&mut self.ahead, self.lexer.next_word())
+    }
+
+    /// Takes the next word, which is a number.
+    fn take_number(&mut self) {
+        let (field, count) = self.values;
+        self.take();
+        self.values = (field, count + 1);
     }
 
     /// Whether the next word is `keyword`.
@@ -99,6 +118,12 @@ impl<'a> Reader<'a> {
         let found = self.ahead.text;
         let error =
             SceneError::new(self.ahead.at, Problem::Expected { what: what.into(), found: found.into() });
+        if found.starts_with("/*") {
+            return error.with_hint("a comment starts with `#` or `//` and ends with the line");
+        }
+        if let Some(hint) = self.one_more() {
+            return error.with_hint(hint);
+        }
         match nearest(found, keywords) {
             _ if self.is_of_other_edition(found) => {
                 let editions = editions_of(found).unwrap_or_default();
@@ -113,6 +138,15 @@ impl<'a> Reader<'a> {
 
     fn is_of_other_edition(&self, word: &str) -> bool {
         editions_of(word).is_some_and(|editions| !editions.contains(&self.edition))
+    }
+
+    /// What to say of a number that follows the last one of a field.
+    fn one_more(&self) -> Option<String> {
+        let (field, count) = self.values;
+        let is_one_more =
+            count > 0 && field.starts_with(char::is_alphabetic) && parse_number(self.ahead.text).is_some();
+        let numbers = if count == 1 { "one number".to_owned() } else { format!("{count} numbers") };
+        is_one_more.then(|| format!("`{field}` takes {numbers}, and this is one more"))
     }
 
     /// Takes `keyword`, which the grammar requires here.
@@ -147,7 +181,7 @@ impl<'a> Reader<'a> {
         if number.abs() > LARGEST {
             self.report(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
         }
-        self.take();
+        self.take_number();
         Ok(number)
     }
 
@@ -175,7 +209,7 @@ impl<'a> Reader<'a> {
         if is_digits(digits)
             && let Ok(number) = digits.parse()
         {
-            self.take();
+            self.take_number();
             return Ok(Some(number));
         }
         let rule = match parse_number(word.text) {
@@ -268,7 +302,13 @@ impl<'a> Reader<'a> {
         if word.contains('#') || word.contains("//") {
             return error.with_hint("a comment must be separated from the word before it by a blank");
         }
-        error
+        match word.strip_suffix(['f', 'F']) {
+            Some(number) if parse_number(number).is_some() => error.with_hint(format!("write `{number}`")),
+            _ if parse_number(&word.replace(',', "")).is_some() => {
+                error.with_hint("numbers have blanks between them and a point before decimals, and no commas")
+            }
+            _ => error,
+        }
     }
 }
 
@@ -355,6 +395,34 @@ mod tests {
     fn a_comment_stuck_to_a_number_is_explained() {
         let error = Reader::new("1#one").number("x").unwrap_err();
         assert!(error.hint.unwrap().contains("comment"));
+    }
+
+    #[test]
+    fn numbers_as_other_languages_write_them_are_explained() {
+        let hint = |text| Reader::new(text).vector("center").unwrap_err().hint.unwrap();
+        assert!(["0, 1.5, 8", "0,1.5,8", "0 1,5 8"].map(hint).iter().all(|hint| hint.contains("no commas")));
+        assert_eq!([hint("1.0f 2 3"), hint("1 -2F 3")], ["write `1.0`", "write `-2`"]);
+        assert!(["/* x */ 1", "0 /*x*/"].map(hint).iter().all(|hint| hint.starts_with("a comment starts")));
+    }
+
+    #[test]
+    fn a_number_after_the_last_one_of_its_field_is_explained() {
+        let hint = |text, keyword| {
+            let mut reader = Reader::new(text);
+            reader.vector_field("center").unwrap();
+            reader.keyword(keyword).unwrap_err().hint
+        };
+        assert_eq!(
+            hint("center 1 2 3 4", "radius"),
+            Some("`center` takes 3 numbers, and this is one more".into())
+        );
+        assert_eq!(hint("center 1 2 3 radios", "radius"), Some("did you mean `radius`?".into()));
+        let mut reader = Reader::new("radius 1 2");
+        reader.number_field("radius").unwrap();
+        assert_eq!(
+            reader.close("Sphere").unwrap_err().hint,
+            Some("`radius` takes one number, and this is one more".into())
+        );
     }
 
     #[test]

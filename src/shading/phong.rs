@@ -118,7 +118,12 @@ impl PointMaterial<'_> {
             Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
             Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
         };
-        let alignment = alignment.max(0.0);
+        self.highlights(alignment.max(0.0))
+    }
+
+    /// The highlights per unit of light, where `alignment` is the cosine that is raised to their exponents.
+    #[inline(always)]
+    pub fn highlights(&self, alignment: f64) -> Color {
         let Phong { specular, exponent, .. } = *self.phong;
         let first = Lobe { color: specular, exponent }.strength(alignment);
         self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))

@@ -1,6 +1,7 @@
 //! The rules by which rays are traced. Those that are provided are the right ones, and the only ones of a caster. Whoever
 //! wants to know what a mistake looks like breaks one.
 
+use super::optics::transmittance;
 use super::{Secondary, reflected};
 use crate::caster::Caster;
 use crate::math::double_double::Dd;
@@ -9,7 +10,8 @@ use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
 use crate::scene::material::{Material, Paint, Phong};
-use crate::scene::model::{MeshNormals, Model};
+use crate::scene::model::{MeshNormals, Model, Split};
+use crate::shading::light::Incident;
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::shading::texture::{material_at, mixed_color};
 use crate::stats::Probe;
@@ -23,6 +25,19 @@ pub enum Departure {
     Secondary(Secondary),
     /// It goes to a light.
     Shadow,
+    /// It has passed a transparent surface on the way to a light.
+    Onwards,
+}
+
+/// From where a surface is lit and seen.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Between the normal and the direction to the light.
+    pub cosine: f64,
+    /// The normal on the side from which it is seen, a unit vector.
+    pub normal: DVec3,
+    /// The direction to the viewer, a unit vector.
+    pub to_viewer: DVec3,
 }
 
 /// How rays are traced.
@@ -83,12 +98,6 @@ pub trait Rules: Sync {
         })
     }
 
-    /// The colour by which a surface with this diffuse colour reflects ambient light.
-    #[inline(always)]
-    fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
-        if self.model() == Model::COURSE { diffuse } else { self.world().ambient_color(surface, diffuse) }
-    }
-
     /// The colour of a ray in this direction that hits nothing after so many bounces.
     #[inline(always)]
     fn background(&self, direction: DVec3, _bounces: u32) -> Color {
@@ -134,6 +143,64 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn mirrored(&self, part: f64) -> f64 {
         part
+    }
+
+    /// What a colour of a material makes of the light along a secondary ray.
+    #[inline(always)]
+    fn filter(&self, _kind: Secondary, color: Color) -> Color {
+        color
+    }
+
+    /// The indices of refraction in front of a surface and behind it. `around` is that of the medium that the ray comes
+    /// from.
+    #[inline(always)]
+    fn indices(&self, around: f64, material: &Phong, is_entering: bool) -> [f64; 2] {
+        let inside = material.index_of_refraction;
+        match (self.model().split, is_entering) {
+            (Split::Colors, _) => [around, if is_entering { inside } else { 1.0 }],
+            (Split::Schlick, true) => [1.0, inside],
+            (Split::Schlick, false) => [inside, 1.0],
+        }
+    }
+
+    /// Where the refracted ray goes at total internal reflection, if there is one.
+    #[inline(always)]
+    fn totally_reflected(&self, _direction: DVec3, _normal: DVec3) -> Option<DVec3> {
+        None
+    }
+
+    /// Whether opaque shadows let nothing through along a ray that leaves the primitive `leaves`. The course's program
+    /// looks for the nearest hit, even where any hit would do.
+    #[inline(always)]
+    fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        self.nearest(ray, leaves, probe).is_some()
+    }
+
+    /// The fraction of light that is left after a way through a transparent object.
+    #[inline(always)]
+    fn transmittance(&self, tint: Color, way: f64) -> Color {
+        transmittance(tint, way)
+    }
+
+    /// The normal by which a surface is shaded: that on the viewer's side.
+    #[inline(always)]
+    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+        if is_inside { -normal } else { normal }
+    }
+
+    /// The ambient light that a surface reflects.
+    #[inline(always)]
+    fn ambient(&self, surface: &SurfacePoint, material: &Phong) -> Color {
+        let diffuse = material.diffuse;
+        let is_of_course = self.model() == Model::COURSE;
+        self.world().ambient
+            * if is_of_course { diffuse } else { self.world().ambient_color(surface, diffuse) }
+    }
+
+    /// What a surface reflects of the light with this index; `cosine` is positive.
+    #[inline(always)]
+    fn reflect(&self, material: &PointMaterial, (light, _): (&Incident, usize), view: &View) -> Color {
+        material.reflect(self.model().highlight, light, view.cosine, view.normal, view.to_viewer)
     }
 
     /// What the light of one source adds to the colour of a surface.

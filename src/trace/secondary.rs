@@ -51,7 +51,7 @@ impl<R: Rules> Tracer<'_, R> {
             Split::Colors => arrival.material.phong.reflective,
             Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(arrival),
         };
-        let branch = self.filter_and_weight(path, color);
+        let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let direction = self.rules.reflected(arrival.direction, arrival.surface.normal);
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
@@ -69,25 +69,25 @@ impl<R: Rules> Tracer<'_, R> {
     ) {
         let kind = Secondary::Refracted;
         let material = arrival.material.phong;
-        let (color, around) = match self.rules.model().split {
-            Split::Colors => (material.transparent, path.index),
-            Split::Schlick => (material.transparent * (1.0 - self.mirrored_part(arrival)), OUTSIDE),
+        let color = match self.rules.model().split {
+            Split::Colors => material.transparent,
+            Split::Schlick => material.transparent * (1.0 - self.mirrored_part(arrival)),
         };
-        let branch = self.filter_and_weight(path, color);
+        let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let (direction, normal) = (arrival.direction, arrival.surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
-        let (against, index) =
-            if is_entering { (normal, material.index_of_refraction) } else { (-normal, 1.0) };
-        let indices = match self.rules.model().split {
-            Split::Schlick if !is_entering => [material.index_of_refraction, OUTSIDE],
-            _ => [around, index],
-        };
+        let against = if is_entering { normal } else { -normal };
+        let indices = self.rules.indices(path.index, material, is_entering);
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
         let primitive = arrival.surface.primitive;
         let precise_normal = || self.rules.precise_normal(primitive, normal);
         let refracted = refracted_between(direction, against, indices, precise_normal);
-        let Some(direction) = refracted.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
+        let (onwards, index) = match refracted {
+            Some(refracted) => (Some(refracted), if is_entering { indices[1] } else { 1.0 }),
+            None => (self.rules.totally_reflected(direction, normal), path.index),
+        };
+        let Some(direction) = onwards.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
             return;
         };
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
@@ -116,14 +116,15 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The filter and the weight of a secondary ray, if it is traced.
     #[inline(always)]
-    fn filter_and_weight(&self, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
+    fn filter_and_weight(&self, kind: Secondary, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
         if path.bounces >= self.effects.bounces {
             return Err(PathEnd::of(color, PathEnd::Bounces));
         }
         let weight = path.weight * color.length();
         if weight > self.effects.min_weight {
             let bound = Color::splat(BRIGHTEST);
-            Ok(((path.filter * color).clamp(-bound, bound), weight))
+            let filter = path.filter * self.rules.filter(kind, color);
+            Ok((filter.clamp(-bound, bound), weight))
         } else {
             Err(PathEnd::of(color, PathEnd::Weight { weight }))
         }

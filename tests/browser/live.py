@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Uses the live page of -gui in a real browser: drags, traces, edits, compares, and checks the painted pixels.
+"""Uses the live page of -gui in a real browser: drags, traces, edits, enlarges, compares, and checks the painted pixels.
 
 usage: tests/browser/live.py [PROGRAM] [--screenshots FOLDER] [--measure]
 
@@ -14,6 +14,7 @@ import math
 import pathlib
 import re
 import shlex
+import signal
 import statistics
 import subprocess
 import sys
@@ -26,7 +27,7 @@ from page_rules import RULES
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GLASS = "-size 320 240 -shadows -bounces 5 -weight 0.01 -shade_back"
 RABBIT = "-size 400 400 -shadows"
-ARROW_RIGHT, TAB, SHIFT, ENTER = "\ue014", "\ue004", "\ue008", "\ue007"
+ARROW_RIGHT, TAB, SHIFT, ENTER, ESCAPE = "\ue014", "\ue004", "\ue008", "\ue007", "\ue00c"
 
 # A hand that moves 60 times a second, which the driver is too slow for.
 DRAG = """
@@ -43,13 +44,13 @@ window.dragging = setInterval(() => { i++; send('pointermove', 90 * Math.sin(i /
 class Page:
     """A program that serves a page, and the browser that shows it."""
 
-    def __init__(self, program, browser, scene, flags, folder):
+    def __init__(self, program, browser, scene, flags, folder, outputs=("-output", "o.png")):
         self.browser, self.folder, self.program = browser, folder, program
         (folder / "s.txt").write_text((ROOT / "scenes" / scene).read_text())
         for mesh in (ROOT / "scenes").glob("*.obj"):
             if not (folder / mesh.name).exists():
                 (folder / mesh.name).symlink_to(mesh)
-        words = [program, "-input", "s.txt", *flags.split(), "-output", "o.png", "-gui", "-port", "0", "-no_browser"]
+        words = [program, "-input", "s.txt", *flags.split(), *outputs, "-gui", "-port", "0", "-no_browser"]
         self.process = subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True)
         found = None
         while not found:
@@ -104,6 +105,8 @@ class Page:
         self.browser.move("#picture", moves, button, 16)
 
     def close(self):
+        # A page that is open looks for its program, which the browser would list.
+        self.browser.ask("POST", "/url", {"url": "about:blank"})
         self.process.terminate()
         self.process.wait()
 
@@ -178,10 +181,13 @@ def check_keys(page):
     page.browser.press("g")
     page.wait("return /visualize_grid/.test(document.getElementById('command').value)", "g shows no grid")
     page.check_pixels("the grid")
+    assert page.run("return find('cells').hidden ? 0 : find('cells').children.length") == 18, "the cells have no legend"
     page.browser.press("g")
     page.browser.press("c")
     page.wait("return /-cost_map tests/.test(document.getElementById('command').value)", "c shows no cost")
     assert "COST MAP" in page.run("return document.getElementById('costs').textContent")
+    page.browser.move("#picture", [(3, 3), (4, 4)])
+    page.wait("return /^pixel \\d+ \\d+\\d+ tests/.test(find('pointed').textContent)", "the cost of a pixel is not told")
     page.browser.press("c")
     page.wait("return !/-cost_map/.test(document.getElementById('command').value)", "c does not end the cost map")
     page.browser.press("r")
@@ -190,6 +196,68 @@ def check_keys(page):
     page.wait("return document.getElementById('help').open", "? shows no help")
     page.browser.press(ENTER)
     page.wait("return !document.getElementById('help').open", "the help stays")
+
+
+def check_letters(page):
+    """Letters act where a list or a number has the focus, and change neither."""
+    page.browser.click("#tab-controls")
+    page.browser.move("#picture", [(3, 3), (4, 4)])
+    for name in ["shadows", "bounces"]:
+        before = page.run(f"clearRays(); selectTab('controls'); find('{name}').focus(); return find('{name}').value")
+        page.browser.press("t")
+        page.wait("return traced.rays !== null", f"t does nothing while {name} has the focus")
+        assert page.run(f"return find('{name}').value") == before, f"t changes {name}"
+    page.run("clearRays(); selectTab('controls'); return 0")
+
+
+def check_numbers(page):
+    """A number outside its limits is told of, and the picture stays."""
+    command = "return find('command').value"
+    before = page.run(command)
+    enter = "find('bounces').value = '%s'; find('bounces').dispatchEvent(new Event('input', {bubbles: true})); return 0"
+    page.run(enter % 99)
+    said = page.run("return find('wrong').hidden ? '' : find('wrong').textContent")
+    assert said == "Bounces: a whole number between 0 and 16 is needed.", said
+    time.sleep(0.3)
+    assert page.run(command) == before
+    page.run(enter % 5)
+    assert page.run("return find('wrong').hidden")
+    page.settle()
+
+
+def check_zoom(page, shot):
+    """The colours of pixels, and enlarged pixels: they stay under the pointer, and have lines between them from 8 times on."""
+    page.settle()
+    page.browser.move("#picture", [(10, 20), (11, 20)])
+    pixel = page.run("return pointed")
+    width, _, data = page.pixels()
+    start = 3 * (pixel[1] * width + pixel[0])
+    color = " ".join(str(level) for level in data[start:start + 3])
+    told = page.run("return find('pointed').textContent")
+    assert told.startswith(f"pixel {pixel[0]} {pixel[1]}colour {color}"), (told, color)
+    center = "return JSON.stringify(view.seenWith().center)"
+    camera = page.run(center)
+    page.run("document.activeElement.blur(); return 0")
+    ink = "return find('overlay').toDataURL()"
+    page.run("markObject(null); return 0")
+    fits = page.run("return view.size[0] / size()[0]")
+    for times in [times for times in [1, 2, 4, 8, 16] if times > fits]:
+        without = page.run(ink)
+        page.browser.press("z")
+        assert page.run("return [view.magnified, find('zoomed').textContent]") == [times, f"{times}×"]
+        assert page.run("return view.pixelAt(...hovered)") == pixel, f"{times} times: another pixel is under the pointer"
+        page.run("markObject(null); return 0")
+        assert (page.run(ink) != without) == (times >= 8), f"{times} times: the lines between pixels"
+    shot("pixels.png")
+    page.drag([(0, 0), (32, -16)])
+    assert page.run(center) == camera, "the camera moves"
+    moved = page.run("return view.pixelAt(...hovered)")
+    page.browser.press("Z")
+    assert page.run("return [view.magnified, view.pixelAt(...hovered)]") == [8, moved]
+    page.browser.click("#zoom-in")
+    page.browser.press(ESCAPE)
+    assert page.run("return [view.magnified, find('zoomed').textContent]") == [0, "fits"]
+    page.check_pixels("enlarged")
 
 
 def check_rays(page, shot):
@@ -275,9 +343,19 @@ def check_comparison(page, shot):
     page.browser.click("input[value=reference]")
     assert page.pixels()[2] != own[2], "the file is not shown"
     page.browser.click("input[value=slider]")
+    page.browser.move("#picture", [(40, 70), (41, 70)])
+    told = page.run("return find('pointed').textContent")
+    assert re.match(r"pixel \d+ \d+file \d+ \d+ \d+here \d+ \d+ \d+(equal|apart \d+ \d+ \d+)", told), told
     shot("comparison.png")
     page.browser.click("input[value=own]")
     page.check_pixels("compared")
+    page.run("document.activeElement.blur(); return 0")
+    page.browser.press("c")
+    page.wait("return /-cost_map/.test(find('command').value) && view.counts !== null", "c shows no cost in a comparison")
+    page.settle()
+    assert page.run("return find('message').hidden || find('message').textContent") in (True, "Copied."), "c is refused"
+    page.browser.press("c")
+    page.wait("return view.counts === null && compared.images !== null && view.finished", "it is not compared again")
     page.run("document.activeElement.blur(); return 0")
     page.browser.press("b")
     seen = set()
@@ -298,11 +376,68 @@ def check_rules(page):
         assert broken == [], f"{panel}: {broken}"
 
 
+def check_windows(page):
+    """Windows of every width, light and dark: nothing is cut off, and fingers have targets."""
+    send = lambda command, **values: page.browser.ask("POST", "/goog/cdp/execute", {"cmd": command, "params": values})
+    small = ("return [...document.querySelectorAll('button, select, input:not([type=checkbox], [type=radio]), label')]"
+             ".filter((each) => each.getClientRects().length > 0 && each.getBoundingClientRect().height < 40)"
+             ".map((each) => each.outerHTML.slice(0, 80))")
+    papers = set()
+    for width, height in [(360, 740), (390, 844), (800, 600), (1280, 900), (1920, 1080), (2560, 1440)]:
+        send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        for scheme in ["light", "dark"]:
+            send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            papers.add(page.run("return getComputedStyle(document.body).backgroundColor"))
+            for panel in ["controls", "editor", "rays", "compare"]:
+                page.run(f"selectTab('{panel}'); return 0")
+                where = f"{width} pixels, {scheme}, {panel}"
+                wide = page.run("const { scrollWidth, clientWidth } = document.documentElement; return [scrollWidth, clientWidth]")
+                assert wide[0] == wide[1], f"{where}: {wide[0]} pixels in {wide[1]}"
+                broken = page.run(RULES)
+                assert broken == [], f"{where}: {broken}"
+                found = page.run(small) if width < 500 else []
+                assert found == [], f"{where}: too small for a finger: {found}"
+        if width >= 1280:
+            room, shown = page.run("return [view.room, view.size]")
+            fills = max(shown[0] / room[0], shown[1] / room[1])
+            assert 0.8 <= fills <= 1.001, f"{width} pixels: the picture fills {fills} of its room"
+    assert len(papers) == 2, "there is no dark scheme"
+    for command in ["Emulation.clearDeviceMetricsOverride", "Emulation.setEmulatedMedia"]:
+        send(command)
+
+
 def check_end(page):
     page.run("document.activeElement.blur(); return 0")
     page.browser.press("q")
     assert page.process.wait(20) == 0
     page.wait("return document.body.classList.contains('ended')", "the page does not say that it has ended")
+
+
+def check_download(program, browser, folder):
+    """Save without a picture in the command line, and the end of a program that says nothing."""
+    page = Page(program, browser, "scene6_14_glass_sphere.txt", GLASS, folder, outputs=())
+    try:
+        page.settle()
+        browser.ask("POST", "/goog/cdp/execute", {
+            "cmd": "Browser.setDownloadBehavior", "params": {"behavior": "allow", "downloadPath": str(folder)}})
+        browser.click("#save")
+        for _ in range(100):
+            if (folder / "s.png").exists():
+                break
+            time.sleep(0.1)
+        words = shlex.split(page.run("return find('command').value"))
+        subprocess.run([program, *words[1:]], cwd=folder, check=True)
+        said = subprocess.run([program, "-compare", "s.png", "-reference", "picture.png"], cwd=folder,
+                              capture_output=True, text=True, check=True).stdout
+        assert re.search(r"pixels that differ +0 ", said), said
+        page.process.send_signal(signal.SIGINT)
+        page.process.wait(20)
+        page.wait("return !find('over').hidden", "the page looks alive", 3)
+    finally:
+        page.close()
+    # Here it has looked for its program.
+    entries = browser.ask("POST", "/se/log", {"type": "browser"})
+    assert all("/alive" in entry["message"] for entry in entries), entries
 
 
 def check_glass(program, browser, folder, shot):
@@ -314,10 +449,14 @@ def check_glass(program, browser, folder, shot):
         check_hand(page)
         check_touch(page)
         check_keys(page)
+        check_letters(page)
+        check_numbers(page)
+        check_zoom(page, shot)
         check_rays(page, shot)
         check_editor(page, shot)
         check_comparison(page, shot)
         check_rules(page)
+        check_windows(page)
         check_end(page)
     finally:
         page.close()
@@ -380,9 +519,10 @@ def main():
             check_glass(program, browser, folder, shot)
             complaints = [entry["message"] for entry in browser.ask("POST", "/se/log", {"type": "browser"})]
             assert not complaints, complaints
+            check_download(program, browser, folder)
         finally:
             browser.close()
-    print("the live page: pixels equal those of its command lines; hand, keys, rays, editor and comparison work")
+    print("the live page: pixels equal those of its command lines; hand, keys, zoom, rays, editor, comparison and windows work")
 
 
 if __name__ == "__main__":

@@ -52,6 +52,7 @@ fn plain() -> Options {
         visualize_grid: false,
         comparison: None,
         stats: false,
+        repeat: None,
         strict: false,
         pixel: None,
         json: None,
@@ -130,6 +131,7 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -stats", Options { stats: true, ..plain() });
     accepts("-input s.txt -size 200x150", Options { size: [200, 150], ..plain() });
     accepts("-input s.txt -size 7X1 -stats", Options { size: [7, 1], stats: true, ..plain() });
+    accepts("-input s.txt -repeat 10000", Options { repeat: Some(10_000), ..plain() });
     accepts("-input s.txt -strict", Options { strict: true, ..plain() });
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });

@@ -9,8 +9,8 @@ use std::os::unix::ffi::OsStringExt;
 /// Invalid command lines and their messages. All of them have `-input s.txt`, unless the error is that it is
 /// missing.
 const FAULTS: &[(&str, &str)] = &[
-    ("", "no scene: `-input file` is required (`-help` lists every flag)"),
-    ("-output a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
+    ("", "no scene: `-input file` is required (`-h` lists the usual flags)"),
+    ("-output a.tga", "no scene: `-input file` is required (`-h` lists the usual flags)"),
     ("-input", "`-input` needs a value, as in `-input scene.txt`"),
     ("-input s.txt -shadow", "unknown flag `-shadow`; did you mean `-shadows`?"),
     ("-input s.txt -visualise_grid", "unknown flag `-visualise_grid`; did you mean `-visualize_grid`?"),
@@ -27,7 +27,19 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt t.txt", "unexpected word `t.txt` (not the value of any flag)"),
     ("-input s.txt -shadows o.tga", "unexpected word `o.tga`; did you mean `-output o.tga`?"),
     ("-help teapot", "unknown flag `-teapot` (`-help` lists every flag)"),
-    ("-help shadow", "unknown flag `-shadow`; did you mean `-shadows`?"),
+    ("-help shadwos", "unknown flag `-shadwos`; did you mean `-shadows`?"),
+    ("-i s.txt", "unknown flag `-i`; did you mean `-input file`?"),
+    ("-input s.txt -o a.png", "unknown flag `-o`; did you mean `-output file`?"),
+    ("-input s.txt -w 200", "unknown flag `-w`; did you mean `-size w h`?"),
+    ("-input s.txt --width 200", "unknown flag `-width`; did you mean `-size w h`?"),
+    ("-input s.txt -j 4", "unknown flag `-j`; did you mean `-threads n`?"),
+    ("-input s.txt -aa 4", "unknown flag `-aa`; did you mean `-jittered_samples n`?"),
+    ("-input s.txt -AA 4", "unknown flag `-AA`; did you mean `-jittered_samples n`?"),
+    ("-input s.txt -samples 16", "unknown flag `-samples`; did you mean `-jittered_samples n`?"),
+    ("-input s.txt -samples=16", "unknown flag `-samples`; did you mean `-jittered_samples n`?"),
+    ("-input s.txt -verbose", "unknown flag `-verbose`; did you mean `-stats`?"),
+    ("-input s.txt -v", "unknown flag `-v`; did you mean `-stats`?"),
+    ("-input s.txt -repeat 0", "`-repeat`: `0` is not between 1 and 10000"),
     ("-input s.txt -size 200", "`-size` takes 2 values, as in `-size 200 200`; 1 given"),
     ("-input s.txt -size 200x", "`-size`: `` is not a whole number"),
     ("-input s.txt -size 0x200", "`-size`: `0` is not between 1 and 65535"),
@@ -40,9 +52,12 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -", "unexpected word `-` (not the value of any flag)"),
     ("-input s.txt -output", "`-output` needs a value, as in `-output picture.png`"),
     ("-input s.txt -output -size 3 3", "`-output` needs a value, as in `-output picture.png`"),
-    ("-input s.txt -output a.jpg", "`-output`: `a.jpg` ends in none of .tga, .png, .pfm and .exr"),
-    ("-input s.txt -output --", "`-output`: `--` ends in none of .tga, .png, .pfm and .exr"),
-    ("-input s.txt -normals tga", "`-normals`: `tga` ends in none of .tga, .png, .pfm and .exr"),
+    (
+        "-input s.txt -output a.jpg",
+        "`-output`: `a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+    ),
+    ("-input s.txt -output --", "`-output`: `--` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+    ("-input s.txt -normals tga", "`-normals`: `tga` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ("-input s.txt -size", "`-size` takes 2 values, as in `-size 200 200`; 0 given"),
     ("-input s.txt -size 3", "`-size` takes 2 values, as in `-size 200 200`; 1 given"),
     ("-input s.txt -size 3 -stats", "`-size` takes 2 values, as in `-size 200 200`; 1 given"),
@@ -59,7 +74,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -depth 2 2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= 2"),
     ("-input s.txt -depth 2 -2 d.tga", "`-depth`: t0 must be less than t1, but 2 >= -2"),
     ("-input s.txt -depth -1e308 1e308 d.tga", "`-depth`: t1 - t0 is too large for a number"),
-    ("-input s.txt -depth 1 2 3", "`-depth`: `3` ends in none of .tga, .png, .pfm and .exr"),
+    ("-input s.txt -depth 1 2 3", "`-depth`: `3` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ("-input s.txt -depth 1 2 a.tga -depth 1 2 b.tga", "`-depth` given twice"),
     ("-input s.txt -port 80", "`-port` needs `-gui`"),
     ("-input s.txt -no_browser", "`-no_browser` needs `-gui`"),
@@ -110,7 +125,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -compare a.tga -region 1 2 3 4", "`-compare` cannot be combined with `-region`"),
     ("-merge a.tga b.png", "`-merge` needs `-output file`"),
     ("-merge -output a.tga", "`-merge` needs a value, as in `-merge top.png bottom.png`"),
-    ("-merge a.tga b.jpg -output a.tga", "`-merge`: `b.jpg` ends in neither .tga nor .png"),
+    ("-merge a.tga b.jpg -output a.tga", "`-merge`: `b.jpg` ends in neither .tga nor .png, as parts do"),
     ("-merge a.tga -merge b.tga -output a.tga", "`-merge` given twice"),
     ("-merge a.tga -output a.tga -shadows", "`-merge` cannot be combined with `-shadows`"),
     ("-input s.txt -merge a.tga -output a.tga", "`-merge` cannot be combined with `-input`"),
@@ -186,7 +201,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -render_samples 4 s.tga", "`-render_samples`: `s.tga` is not a whole number"),
     (
         "-input s.txt -render_samples s.jpg 4",
-        "`-render_samples`: `s.jpg` ends in none of .tga, .png, .pfm and .exr",
+        "`-render_samples`: `s.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
     ),
     ("-input s.txt -render_filter f.tga 0", "`-render_filter`: `0` is not between 1 and 65535"),
     (
@@ -205,8 +220,11 @@ const FAULTS: &[(&str, &str)] = &[
         "-input s.txt -render_samples a.tga 4 -render_filter ./a.tga 4",
         "`-render_samples` and `-render_filter` both write `a.tga`",
     ),
-    ("-compare a.tga", "no scene: `-input file` is required (`-help` lists every flag)"),
-    ("-compare a.jpg -reference b.tga", "`-compare`: `a.jpg` ends in none of .tga, .png, .pfm and .exr"),
+    ("-compare a.tga", "no scene: `-input file` is required (`-h` lists the usual flags)"),
+    (
+        "-compare a.jpg -reference b.tga",
+        "`-compare`: `a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+    ),
     ("-input s.txt -compare", "`-compare` needs a value, as in `-compare mine.tga`"),
     ("-input s.txt -difference d.png", "`-difference` needs a picture: `-compare file` or `-reference file`"),
     ("-input s.txt -tolerance 1 2", "`-tolerance` needs a picture: `-compare file` or `-reference file`"),
@@ -226,8 +244,11 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -output a.tga shadows", "unexpected word `shadows`; did you mean `-shadows`?"),
     ("-input s.txt -output a.tga png", "unexpected word `png` (not the value of any flag)"),
     ("-input s.txt -render_samples a.tga 4 5", "unexpected word `5` (not the value of any flag)"),
-    ("-input s.txt -output - jpg", "`-output`: `jpg` is none of the formats tga, png, pfm and exr"),
-    ("-input s.txt -output a.jpg jpg", "`-output`: `jpg` is none of the formats tga, png, pfm and exr"),
+    ("-input s.txt -output - jpg", "`-output`: `jpg` is none of the formats tga, png, bmp, ppm, pfm and exr"),
+    (
+        "-input s.txt -output a.jpg jpg",
+        "`-output`: `jpg` is none of the formats tga, png, bmp, ppm, pfm and exr",
+    ),
     ("-input s.txt -output -", "`-output`: `-` needs its format as the next word, as in `- png`"),
     ("-input s.txt -output - tga 3", "unexpected word `3` (not the value of any flag)"),
     ("-input s.txt -depth 1 2 -", "`-depth`: `-` needs its format as the next word, as in `- png`"),
@@ -237,12 +258,15 @@ const FAULTS: &[(&str, &str)] = &[
         "`-output` and `-depth` both write to standard output",
     ),
     ("-input s.txt -output - tga -json -", "`-output` and `-json` both write to standard output"),
-    ("-merge a.tga b.exr -output c.tga", "`-merge`: `b.exr` ends in neither .tga nor .png"),
-    ("-merge a.tga -output c.pfm", "`-output`: `c.pfm` ends in neither .tga nor .png"),
-    ("-merge a.tga -output - exr", "`-output`: `exr` ends in neither .tga nor .png"),
-    ("-input s.txt -cost_map rays c.exr", "`-cost_map`: `c.exr` ends in neither .tga nor .png"),
-    ("-input s.txt -cost_map rays - pfm", "`-cost_map`: `pfm` ends in neither .tga nor .png"),
-    ("-input s.txt -compare a.tga -difference d.pfm", "`-difference`: `d.pfm` ends in neither .tga nor .png"),
+    ("-merge a.tga b.exr -output c.tga", "`-merge`: `b.exr` ends in neither .tga nor .png, as parts do"),
+    ("-merge a.tga -output c.pfm", "`-output`: `c.pfm` ends in none of .tga, .png, .bmp and .ppm"),
+    ("-merge a.tga -output - exr", "`-output`: `exr` ends in none of .tga, .png, .bmp and .ppm"),
+    ("-input s.txt -cost_map rays c.exr", "`-cost_map`: `c.exr` ends in none of .tga, .png, .bmp and .ppm"),
+    ("-input s.txt -cost_map rays - pfm", "`-cost_map`: `pfm` ends in none of .tga, .png, .bmp and .ppm"),
+    (
+        "-input s.txt -compare a.tga -difference d.pfm",
+        "`-difference`: `d.pfm` ends in none of .tga, .png, .bmp and .ppm",
+    ),
     ("-input s.txt -threads 0", "`-threads`: `0` is not between 1 and 4096"),
     ("-input s.txt -threads all", "`-threads`: `all` is not a whole number"),
     ("-input s.txt -tessellation 10", "`-tessellation` takes 2 values, as in `-tessellation 10 5`; 1 given"),
@@ -271,7 +295,7 @@ fn empty_arguments_are_errors() {
     assert_eq!(parse(empty), Err(CliError::InputNeeded));
     let shown = parse(["raytracer", "-input", "s", "-output", ""].map(OsString::from));
     let shown = shown.map_err(|error| error.to_string());
-    assert_eq!(shown, Err("`-output`: `` ends in none of .tga, .png, .pfm and .exr".into()));
+    assert_eq!(shown, Err("`-output`: `` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr".into()));
 }
 
 #[test]

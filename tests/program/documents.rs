@@ -1,6 +1,6 @@
 //! The commands of all documents run in the order of each document, print what it shows and draw its pictures.
 //!
-//! The working directory looks like the project's folder. A block under a line that starts with `*Not run by the
+//! The working directory looks like the project's folder. A block under a comment that starts with `<!-- Not run by the
 //! tests:` is left out, and `NOT_RUN_BLOCKS` counts these. A block whose fence names a file becomes that file.
 
 use crate::markdown::{Block, Command, anchor, blocks, links};
@@ -28,7 +28,7 @@ const NOT_RUN_BLOCKS: &[(&str, usize)] = &[
 const DRAWN_BY_EXAMPLES: &[&str] = &["acne.png", "edge_map.png"];
 
 /// Pictures that `tests/browser/live.py` takes of the page.
-const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png"];
+const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png", "pixels.png"];
 
 /// Commands that were run before this test, or are running it.
 const DONE: &[&str] = &["cargo build --release", "cargo test"];
@@ -144,6 +144,36 @@ fn every_command_of_every_document_does_what_it_shows() {
         compare_pictures(&folder, &document, &text);
     }
     assert!(commands > 50, "{commands}");
+}
+
+/// The lengths of the paragraphs of a text in words, each with its start. Lines of tables, headings and code are none.
+fn paragraphs(text: &str) -> Vec<(usize, String)> {
+    let code: Vec<&str> = blocks(text).into_iter().flat_map(|block| block.lines).map(str::trim).collect();
+    let is_text = |line: &str| {
+        !line.starts_with(['|', '#']) && !line.starts_with("```") && !code.contains(&line.trim())
+    };
+    let mut all = vec![String::new()];
+    for line in text.lines() {
+        match all.last_mut() {
+            Some(last) if is_text(line) && !line.is_empty() && !line.starts_with("* ") => {
+                last.push_str(line);
+                last.push(' ');
+            }
+            // An item of a list is a paragraph too.
+            _ => all.push(line.strip_prefix("* ").map_or(String::new(), |item| format!("{item} "))),
+        }
+    }
+    let start = |paragraph: &str| paragraph.split_whitespace().take(6).collect::<Vec<_>>().join(" ");
+    let lengths = all.iter().map(|paragraph| (paragraph.split_whitespace().count(), start(paragraph)));
+    lengths.filter(|(words, _)| *words > 0).collect()
+}
+
+#[test]
+fn no_paragraph_about_the_command_line_is_long() {
+    const MOST_WORDS: usize = 80;
+    let found = paragraphs(&read("docs/command-line.md"));
+    let long: Vec<_> = found.iter().filter(|(words, _)| *words > MOST_WORDS).collect();
+    assert!(found.len() > 50 && long.is_empty(), "{} paragraphs, too long: {long:#?}", found.len());
 }
 
 #[test]

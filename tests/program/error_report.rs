@@ -254,7 +254,7 @@ fn an_interrupt_keeps_what_is_done() {
 fn what_makes_no_sense_is_refused() {
     let folder = Folder::with_scene(&mirror());
     for (line, message) in [
-        ("-error_report r", "no scene: `-input file` is required (`-help` lists every flag)"),
+        ("-error_report r", "no scene: `-input file` is required (`-h` lists the usual flags)"),
         ("-input s.txt -target 1", "`-target` needs `-error_report folder`"),
         ("-input s.txt -error_report r -target -1", "`-target`: `-1` is negative"),
         ("-input s.txt -error_report r -output o.png", "`-error_report` cannot be combined with `-output`"),

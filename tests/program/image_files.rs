@@ -56,9 +56,33 @@ fn tga_is_what_the_image_crate_writes_uncompressed() {
 }
 
 #[test]
-fn both_formats_come_back_as_written() {
+fn bmp_is_24_bits_and_uncompressed_with_padded_blue_first_rows_from_the_bottom() {
     let folder = tempdir().unwrap();
-    for name in ["a.tga", "a.png", "B.TGA", "b.Png"] {
+    let path = folder.path().join("a.bmp");
+    write(&path, &sample()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let header =
+        b"BM\x4e\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x03\0\0\0\x02\0\0\0\x01\0\x18\0\0\0\0\0\x18\0\0\0";
+    assert_eq!(bytes[..54], [&header[..], &[0; 16]].concat());
+    let top = [1, 0, 135, 1, 1, 95, 1, 2, 55, 0, 0, 0];
+    let bottom = [0, 0, 255, 0, 1, 215, 0, 2, 175, 0, 0, 0];
+    assert_eq!(bytes[54..], [bottom, top].concat());
+}
+
+#[test]
+fn ppm_is_three_lines_and_red_first_rows_from_the_top() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.ppm");
+    write(&path, &sample()).unwrap();
+    let expected =
+        [&b"P6\n3 2\n255\n"[..], &[135, 0, 1, 95, 1, 1, 55, 2, 1, 255, 0, 0, 215, 1, 0, 175, 2, 0]].concat();
+    assert_eq!(fs::read(&path).unwrap(), expected);
+}
+
+#[test]
+fn all_formats_of_bytes_come_back_as_written() {
+    let folder = tempdir().unwrap();
+    for name in ["a.tga", "a.png", "B.TGA", "b.Png", "a.bmp", "a.ppm"] {
         let path = folder.path().join(name);
         write(&path, &sample()).unwrap();
         assert_eq!(read_picture(&path).unwrap(), sample(), "{name}");
@@ -116,9 +140,9 @@ fn unwritable_targets_are_reported_before_rendering() {
     fs::write(folder.path().join("file"), "").unwrap();
     let rows = [
         ("folder.tga", "cannot write `F/folder.tga`: it is a folder"),
-        ("missing/a.tga", "cannot write `F/missing/a.tga`: No such file or directory (os error 2)"),
+        ("missing/a.tga", "cannot write `F/missing/a.tga`: there is no folder `F/missing`"),
         ("file/a.tga", "cannot write `F/file/a.tga`: Not a directory (os error 20)"),
-        ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .pfm and .exr"),
+        ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ];
     for (name, expected) in rows {
         let error = OutputFile::prepare(&folder.path().join(name)).unwrap_err();

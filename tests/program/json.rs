@@ -146,6 +146,7 @@ fn the_options_are_the_checked_values() {
         "visualize_grid": false,
         "comparison": null,
         "stats": false,
+        "repeat": null,
         "strict": false,
         "json": "-",
         "pixel": null,

@@ -7,6 +7,7 @@ mod causes;
 mod check_your_own;
 mod coincident_surfaces;
 mod command_line;
+mod convert;
 mod comparison;
 mod cost_map;
 mod command_line_errors;
@@ -28,6 +29,8 @@ mod json_numbers;
 mod little_memory;
 #[cfg(feature = "gui")]
 mod live;
+#[cfg(feature = "gui")]
+mod live_attacks;
 #[cfg(feature = "gui")]
 mod live_scenes;
 #[cfg(feature = "gui")]
@@ -53,5 +56,7 @@ mod signals;
 mod special_scenes;
 mod statistics;
 mod support;
+#[cfg(unix)]
+mod terminal;
 mod waits;
 mod warnings;

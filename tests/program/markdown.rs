@@ -1,7 +1,7 @@
 //! The code blocks, links and pictures of a document in Markdown, and the commands in its blocks.
 
 /// Stands before a block that the tests do not run, and says why.
-pub const NOT_RUN: &str = "*Not run by the tests: ";
+pub const NOT_RUN: &str = "<!-- Not run by the tests: ";
 
 /// The first words of lines that are commands, in a block without a prompt.
 const COMMANDS: &[&str] = &[
@@ -137,7 +137,7 @@ pub fn anchor(heading: &str) -> String {
 
 #[test]
 fn blocks_are_found_and_their_commands() {
-    let text = "A\n\n    cargo x\n    no command\n\nB\n  c\n*Not run by the tests: why.*\n\n    ssh y \\\n      z\n\n```console\n$ a\nb\n```\n";
+    let text = "A\n\n    cargo x\n    no command\n\nB\n  c\n<!-- Not run by the tests: why. -->\n\n    ssh y \\\n      z\n\n```console\n$ a\nb\n```\n";
     let found: Vec<_> = blocks(text)
         .iter()
         .map(|block| {

@@ -240,7 +240,7 @@ fn parts_of_different_pictures_do_not_mix() {
     }
     assert_eq!(
         refused(&folder, "a.tga whole.tga"),
-        "error: `whole.tga` is no part of a picture, as `-region` makes it"
+        "error: `whole.tga` is a whole picture of 9 x 9 pixels, and no part as `-region` makes it"
     );
 }
 

@@ -7,7 +7,7 @@ use raytracer::image_io;
 fn a_faulty_command_line_is_status_2_and_one_line() {
     let folder = Folder::with_scene(&sphere());
     for (line, expected) in [
-        ("", "error: no scene: `-input file` is required (`-help` lists every flag)"),
+        ("", "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
         ("-input s.txt -shadow", "error: unknown flag `-shadow`; did you mean `-shadows`?"),
         ("-input s.txt -visualize_grid", "error: `-visualize_grid` needs `-grid nx ny nz`"),
         ("-input s.txt -size 10", "error: `-size` takes 2 values, as in `-size 200 200`; 1 given"),

@@ -1,6 +1,6 @@
 //! The counters of `-stats`, compared with counts made by hand, and the layout of the block.
 
-use crate::support::{Folder, Run, course, finish, program};
+use crate::support::{Folder, Run, course, finish, program, sphere};
 use std::path::Path;
 
 /// The counters of a run.
@@ -274,6 +274,24 @@ RAY TRACING STATISTICS
     assert_eq!(masked(time, &[""]), "#:##:##.###");
     let run = folder.run("-input s.txt -stats -size 20 10 -grid 10 10 7").ok();
     assert!(run.stdout.contains("\n  num grid cells             700 (10x10x7)\n"));
+}
+
+#[test]
+fn repeated_renderings_have_their_times_in_a_block_of_their_own() {
+    let folder = Folder::with_scene(&sphere());
+    let block = "  rendered                   3 times\n  least                      #.# ms\n  \
+                 median                     #.# ms\n  spread                     #.# ms\n";
+    let labels = ["least", "median", "spread"];
+    let alone = folder.run("-input s.txt -size 20 10 -repeat 3 -output o.tga").ok();
+    assert_eq!(squeezed(masked(&alone.stdout, &labels)), block);
+    let with_stats = folder.run("-input s.txt -size 20 10 -repeat 3 -stats").ok().stdout;
+    assert!(squeezed(masked(&with_stats, &labels)).ends_with(block), "{with_stats}");
+    // The picture and the counters are those of one rendering.
+    let once = folder.run("-input s.txt -size 20 10 -stats -output p.tga").ok().stdout;
+    assert!(folder.read("o.tga") == folder.read("p.tga"));
+    let counters =
+        |text: &str| text.lines().filter(|line| line.contains("num ")).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(counters(&with_stats), counters(&once));
 }
 
 /// The counters of that command of the course that writes `picture`.

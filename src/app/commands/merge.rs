@@ -4,7 +4,7 @@ use crate::app::complete_files::CompleteFiles;
 use crate::app::pictures::prepare_file;
 use crate::app::progress::{ProgressLine, rows_text};
 use crate::app::signals::Signals;
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::Merging;
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::image_io::Merge;
@@ -27,5 +27,6 @@ pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     let files = CompleteFiles::default();
     files.add(writer.complete().map_err(failed)?)?;
     files.finish(signals)?;
-    Ok(Outcome { text: String::new(), passes: true })
+    let written = told_files(options.progress, [options.output.file.clone()]);
+    Ok(Outcome { text: String::new(), written, passes: true })
 }

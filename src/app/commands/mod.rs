@@ -2,5 +2,6 @@
 
 pub mod render;
 pub mod merge;
+pub mod convert;
 pub mod grade;
 pub mod report_errors;

@@ -3,20 +3,20 @@
 use crate::app::complete_files::CompleteFiles;
 use crate::app::json::{ComparisonResult, Document};
 use crate::app::page;
-use crate::app::pictures::{Rendered, render};
+use crate::app::pictures::{Rendered, read_picture, render};
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::Crew;
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, TextFile, read_clamped_picture};
+use raytracer::image_io::{OutputFile, TextFile};
 use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
-use raytracer::tools::causes::{Finding, Original};
+use raytracer::tools::causes::{Finding, FinishedPicture, Original};
 use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
 use std::cell::RefCell;
 use std::ffi::OsString;
@@ -76,7 +76,8 @@ pub fn run(
     };
     files.finish(signals)?;
     signals.end_at_once()?;
-    Ok(Outcome { text, passes })
+    let written = told_files(options.progress, options.written().map(Path::to_owned));
+    Ok(Outcome { text, written, passes })
 }
 
 /// What there is to print: the blocks of the rendering, then that of the comparison.
@@ -98,7 +99,8 @@ struct Compared<'o> {
 impl<'o> Compared<'o> {
     /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
     fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
-        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, tell)).transpose();
+        let read =
+            |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
@@ -129,6 +131,7 @@ impl<'o> Compared<'o> {
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
+        let cause = cause.or_else(|| if differs { cause_of_pictures(a, b) } else { None });
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
             files.add(file.complete(&shown.picture).map_err(failed)?)?;
@@ -141,15 +144,6 @@ impl<'o> Compared<'o> {
 /// What finding a cause takes for each pixel, in bytes: the colours of two pictures, their bytes and those of several
 /// wrong ones, with something to spare.
 const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
-/// Reads a picture to compare.
-fn read(path: &Path, tell: &dyn Fn(&str)) -> Result<Picture, String> {
-    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
-    if clamped > 0 {
-        let shown = quoted(path);
-        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are compared clamped"));
-    }
-    Ok(picture)
-}
 
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
@@ -165,7 +159,24 @@ fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Op
     Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }
 
+/// Why a picture differs from another of which no scene can be rendered, if that is known. Only what became of the
+/// finished picture is tried.
+fn cause_of_pictures(a: &Picture, b: &Picture) -> Option<Finding> {
+    let pixels = u64::from(a.width()) * u64::from(a.height());
+    memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
+    let found = FinishedPicture::of_picture(b).explain(std::slice::from_ref(a)).pop()?;
+    (!matches!(found, Finding::Unknown { .. })).then_some(found)
+}
+
 fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
-    failed(format!("cannot compare {} with {}: {error}", name(&wanted.picture), name(&wanted.reference)))
+    let hint = match (&error, &wanted.picture, &wanted.reference) {
+        (CompareError::Sizes { a: [width, height], .. }, Some(_), None)
+        | (CompareError::Sizes { b: [width, height], .. }, None, Some(_)) => {
+            format!("; -size {width} {height} renders that size")
+        }
+        _ => String::new(),
+    };
+    let (one, other) = (name(&wanted.picture), name(&wanted.reference));
+    failed(format!("cannot compare {one} with {other}: {error}{hint}"))
 }

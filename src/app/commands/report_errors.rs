@@ -5,7 +5,7 @@ use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{self, PoolPlace};
 use crate::app::warned;
-use crate::app::{End, Outcome, failed};
+use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
@@ -67,7 +67,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
         tell("note: the run was ended; the report has what was measured until then");
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
-    Ok(Outcome { text: text(&report, &answers), passes })
+    let written = told_files(options.progress, reporting.report_files());
+    Ok(Outcome { text: text(&report, &answers), written, passes })
 }
 
 /// The page and the table in a folder, which is made if there is none.

@@ -147,3 +147,38 @@ fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
     });
     [&(data.len() as u32).to_be_bytes()[..], &checked, &check.to_be_bytes()].concat()
 }
+
+/// An uncompressed BMP file of 24 bits per pixel, with its rows from the bottom or, with a negative height, from the top.
+pub(super) fn bmp(is_from_top: bool) -> Vec<u8> {
+    let mut rows: Vec<Vec<u8>> =
+        COLORS.chunks(WIDTH.into()).map(|row| row.iter().flat_map(|&rgb| bgr(rgb)).collect()).collect();
+    rows.iter_mut().for_each(|row| row.resize(row.len().next_multiple_of(4), 0));
+    let height = if is_from_top { -i32::from(HEIGHT) } else { i32::from(HEIGHT) };
+    if !is_from_top {
+        rows.reverse();
+    }
+    bmp_file([WIDTH.into(), height], 24, 0, &[], &rows.concat())
+}
+
+/// A BMP file with this table of colours and these rows.
+pub(super) fn bmp_file(
+    [width, height]: [i32; 2],
+    bits: u8,
+    compression: u8,
+    map: &[u8],
+    rows: &[u8],
+) -> Vec<u8> {
+    let start = (54 + map.len()) as u32;
+    let length = start + rows.len() as u32;
+    let colors = (map.len() / 4) as u32;
+    let mut file = b"BM".to_vec();
+    for field in
+        [length, 0, start, 40, width as u32, height as u32, 1 | u32::from(bits) << 16, compression.into()]
+    {
+        file.extend(field.to_le_bytes());
+    }
+    for field in [rows.len() as u32, 0, 0, colors, 0] {
+        file.extend(field.to_le_bytes());
+    }
+    [file, map.to_vec(), rows.to_vec()].concat()
+}

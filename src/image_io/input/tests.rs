@@ -121,6 +121,43 @@ fn png_of_every_colour_type_and_depth() {
 }
 
 #[test]
+fn bmp_from_the_bottom_and_the_top_with_a_map_and_in_runs() {
+    let folder = Folder::new();
+    for is_from_top in [false, true] {
+        assert_eq!(folder.read("a.bmp", &bmp(is_from_top)).unwrap(), picture(&COLORS), "{is_from_top}");
+    }
+    let map: Vec<u8> = COLORS.iter().flat_map(|&color| [bgr(color), vec![0]].concat()).collect();
+    let rows = [3, 4, 5, 0, 0, 1, 2, 0];
+    let mapped = bmp_file([3, 2], 8, 0, &map, &rows);
+    assert_eq!(folder.read("a.bmp", &mapped).unwrap(), picture(&COLORS));
+    // A run of three, the end of the row, three pixels as they are, and the end of the picture.
+    let runs = bmp_file([3, 2], 8, 1, &map, &[3, 4, 0, 0, 0, 3, 0, 1, 2, 0, 0, 1]);
+    let [red, green, blue] = [COLORS[0], COLORS[1], COLORS[2]];
+    assert_eq!(
+        folder.read("a.bmp", &runs).unwrap(),
+        picture(&[red, green, blue, COLORS[4], COLORS[4], COLORS[4]])
+    );
+}
+
+#[test]
+fn ppm_of_bytes_text_and_two_bytes_with_comments() {
+    let folder = Folder::new();
+    let colors = COLORS.concat();
+    let text: String = colors.iter().map(|byte| format!("{byte}\n")).collect();
+    let wide: Vec<u8> = colors.iter().flat_map(|&byte| [byte, 77]).collect();
+    for file in [
+        [b"P6\n3 2\n255\n", colors.as_slice()].concat(),
+        [b"P6\n# by hand\n3 2 255\n", colors.as_slice()].concat(),
+        format!("P3\n3 2\n255\n{text}").into_bytes(),
+        [b"P6 3 2 65535\n", wide.as_slice()].concat(),
+    ] {
+        assert_eq!(folder.read("a.ppm", &file).unwrap(), picture(&COLORS));
+    }
+    let grey = [b"P5 3 2 255\n", GREYS.as_slice()].concat();
+    assert_eq!(folder.read("a.ppm", &grey).unwrap(), picture(&GREYS.map(|level| [level; 3])));
+}
+
+#[test]
 fn sizes_that_do_not_fit_the_file_are_rejected_before_memory_is_allocated() {
     let folder = Folder::new();
     let expected = |name: &str| format!("cannot read `F/{name}`: it is too short for 65535 x 65535 pixels");
@@ -130,6 +167,8 @@ fn sizes_that_do_not_fit_the_file_are_rejected_before_memory_is_allocated() {
     }
     let file = png([65535, 65535], 8, 2, &[], &[&[0; 100]]);
     assert_eq!(folder.complaint("a.png", &file), expected("a.png"));
+    assert_eq!(folder.complaint("a.bmp", &bmp_file([65535; 2], 24, 0, &[], &[0; 99])), expected("a.bmp"));
+    assert_eq!(folder.complaint("a.ppm", b"P6 65535 65535 255\n abc"), expected("a.ppm"));
     let wide = folder.complaint("a.png", &png([i32::MAX as u32, 1], 16, 6, &[], &[]));
     assert!(wide.contains("limit"), "{wide}");
 }
@@ -164,6 +203,8 @@ fn files_that_end_early_are_errors_wherever_they_end() {
     let files = [
         ("raw.tga", tga(2, 24, (0, 0, 0)).file(&[], &COLORS.map(bgr))),
         ("packets.tga", tga(10, 24, (0, 0, 0)).file(&[], &COLORS.map(bgr))),
+        ("a.bmp", bmp(false)),
+        ("a.ppm", [b"P6 3 2 255\n", COLORS.concat().as_slice()].concat()),
         ("mapped.tga", mapped.file(&COLORS.map(bgr).concat(), &[0, 1, 2, 3, 4, 5].map(|i| vec![i]))),
         // The picture is complete without the checksum at the end of its data.
         ("a.png", png([2, 1], 8, 2, &[], &[&[1, 2, 3, 4, 5, 6]])),
@@ -190,6 +231,8 @@ fn a_damaged_byte_leads_to_a_picture_or_an_error() {
     let files = [
         ("a.tga", mapped.file(&COLORS.map(packed).concat(), &[2, 3, 4, 5, 6, 7].map(|i| vec![i]))),
         ("b.tga", packets.file(&[], &COLORS.map(bgra))),
+        ("d.bmp", bmp(true)),
+        ("e.ppm", [b"P6 3 2 255\n", COLORS.concat().as_slice()].concat()),
         ("c.png", png([2, 1], 8, 3, &[(b"PLTE", &[1, 2, 3, 40, 50, 60])], &[&[1, 0]])),
     ];
     for (name, file) in files {

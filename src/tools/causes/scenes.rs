@@ -1,7 +1,7 @@
 //! Mistakes in what a scene means: its lights, its materials, its transformations.
 
 use super::requests::has;
-use super::transform_order;
+use super::{rotations, transform_order};
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::model::{FaceWeights, Highlight, MeshNormals, Model, Screen};
 use crate::scene::{Color, Light, Scene};
@@ -20,6 +20,14 @@ pub enum SceneChange {
     NotAttenuated,
     /// The direction of a directional light is taken for the one towards it.
     LightsReversed,
+    /// The ambient light is added once for each light.
+    AmbientPerLight,
+    /// Exponents of highlights are twice as large.
+    ExponentDoubled,
+    /// Exponents of highlights are half as large.
+    ExponentHalved,
+    /// The angles of rotations are taken for radians.
+    RotationsInRadians,
     /// There are no highlights.
     NoHighlights,
     /// One over the index of refraction is taken for it.
@@ -43,7 +51,7 @@ pub enum SceneChange {
 }
 
 impl SceneChange {
-    pub(super) const ALL: [Self; 14] = [
+    pub(super) const ALL: [Self; 18] = [
         Self::NoAmbient,
         Self::BlackBackground,
         Self::NotAttenuated,
@@ -58,6 +66,10 @@ impl SceneChange {
         Self::CubeFacesSwapped,
         Self::ListsReversed,
         Self::NestingReversed,
+        Self::AmbientPerLight,
+        Self::ExponentDoubled,
+        Self::ExponentHalved,
+        Self::RotationsInRadians,
     ];
 
     /// The changed scene, whose text this is; none where the change cannot show.
@@ -94,6 +106,14 @@ impl SceneChange {
                 faces.as_chunks_mut::<2>().0.iter_mut().for_each(|opposite| opposite.swap(0, 1));
                 true
             }),
+            Self::AmbientPerLight => {
+                let count = changed.lights.len().max(1) as f64;
+                let ambient = count * changed.background.ambient;
+                replaced(&mut changed.background.ambient, ambient)
+            }
+            Self::ExponentDoubled => any_phong(&mut changed, |phong| scale_exponent(phong, 2.0)),
+            Self::ExponentHalved => any_phong(&mut changed, |phong| scale_exponent(phong, 0.5)),
+            Self::RotationsInRadians => return rotations::in_radians(text),
             Self::ListsReversed => return transform_order::with_lists_reversed(text),
             Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
         };
@@ -109,6 +129,11 @@ fn put_out_ambient(scene: &mut Scene) -> bool {
         return true;
     }
     replaced(&mut scene.background.ambient, Color::ZERO)
+}
+
+fn scale_exponent(phong: &mut Phong, factor: f64) -> bool {
+    let exponent = factor * phong.exponent;
+    phong.specular != Color::ZERO && replaced(&mut phong.exponent, exponent)
 }
 
 fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
@@ -179,6 +204,10 @@ impl fmt::Display for SceneChange {
             Self::OtherFaceWeights => "with other weights of the faces around a vertex",
             Self::CubeFacesSwapped => "with opposite faces of the cube map swapped",
             Self::ListsReversed => "with the transformations of a list multiplied in the other order",
+            Self::AmbientPerLight => "with the ambient light once for each light",
+            Self::ExponentDoubled => "with the exponents of highlights doubled",
+            Self::ExponentHalved => "with the exponents of highlights halved",
+            Self::RotationsInRadians => "with the degrees of rotations taken for radians",
             Self::NestingReversed => "with nested transforms multiplied in the other order",
         })
     }

@@ -6,7 +6,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input s.txt -output o.jpeg",
         2,
-        "error: `-output`: `o.jpeg` ends in none of .tga, .png, .pfm and .exr",
+        "error: `-output`: `o.jpeg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
     ),
     (
         "r -input s.txt -size 99999999999999999999 3",
@@ -42,17 +42,21 @@ pub const CASES: &[Case] = &[
     ("r -input s.txt -threads -1", 2, "error: `-threads`: `-1` is not between 1 and 4096"),
     ("r -input s.txt -threads ''", 2, "error: `-threads`: `` is not a whole number"),
     ("r -input s.txt -output", 2, "error: `-output` needs a value"),
-    ("r -input s.txt -output ''", 2, "error: `-output`: `` ends in none of .tga, .png, .pfm and .exr"),
+    (
+        "r -input s.txt -output ''",
+        2,
+        "error: `-output`: `` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+    ),
     ("r -input ''", 1, "error: cannot read the scene: No such file or directory"),
     ("r -grade class", 2, "error: `-grade` needs `-reference folder` or `-commands file`"),
     ("r -grade class -reference", 2, "error: `-reference` needs a value"),
     ("r -commands c.txt", 2, "error: `-commands` needs `-grade folder`"),
     ("r -report p.html", 2, "error: `-report` needs `-grade folder`"),
     ("r -grade class -commands c.txt -report p.txt", 2, "error: `-report`: `p.txt` does not end in .html"),
-    ("r -error_report rep", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    ("r -error_report rep", 2, "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
     ("r -input s.txt -target 2", 2, "error: `-target` needs `-error_report folder`"),
     ("r -input s.txt -error_report rep -target none", 2, "error: `-target`: `none` is not a finite number"),
-    ("r -reference b.tga", 2, "error: no scene: `-input file` is required (`-help` lists every flag)"),
+    ("r -reference b.tga", 2, "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
     (
         "r -compare b.tga -reference b.tga -tolerance 0",
         2,

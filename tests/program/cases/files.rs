@@ -3,7 +3,7 @@
 use super::Case;
 
 pub const CASES: &[Case] = &[
-    ("r -input s.txt -output gone/o.tga", 1, "error: cannot write `gone/o.tga`: No such file or directory"),
+    ("r -input s.txt -output gone/o.tga", 1, "error: cannot write `gone/o.tga`: there is no folder `gone`"),
     ("r -input s.txt -output folder.tga", 1, "error: cannot write `folder.tga`: it is a folder"),
     ("r -input s.txt -output s.txt/o.tga", 1, "error: cannot write `s.txt/o.tga`: Not a directory"),
     (
@@ -11,8 +11,8 @@ pub const CASES: &[Case] = &[
         1,
         "error: cannot write `loop.tga`: Too many levels of symbolic links",
     ),
-    ("r -input s.txt -normals gone/o.tga", 1, "error: cannot write `gone/o.tga`: No such file or directory"),
-    ("r -input s.txt -json gone/o.json", 1, "error: cannot write `gone/o.json`: No such file or directory"),
+    ("r -input s.txt -normals gone/o.tga", 1, "error: cannot write `gone/o.tga`: there is no folder `gone`"),
+    ("r -input s.txt -json gone/o.json", 1, "error: cannot write `gone/o.json`: there is no folder `gone`"),
     ("r -input s.txt -json folder.json", 1, "error: cannot write `folder.json`: it is a folder"),
     (
         "r -input s.txt -output \"$(head -c 300 /dev/zero | tr '\\0' x).tga\"",
@@ -69,14 +69,14 @@ pub const CASES: &[Case] = &[
     (
         "r -compare b.tga -reference b.tga -difference gone/d.png",
         1,
-        "error: cannot write `gone/d.png`: No such file or directory",
+        "error: cannot write `gone/d.png`: there is no folder `gone`",
     ),
     ("r -compare b.tga -reference b.png >/dev/null", 0, ""),
     ("r -compare b.tga -reference b.png -tolerance 0 0 >/dev/null", 0, ""),
     (
         "r -input s.txt -size 4 4 -shade_back -compare wide.tga",
         1,
-        "error: cannot compare `wide.tga` with the rendered picture: the pictures differ in size: 5 x 4 pixels against 4 x 4",
+        "error: cannot compare `wide.tga` with the rendered picture: the pictures differ in size: 5 x 4 pixels against 4 x 4; -size 5 4 renders that size",
     ),
     ("r -grade gone -reference class", 1, "error: cannot read the folder `gone`: No such file or directory"),
     ("r -grade s.txt -reference class", 1, "error: cannot read the folder `s.txt`: Not a directory"),
@@ -94,7 +94,7 @@ pub const CASES: &[Case] = &[
     (
         "r -grade class -commands c.txt -report gone/p.html",
         1,
-        "error: cannot write `gone/p.html`: No such file or directory",
+        "error: cannot write `gone/p.html`: there is no folder `gone`",
     ),
     ("r -grade class -commands c.txt -tolerance 0 0 >/dev/null", 0, ""),
     ("r -grade class -reference class/anna -tolerance 0 0 >/dev/null", 0, ""),

@@ -49,7 +49,9 @@ impl Source<'_> {
     /// Why each wrong picture differs from the reference.
     pub fn explain(self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
         let finished = match self {
-            Self::Scene(mut original) => return original.explain_parts(wrong, reference),
+            Self::Scene(mut original) => {
+                return original.explain_parts(wrong, reference).into_iter().map(Some).collect();
+            }
             Self::Colors(colors) => FinishedPicture::of_colors(colors),
             Self::File => FinishedPicture::of_picture(reference),
         };
@@ -128,7 +130,8 @@ impl References {
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
     let request = Request { layers: vec![layer], ..options.request() };
-    let source = if layer == Layer::Color && !options.visualize_grid {
+    let is_of_scene = matches!(layer, Layer::Color | Layer::Depth { .. } | Layer::Normals);
+    let source = if is_of_scene && !options.visualize_grid {
         let original = Original::new(renderer, Structure::Any, &request);
         Source::Scene(Box::new(original.ok_or("there is no memory for the picture")?))
     } else {

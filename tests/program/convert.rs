@@ -1,0 +1,93 @@
+//! Pictures in other formats, with and without a scene.
+
+use crate::support::{Folder, sphere};
+use raytracer::image_io::read_picture;
+
+const RENDER: &str = "-input s.txt -size 21 15 -shadows";
+
+#[test]
+fn a_picture_becomes_one_of_another_format_as_if_it_had_been_rendered() {
+    let folder = Folder::with_scene(&sphere());
+    let endings = ["tga", "png", "bmp", "ppm"];
+    for end in endings {
+        folder.run(&format!("{RENDER} -output o.{end} -normals n.{end}")).ok();
+    }
+    for (from, to) in endings.iter().flat_map(|from| endings.map(|to| (from, to))) {
+        let run = folder.run(&format!("-convert o.{from} -output c.{to}")).ok();
+        assert_eq!((run.stdout, run.stderr), (String::new(), String::new()));
+        assert!(folder.read(&format!("c.{to}")) == folder.read(&format!("o.{to}")), "{from} to {to}");
+    }
+    let run = folder.run("-compare o.bmp -reference o.ppm -tolerance 0 0 -difference d.bmp").ok();
+    assert!(
+        run.stdout.contains("pixels that differ") && folder.names().contains(&"d.bmp".into()),
+        "{}",
+        run.stdout
+    );
+    assert!(folder.run(&format!("{RENDER} -compare o.bmp -tolerance 0 0")).status == Some(0));
+    let written = folder.command("-convert o.png -output - ppm").output().unwrap();
+    assert!(written.stdout == folder.read("o.ppm"));
+}
+
+#[test]
+fn numbers_become_bytes_and_clamped_ones_are_counted() {
+    let folder = Folder::with_scene(&sphere().replace("color 1 1 1", "color 2 2 2"));
+    folder.run(&format!("{RENDER} -output o.tga -depth 8 9 o.exr")).ok();
+    folder.run(&format!("{RENDER} -output o.pfm")).ok();
+    let run = folder.run("-convert o.pfm -output c.tga").ok();
+    assert!(
+        run.stderr.starts_with("note: ") && run.stderr.ends_with("they are converted clamped\n"),
+        "{}",
+        run.stderr
+    );
+    assert!(folder.read("c.tga") == folder.read("o.tga"));
+    assert_eq!(
+        folder.run("-convert o.tga -output c.exr").message(2),
+        "error: `-output`: `c.exr` ends in none of .tga, .png, .bmp and .ppm\n"
+    );
+}
+
+#[test]
+fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
+    let folder = Folder::with_scene(&sphere());
+    folder.run(&format!("{RENDER} -output o.png")).ok();
+    let before = folder.read("o.png");
+    for (line, status, message) in [
+        ("-convert o.png -output o.png", 2, "`o.png` is the picture `o.png`, which would be lost"),
+        ("-convert o.png -output ./o.png", 2, "`./o.png` is the picture `o.png`, which would be lost"),
+        ("-convert o.png", 2, "`-convert` needs `-output file`"),
+        ("-convert o.png -output a.bmp -size 3 3", 2, "`-convert` cannot be combined with `-size`"),
+        ("-convert o.png -merge o.png -output a.bmp", 2, "`-convert` cannot be combined with `-merge`"),
+        (
+            "-convert gone.png -output a.bmp",
+            1,
+            "cannot read `gone.png`: No such file or directory (os error 2)",
+        ),
+        (
+            "-convert s.txt -output a.bmp",
+            2,
+            "`-convert`: `s.txt` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+        ),
+        (
+            "-merge o.png -output a.bmp",
+            1,
+            "`o.png` is a whole picture of 21 x 15 pixels, and no part as `-region` makes it",
+        ),
+        ("-merge o.bmp -output a.png", 2, "`-merge`: `o.bmp` ends in neither .tga nor .png, as parts do"),
+    ] {
+        assert_eq!(folder.run(line).message(status), format!("error: {message}\n"), "{line}");
+    }
+    assert!(folder.names() == ["o.png", "s.txt"] && folder.read("o.png") == before);
+}
+
+#[test]
+fn parts_make_a_picture_of_any_format_of_bytes() {
+    let folder = Folder::with_scene(&sphere());
+    folder.run(&format!("{RENDER} -region 0 0 21 8 -output a.png")).ok();
+    folder.run(&format!("{RENDER} -region 0 8 21 7 -output b.tga")).ok();
+    folder.run(&format!("{RENDER} -output o.bmp")).ok();
+    folder.run("-merge a.png b.tga -output m.bmp").ok();
+    assert!(folder.read("m.bmp") == folder.read("o.bmp"));
+    folder.run(&format!("{RENDER} -region 0 8 21 7 -output p.ppm")).ok();
+    let [part, same] = ["p.ppm", "b.tga"].map(|name| read_picture(&folder.path().join(name)).unwrap());
+    assert_eq!(part, same);
+}

@@ -1,0 +1,261 @@
+//! The live page under attack: whatever is asked of it ends within a second after its client has left or its time is
+//! over, in every phase of the work, and others are served meanwhile.
+#![cfg(target_os = "linux")]
+
+use crate::live_server::{Server, view};
+use crate::support::{Folder, scene, sphere};
+use serde_json::{Value, json};
+use std::fs;
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::thread::{self, sleep};
+use std::time::{Duration, Instant};
+
+/// Glass within glass, whose rays double at every surface.
+const GLASS: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
+    Lights { numLights 1 DirectionalLight { direction -1 -1 -1 color 1 1 1 } }
+    Materials { numMaterials 1 Material { diffuseColor 1 0 0 reflectiveColor 1 1 1 transparentColor 1 1 1
+    indexOfRefraction 1.5 } }
+    Group { numObjects 3 MaterialIndex 0 Sphere { center 0 0 0 radius 10 } Sphere { center 0 0 0 radius 5.5 }
+    Sphere { center 1 0 0 radius 1 } }";
+const DEEP: &str = "-bounces 16 -random_samples 1024";
+const SECOND: Duration = Duration::from_secs(1);
+
+/// The time for which the workers of a server have used processors.
+fn work_of(server: &Server) -> f64 {
+    let is_worker = |stat: &Vec<String>| stat[1] == server.child.id().to_string();
+    let stats = fs::read_dir("/proc").expect("processes").filter_map(|entry| {
+        let stat = fs::read_to_string(entry.ok()?.path().join("stat")).ok()?;
+        Some(stat.rsplit(')').next()?.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+    });
+    let ticks = |stat: Vec<String>| -> f64 {
+        stat[11..13].iter().map(|time| time.parse::<f64>().unwrap_or(0.0)).sum()
+    };
+    stats.filter(is_worker).map(ticks).sum::<f64>() / 100.0
+}
+
+/// Asks, and leaves after a while, while there is work to do. The workers must have nothing to do a second later.
+fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
+    let mut stream = server.connect();
+    stream.write_all(&server.request(&format!("POST {path}"), &[], body)).expect("a request");
+    sleep(after);
+    stream.set_nonblocking(true).expect("no waiting");
+    assert!(stream.peek(&mut [0]).is_err(), "{path}: there is an answer already");
+    drop(stream);
+    sleep(SECOND);
+    let before = work_of(server);
+    sleep(SECOND / 2);
+    let more = work_of(server) - before;
+    assert!(more < 0.1, "{path}: {more} s of work in half a second, a second after its client has left");
+}
+
+fn wanted(page: u64, view: &Value) -> Value {
+    json!({ "page": page, "turn": 1, "view": view, "sketch": null })
+}
+
+fn bytes(question: &Value) -> Vec<u8> {
+    question.to_string().into_bytes()
+}
+
+/// A grid of triangles as a mesh, with so many along each side.
+fn sheet(side: usize) -> String {
+    let corners = (0..side * side).map(|k| format!("v {} {} {}\n", k % side, k / side, (k * k) % 7));
+    let faces = (0..side * side).filter(|k| k % side + 1 < side && k / side + 1 < side);
+    let quads = faces.map(|k| format!("f {} {} {} {}\n", k + 1, k + 2, k + side + 2, k + side + 1));
+    corners.chain(quads).collect()
+}
+
+#[test]
+fn work_ends_with_its_client_in_every_phase() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4");
+    let (short, long) = (Duration::from_millis(50), Duration::from_millis(700));
+    let deep = |size: &str| view(0, &format!("-size {size} {DEEP}"));
+    // Rendering, also where a pixel takes long.
+    leave(&server, "/picture", &bytes(&wanted(1, &deep("2048 2048"))), long);
+    leave(&server, "/picture", &bytes(&wanted(1, &deep("1 1"))), short);
+    // Saving is refused at once where no picture is named.
+    assert_eq!(server.ask("/save", &deep("9 9")).unwrap_err().0, 422);
+    // An explanation.
+    leave(&server, "/trace", &bytes(&json!({ "view": deep("9 9"), "pixel": [4, 4] })), long);
+    // A comparison, and its cause.
+    let tga = |side: u16| {
+        let [low, high] = side.to_le_bytes();
+        let head = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, low, high, low, high, 24, 0x20];
+        let noise = (0..3 * usize::from(side).pow(2)).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8);
+        head.into_iter().chain(noise).collect::<Vec<u8>>()
+    };
+    assert_eq!(server.post("/reference?name=a.tga", &[], &tga(2048)).expect("an answer").0, 200);
+    leave(&server, "/compare", &bytes(&wanted(2, &view(0, "-size 2048 2048"))), long / 2);
+    assert_eq!(server.post("/reference?name=a.tga", &[], &tga(1500)).expect("an answer").0, 200);
+    leave(
+        &server,
+        "/cause",
+        &bytes(&wanted(3, &view(0, "-size 1500 1500 -bounces 6"))),
+        Duration::from_secs(3),
+    );
+    // A scene that takes long to be read and built, and its tree and its grid.
+    for name in ["a.obj", "b.obj", "c.obj"] {
+        folder.write(name, sheet(500));
+    }
+    let mesh = |name: &str| format!("TriangleMesh {{ obj_file {name} }}");
+    let text = scene(3, &["a.obj", "b.obj", "c.obj"].map(mesh).concat());
+    let typed = bytes(&json!({ "text": text }));
+    leave(&server, "/scene", &typed, short);
+    leave(&server, "/scene", &typed, 5 * short);
+    let (said, _) = server.ask("/scene", &json!({ "text": text })).expect("a scene");
+    let revision = said["scene"]["revision"].as_u64().expect("a revision");
+    for words in
+        ["-size 2048 2048", "-size 9 9 -grid 100 100 100", "-size 9 9 -grid 100 100 100 -visualize_grid"]
+    {
+        leave(&server, "/picture", &bytes(&wanted(4, &view(revision, words))), short);
+    }
+    leave(&server, "/objects", &bytes(&view(revision, "-size 9 9")), short);
+    assert!(server.is_alive());
+}
+
+#[test]
+fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4 -output o.tga");
+    let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
+    thread::scope(|scope| {
+        let start = Instant::now();
+        let traced = scope.spawn(|| server.ask("/trace", &json!({ "view": deep, "pixel": [1000, 1000] })));
+        let streams: Vec<TcpStream> = (0..2)
+            .map(|page| {
+                let mut stream = server.connect();
+                let question = bytes(&wanted(page, &deep));
+                stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
+                stream
+            })
+            .collect();
+        sleep(SECOND);
+        let asked = Instant::now();
+        server.ask("/picture", &wanted(9, &view(0, "-size 20 20"))).expect("a picture");
+        assert!(asked.elapsed() < 2 * SECOND, "others wait for {:?}", asked.elapsed());
+        let (status, said) = traced.join().expect("no panic").unwrap_err();
+        let took = start.elapsed();
+        assert!(status == 422 && said.contains("longer than a page may"), "{status} {said}");
+        assert!(took > 19 * SECOND && took < 21 * SECOND, "{took:?}");
+        drop(streams);
+    });
+}
+
+#[test]
+fn a_client_that_says_no_more_gets_its_answer() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4");
+    let slow = wanted(1, &view(0, "-size 60 60 -bounces 12 -random_samples 4"));
+    let mut stream = server.connect();
+    stream.write_all(&server.request("POST /picture", &[], &bytes(&slow))).expect("a request");
+    stream.shutdown(Shutdown::Write).expect("half closed");
+    let start = Instant::now();
+    let mut answer = vec![];
+    stream.read_to_end(&mut answer).expect("an answer");
+    assert!(start.elapsed() > SECOND / 4, "too fast to tell: {:?}", start.elapsed());
+    assert!(
+        answer.starts_with(b"HTTP/1.1 200 OK\r\nContent-Type: "),
+        "{:?}",
+        String::from_utf8_lossy(&answer[..40])
+    );
+}
+
+#[test]
+fn a_worker_that_dies_takes_nobody_with_it() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    let (said, _) = server.ask("/scene", &json!({ "text": GLASS })).expect("a scene");
+    let revision = said["scene"]["revision"].as_u64().expect("a revision");
+    // The file is another one now, but the page shows the text that it has shown before.
+    let before = server.pixels(view(0, "-size 30 30"));
+    folder.write("s.txt", "nothing");
+    let workers = || {
+        let found = std::process::Command::new("pgrep").args(["-P", &server.child.id().to_string()]).output();
+        String::from_utf8(found.expect("pgrep").stdout).expect("text")
+    };
+    let slow = bytes(&wanted(1, &view(revision, &format!("-size 2048 2048 {DEEP}"))));
+    let (status, said) = thread::scope(|scope| {
+        let asked = scope.spawn(|| server.post("/picture", &[], &slow).expect("an answer"));
+        sleep(SECOND);
+        for worker in workers().lines() {
+            assert!(
+                std::process::Command::new("kill").args(["-KILL", worker]).status().expect("kill").success()
+            );
+        }
+        asked.join().expect("no panic")
+    });
+    assert!(status == 422 && said.starts_with(b"the work on this has ended"), "{status}");
+    assert_eq!(server.pixels(view(0, "-size 30 30")), before);
+    server.ask("/picture", &wanted(2, &view(revision, "-size 9 9"))).expect("a picture of the typed scene");
+}
+
+#[test]
+fn no_worker_outlives_the_program() {
+    for signal in ["-TERM", "-KILL"] {
+        let folder = Folder::with_scene(GLASS);
+        let mut server = Server::start(folder.path(), "-size 4 4");
+        let slow = wanted(1, &view(0, &format!("-size 2048 2048 {DEEP}")));
+        let mut stream = server.connect();
+        stream.write_all(&server.request("POST /picture", &[], &bytes(&slow))).expect("a request");
+        sleep(SECOND / 2);
+        let id = server.child.id().to_string();
+        let workers = std::process::Command::new("pgrep").args(["-P", &id]).output().expect("pgrep").stdout;
+        let workers = String::from_utf8(workers).expect("text");
+        assert!(!workers.is_empty());
+        std::process::Command::new("kill").args([signal, &id]).status().expect("kill");
+        let _ = server.child.wait();
+        sleep(SECOND);
+        for worker in workers.lines() {
+            let stat = fs::read_to_string(format!("/proc/{worker}/stat")).unwrap_or_default();
+            let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
+            assert!(matches!(state, None | Some('Z')), "{signal}: {stat}");
+        }
+    }
+}
+
+#[test]
+fn many_connections_and_slow_ones_make_room() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    // Some have the key and rest, some say a part of a head or of a body, and some wait to hear that the program lives.
+    let with_key = |start: &str, body: &[u8]| {
+        let mut stream = server.connect();
+        let request = server.request(start, &[("Connection", "keep-alive")], body);
+        let _ = stream.write_all(&request);
+        stream
+    };
+    let resting: Vec<TcpStream> = (0..40).map(|_| with_key("POST /start", b"{}")).collect();
+    let listening: Vec<TcpStream> = (0..40).map(|_| with_key("POST /alive", b"")).collect();
+    let part = server.request("POST /start", &[], b"{}");
+    let dripping: Vec<TcpStream> = (0..40)
+        .map(|_| {
+            let mut stream = server.connect();
+            let _ = stream.write_all(&part[..20]);
+            stream
+        })
+        .collect();
+    let start = Instant::now();
+    assert!(server.is_alive() && start.elapsed() < 4 * SECOND);
+    let huge = server.request("POST /start", &[("Cookie", &"c".repeat(1 << 20))], b"");
+    assert!(server.send(&huge).is_none_or(|(status, _)| status == 431));
+    let long = server.request("POST /scene", &[("Content-Length", "2000000000")], b"x");
+    assert_eq!(server.send(&long).map(|(status, _)| status), Some(413));
+    assert!(server.is_alive());
+    drop((resting, listening, dripping));
+}
+
+#[test]
+fn the_page_learns_that_the_program_ends() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    thread::scope(|scope| {
+        let alive = scope.spawn(|| server.post("/alive", &[], b""));
+        sleep(SECOND / 2);
+        assert_eq!(server.post("/quit", &[], b"").expect("an answer").0, 200);
+        let start = Instant::now();
+        // It says so, or the connection breaks.
+        assert!(alive.join().expect("no panic").is_none_or(|(_, said)| said == b"ended\n"));
+        assert!(start.elapsed() < SECOND);
+    });
+}

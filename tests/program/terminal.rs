@@ -1,0 +1,60 @@
+//! What a person at a terminal sees: colours, and what a finished run wrote. Elsewhere all stays as it is.
+
+use crate::support::{Folder, scene, sphere};
+use std::process::{Command, Stdio};
+
+/// What a terminal gets from a run, and its status; none, with a note, where there is no program `script`, which has
+/// pseudo terminals.
+fn on_terminal(folder: &Folder, line: &str, variable: Option<(&str, &str)>) -> Option<(String, Option<i32>)> {
+    let mut command = Command::new("script");
+    command.args(["-qec", &format!("{} {line}", env!("CARGO_BIN_EXE_raytracer")), "/dev/null"]);
+    command.current_dir(folder.path()).stdin(Stdio::null()).env_remove("NO_COLOR").env("TERM", "xterm");
+    command.envs(variable);
+    let Ok(output) = command.output() else {
+        println!("skipped: script is not installed");
+        return None;
+    };
+    Some((String::from_utf8(output.stdout).expect("text").replace("\r\n", "\n"), output.status.code()))
+}
+
+#[test]
+fn a_finished_run_says_what_it_wrote_and_how_long_it_took() {
+    let folder = Folder::with_scene(&sphere());
+    let line = "-input s.txt -size 9 9 -output o.tga -normals n.png -json j.json";
+    let Some((told, status)) = on_terminal(&folder, line, None) else { return };
+    let time =
+        told.strip_prefix("wrote `o.tga`, `n.png`, `j.json` in ").and_then(|rest| rest.strip_suffix(" ms\n"));
+    assert!(time.is_some_and(|time| time.parse::<u32>().is_ok()) && status == Some(0), "{told}");
+    let parts = "-input s.txt -size 9 9 -region 0 0 9 9 -output p.png";
+    on_terminal(&folder, parts, None);
+    for (line, start) in [
+        ("-merge p.png -output m.tga", "wrote `m.tga` in "),
+        ("-grade . -reference . -report r.html", "error: "),
+        ("-input s.txt -size 9 9 -stats -output o.tga", "****"),
+    ] {
+        let told = on_terminal(&folder, line, Some(("NO_COLOR", "1"))).unwrap().0;
+        assert!(told.starts_with(start), "{line}: {told}");
+    }
+    // Nothing to tell, or nobody who wants to know.
+    for line in
+        ["-input s.txt -size 9 9 -output o.tga -quiet", "-input s.txt -size 9 9 -compare o.tga -quiet"]
+    {
+        assert!(!on_terminal(&folder, line, None).unwrap().0.contains("wrote"), "{line}");
+    }
+    let elsewhere = folder.run(line).ok();
+    assert_eq!((elsewhere.stdout, elsewhere.stderr), (String::new(), String::new()));
+}
+
+#[test]
+fn errors_have_colour_on_a_terminal_that_may_have_it() {
+    let folder = Folder::with_scene(&scene(1, "Sphere { center 0 0 zero radius .7 }"));
+    let Some((told, status)) = on_terminal(&folder, "-sise", None) else { return };
+    assert_eq!(told, "\u{1b}[1;31merror:\u{1b}[0m unknown flag `-sise`; did you mean `-size`?\n");
+    assert_eq!(status, Some(2));
+    let (told, _) = on_terminal(&folder, "-input s.txt -output o.tga", None).unwrap();
+    assert!(told.starts_with("s.txt:5:21: \u{1b}[1;31merror:\u{1b}[0m expected a number"), "{told}");
+    for variable in [("NO_COLOR", "1"), ("TERM", "dumb")] {
+        let (told, _) = on_terminal(&folder, "-sise", Some(variable)).unwrap();
+        assert_eq!(told, "error: unknown flag `-sise`; did you mean `-size`?\n", "{variable:?}");
+    }
+}
