@@ -230,7 +230,7 @@ flags! {
     JITTERED_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "jittered_samples")
         .values(&[number("n")])
         .usual()
-        .elsewhere(&["aa", "antialias", "antialiasing", "supersample", "supersampling", "msaa", "samples", "spp", "n", "jitter"])
+        .elsewhere(&["aa", "antialias", "antialiasing", "supersample", "supersampling", "msaa", "samples", "spp", "n"])
         .default("1, the centre")
         .help("Takes n samples per pixel, which smooths edges. Each lies at random in a cell of the grid of -uniform_samples.")
         .example("-jittered_samples 16")

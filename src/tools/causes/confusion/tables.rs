@@ -282,7 +282,21 @@ fn the_page_shows_what_is_named() {
     // Nothing is so near to anything else in these scenes.
     let small = [0.0001, 0.001].map(|distance| Cause::Rule(Rule::Epsilon { distance }));
     let is_made = |cause: &Cause| alone.iter().any(|row| row.made == *cause && row.named > 0);
-    let missing: Vec<Cause> = Cause::all().skip(1).filter(|cause| !is_made(cause)).collect();
+    // Scenes of later editions show these; `tests/program/editions.rs` tries them.
+    let is_of_later = |cause: &Cause| {
+        matches!(
+            cause,
+            Cause::Scene(
+                SceneChange::BlinnHighlights
+                    | SceneChange::AspectKept
+                    | SceneChange::FlatMeshes
+                    | SceneChange::OtherFaceWeights
+                    | SceneChange::CubeFacesSwapped
+            ) | Cause::Rule(Rule::SchlickSwapped)
+        )
+    };
+    let expected = Cause::all().skip(1).filter(|cause| !is_of_later(cause));
+    let missing: Vec<Cause> = expected.filter(|cause| !is_made(cause)).collect();
     assert_eq!(missing, small);
     assert!(both.len() == 2 * PAIRS && 2 * nothing < both.len(), "{nothing} of {}", both.len());
 
