@@ -46,7 +46,7 @@ complete -c raytracer -o random_samples -d 'Takes n random samples per pixel, 1 
 complete -c raytracer -o uniform_samples -d 'Takes n samples per pixel at the centres of a grid\'s cells; the grid is as nearly square as n allows: 4 by 2 for 8'
 complete -c raytracer -o regular_samples -d 'What -uniform_samples is in the editions of the course but Aalto\'s, which this flag implies: there -uniform_samples are random'
 complete -c raytracer -o jittered_samples -d 'Takes n samples per pixel, which smooths edges'
-complete -c raytracer -o adaptive_samples -d 'Takes 4 jittered samples per pixel and, where they disagree, up to most, 4 to 1024, until the error of the pixel is about this many levels'
+complete -c raytracer -o adaptive_samples -d 'Takes so many samples in each pixel, up to most, 4 to 1024, that the error of the picture is about this many levels'
 complete -c raytracer -o jitter -d 'Takes a picture of three times the width and height, with one sample anywhere in each pixel; as in assignment 5 of 2012, which it implies'
 complete -c raytracer -o filter -d 'Blurs the picture and reduces its width and height to a third; as in assignment 5 of 2012, which it implies'
 complete -c raytracer -o seed -d 'Seeds the random numbers as srand48(n) does'

@@ -265,8 +265,11 @@ impl Prepared<'_> {
             return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
         };
         let camera = self.camera(request);
-        let strata = render::strata((&camera, &self.caster), self.view(), request, settings, [column, row]);
-        strata.iter().map(|stratum| (stratum.offset, stratum.area())).collect()
+        let scene = (&camera, &self.caster);
+        let offsets = render::adaptive_offsets(scene, self.view(), request, settings, [column, row]);
+        // Where only a pixel's own samples count, it makes no difference.
+        let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
+        offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 
     fn view(&self) -> View<'_> {

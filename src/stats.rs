@@ -160,6 +160,8 @@ pub struct Report {
     pub timings: Timings,
     /// The number of threads that rendered.
     pub threads: usize,
+    /// The standard error of the colours in levels, if they are means of samples.
+    pub standard_error: Option<f64>,
 }
 
 pub(crate) const RULE: &str = "********************************************";
@@ -191,7 +193,8 @@ impl fmt::Display for Report {
         ] {
             line(f, label, ms(time))?;
         }
-        line(f, "threads", self.threads.to_string())
+        line(f, "threads", self.threads.to_string())?;
+        self.standard_error.map_or(Ok(()), |error| line(f, "standard error", format!("{error:.3} levels")))
     }
 }
 
@@ -234,6 +237,7 @@ mod tests {
             },
             timings: Timings { rendering: Duration::from_micros(62_500), ..Timings::default() },
             threads: 2,
+            standard_error: None,
         }
     }
 
@@ -268,6 +272,15 @@ RAY TRACING STATISTICS
         let text = Report { bounds: None, grid: None, ..report() }.to_string();
         assert!(text.contains("  scene bounds               NULL\n"));
         assert!(text.contains("  num grid cells             NULL\n"));
+    }
+
+    #[test]
+    fn the_standard_error_stands_below_the_times() {
+        assert!(report().to_string().ends_with("  threads                    2\n"));
+        let text = Report { standard_error: Some(0.12345), ..report() }.to_string();
+        assert!(
+            text.ends_with("  threads                    2\n  standard error             0.123 levels\n")
+        );
     }
 
     #[test]

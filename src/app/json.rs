@@ -52,6 +52,8 @@ pub struct Document<'a> {
     repeats: Option<Repeats>,
     /// Null also where nothing is counted.
     statistics: Option<Counts>,
+    /// Null also without samples whose mean is taken.
+    standard_error: Option<f64>,
     cost_map: Option<CostSummary>,
     pixel: Option<Pixel<'a>>,
     comparison: Option<Compared>,
@@ -155,6 +157,7 @@ impl<'a> Document<'a> {
             statistics: rendered
                 .filter(|_| options.tracing() == Tracing::Counted)
                 .map(|rendered| rendered.report.counts),
+            standard_error: rendered.and_then(|rendered| rendered.report.standard_error),
             cost_map: rendered.and_then(|rendered| rendered.costs.as_ref()).map(CostSummary::of),
             pixel: rendered.and_then(|rendered| rendered.pixel.as_ref()).map(Pixel::of),
             comparison: verdict.map(|verdict| Compared::of(verdict, tolerance)),

@@ -22,6 +22,7 @@ use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Repeats, Report, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
+use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -173,18 +174,24 @@ pub fn render(
         files.before_waiting(signals)?;
     }
     streams.into_iter().try_for_each(|stream| files.add(stream))?;
-    let report = Report {
+    let mut report = Report {
         size: request.window_size(),
         bounds: renderer.bounds(),
         grid: prepared.cells(),
         counts,
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
+        standard_error: None,
     };
     let repeats = match options.repeat {
         Some(count) => Repeats::of(repeated(count, rendering, &prepared, &request, options, signals)?),
         None => None,
     };
+    if options.stats && has_standard_error(&request) {
+        files.before_waiting(signals)?;
+        report.standard_error =
+            standard_error(&prepared, &request, &|_| ControlFlow::Continue(())).map_err(failed)?;
+    }
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
         files.before_waiting(signals)?;

@@ -326,9 +326,8 @@ fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     Ok(match raw.read_first(&samples)? {
         Some((_, count)) if are_random => Sampler::new(Pattern::Random, count, rng),
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
-        // The first samples of each pixel.
         None if three_sizes(raw, &flags::JITTER) => Sampler::DISPLACED,
-        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::first_of_adaptive(rng),
+        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
     })
 }

@@ -29,8 +29,8 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long the rays behind a pixel are followed.
-const LONGEST_EXPLANATION: Duration = Duration::from_secs(10);
+/// How long the rays behind a pixel are followed, if the desk does not end it before.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
 /// What a page is made of.
 pub struct Setup<'o> {

@@ -9,6 +9,7 @@ mod row;
 mod strip;
 mod tally;
 mod tracing;
+mod unseen;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
@@ -18,7 +19,7 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
-use crate::sampling::adaptive::{Adaptive, Stratum};
+use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
@@ -30,6 +31,7 @@ use std::ops::ControlFlow;
 use strip::Strip;
 use tally::Tally;
 use tracing::PictureTracer;
+use unseen::Unseen;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +40,7 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The rays that have been cast for them. Those of the first samples of adaptive sampling are not among them.
+    /// The rays that have been cast for them. Those through the corners of pixels, for adaptive samples, are not among them.
     pub rays: u64,
 }
 
@@ -106,13 +108,14 @@ pub fn render(
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     // No strip takes more than the first.
-    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
+    memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let tally = Tally::new(rows.len(), watch);
+    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let mut counts = Counts::default();
     let mut end = rows.end;
     while end > rows.start {
-        let strip = Strip::below(&setting, end, rows.start);
+        let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
         counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
         end = strip.rows.start;
     }
@@ -146,18 +149,19 @@ fn render_reduced(
     Ok(counts)
 }
 
-/// The adaptive samples of the pixel in this column and row from the bottom left.
-pub fn strata(
+/// The offsets of the adaptive samples of the pixel in this column and row from the bottom left.
+pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
     settings: Adaptive,
     pixel: [usize; 2],
-) -> Vec<Stratum> {
+) -> Vec<DVec2> {
     let tracing = Tracing::Counted;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let setting = RenderSetting { caster, view, request, tracing };
-    setting.strata(settings, &tracer.rows(0..0), pixel)
+    let unseen = Unseen::new(camera, caster.world, request);
+    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

@@ -60,7 +60,7 @@ pub struct Request {
     pub effects: Effects,
     /// The positions of the samples of a pixel.
     pub sampler: Sampler,
-    /// Whether a pixel gets further samples where those of the sampler, which are four then, disagree.
+    /// Whether each pixel gets as many samples as it needs. The sampler has their random numbers then.
     pub adaptive: Option<Adaptive>,
     /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
@@ -153,9 +153,14 @@ impl Request {
         self.traces_colors(tracing) && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
-    /// The number of camera rays of the whole picture.
+    /// About the number of samples of a pixel.
+    pub(super) fn samples(&self) -> usize {
+        self.adaptive.map_or(self.sampler.count(), Adaptive::usual) as usize
+    }
+
+    /// About the number of camera rays of the whole picture.
     pub fn camera_rays(&self) -> usize {
-        self.size[0] * self.size[1] * self.sampler.count() as usize
+        self.size[0] * self.size[1] * self.samples()
     }
 
     /// About the number of rays that are cast, beside those whose hits are found by rasterizing triangles.
@@ -167,7 +172,7 @@ impl Request {
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
         let casts = self.measures() && casts_centers || self.traces_colors(Tracing::Fast) && casts_for_colors;
         let pixels: usize = self.window_size().iter().product();
-        if casts { pixels * self.sampler.count() as usize } else { 0 }
+        if casts { pixels * self.samples() } else { 0 }
     }
 }
 

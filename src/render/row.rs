@@ -15,7 +15,7 @@ use crate::shading::light::incident;
 use crate::stats::Counts;
 use crate::trace::Observer;
 use crate::world::World;
-use adaptive::Refinement;
+use adaptive::Plan;
 use glam::DVec2;
 use plot::plots;
 use std::ops::Range;
@@ -39,8 +39,8 @@ pub struct RenderSetting<'a> {
 impl RenderSetting<'_> {
     /// Traces an empty row. If `is_shown` is false, only the samples are traced, because they contribute to the rows
     /// around it.
-    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, refinement: Option<Refinement>) -> Row {
-        let mut painter = Painter { refinement, ..self.painter(empty, tracer, is_shown) };
+    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, plan: Option<Plan>) -> Row {
+        let mut painter = Painter { plan, ..self.painter(empty, tracer, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
             columns.for_each(|column| painter.paint_and_count(column, &mut packet));
@@ -59,7 +59,7 @@ impl RenderSetting<'_> {
     }
 
     /// The columns whose samples contribute to the row.
-    fn columns(&self) -> Range<usize> {
+    pub fn columns(&self) -> Range<usize> {
         let RenderSetting { request, .. } = *self;
         let (shown, support) = (request.columns(), request.support());
         shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
@@ -77,7 +77,7 @@ impl RenderSetting<'_> {
             sum: Sum::default(),
             plots: plots(request, is_shown),
             c_rand: request.sampler.c_rand([self.columns().start, row.j], request.size[0]),
-            refinement: None,
+            plan: None,
             row,
         }
     }
@@ -118,8 +118,8 @@ struct Painter<'a> {
     plots: Vec<(usize, usize)>,
     /// The random numbers of the next sample, where they are drawn row by row.
     c_rand: Option<CRand>,
-    /// What further samples start from, if there are any.
-    refinement: Option<Refinement<'a>>,
+    /// How many samples pixels get, if it is not the same number.
+    plan: Option<Plan>,
     row: Row,
 }
 
@@ -134,8 +134,8 @@ impl Painter<'_> {
         if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
             self.paint_centers(columns.clone(), packet);
         }
-        if colors && self.refinement.is_some() {
-            columns.for_each(|column| self.refine(column, packet));
+        if colors && self.plan.is_some() {
+            self.take_planned(columns, packet);
         } else if colors && !sampler.is_center() {
             self.take_samples(columns, packet);
         }
@@ -150,8 +150,8 @@ impl Painter<'_> {
             return;
         }
         let mut cost = self.row.counts.since(before);
-        if let Some(refinement) = &self.refinement {
-            cost = cost.merge(refinement.first_counts(column));
+        if let Some(plan) = &self.plan {
+            cost = cost.merge(plan.corner_counts(column));
         }
         for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
             if let Layer::Cost(kind) = layer {
@@ -267,7 +267,10 @@ impl Painter<'_> {
             Colors::Unwanted => {}
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
             Colors::Finished(_) => sum.add(self.setting.request.filter.weight(offset), color),
-            Colors::Spread(spread) => spread.add(column, offset, color, 1.0),
+            Colors::Spread(spread) => {
+                let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
+                spread.add(column, offset, color, part);
+            }
         }
         if !self.plots.is_empty() {
             self.plot(column, offset, color);

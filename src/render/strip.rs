@@ -6,10 +6,11 @@
 
 use super::layer::Layer;
 use super::request::Request;
-use super::row::adaptive::{BYTES_PER_PIXEL, FirstSamples, Refinement};
+use super::row::adaptive::{BYTES_PER_PIXEL, Pilot, Plan, ROWS_BESIDE};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
+use super::unseen::Unseen;
 use super::{Stopped, TakeRow, delivery};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
@@ -38,11 +39,10 @@ const ROWS_PER_SUPPORT: usize = 64;
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a> {
     setting: &'a RenderSetting<'a>,
+    /// What adaptive samples may miss, if there are any.
+    unseen: Option<&'a Unseen<'a>>,
     pub rows: Range<usize>,
 }
-
-/// The first samples of some rows, and what was counted for each.
-type FirstOfRows = (Vec<FirstSamples>, Vec<Counts>);
 
 /// Rows that are ready to be handed out.
 struct Finished {
@@ -53,7 +53,12 @@ struct Finished {
 
 impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
+    pub fn below(
+        setting: &'a RenderSetting<'a>,
+        unseen: Option<&'a Unseen<'a>>,
+        end: usize,
+        first: usize,
+    ) -> Self {
         let Request { sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let rows = MEMORY / (setting.colors_per_row() * size_of::<Color>()).max(1);
@@ -65,7 +70,7 @@ impl<'a> Strip<'a> {
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
         let rows = if Self::hands_out_at_once(setting.request) { rows.min(few) } else { rows };
         let rows = rows.max(8 * support).max(rayon::current_num_threads());
-        Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+        Self { setting, unseen, rows: end.saturating_sub(rows).max(first)..end }
     }
 
     /// Whether rows depend on each other, so that all of a strip are handed out at once.
@@ -81,8 +86,8 @@ impl<'a> Strip<'a> {
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
-        // The first of adaptive samples are traced in the rows beside, too.
-        let beside = usize::from(request.adaptive.is_some());
+        // What adaptive samples depend on are corners of pixels in the rows beside, too.
+        let beside = if request.adaptive.is_some() { ROWS_BESIDE } else { 0 };
         let Range { start, end } = self.traced();
         let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
         if Self::hands_out_at_once(request) {
@@ -182,59 +187,30 @@ impl<'a> Strip<'a> {
     /// Traces these rows; those are none that the watch cancels.
     fn trace(&self, rows: Range<usize>, tracer: &RowsTracer, tally: &Tally) -> Vec<Option<Row>> {
         let RenderSetting { request, .. } = *self.setting;
-        let (first, counted) = match request.adaptive {
-            Some(_) if request.traces_colors(self.setting.tracing) => {
-                match self.trace_first(&rows, tracer, tally) {
-                    Some(first) => first,
-                    None => return rows.map(|_| None).collect(),
-                }
-            }
-            _ => (vec![], vec![]),
+        let adaptive = request.adaptive.filter(|_| request.traces_colors(self.setting.tracing));
+        let Some((settings, unseen)) = adaptive.zip(self.unseen) else {
+            return in_parallel(rows, tally, |j| {
+                self.row(self.setting.empty_row(j, None), tracer, None, tally)
+            });
         };
-        let first_row = rows.start.saturating_sub(1);
-        let trace = |j| {
-            let row = self.setting.empty_row(j, None);
-            self.row(row, tracer, self.refinement(&first, first_row, j), tally)
-        };
-        let mut traced = in_parallel(rows.clone(), tally, trace);
-        for (row, counts) in traced.iter_mut().zip(counted.into_iter().skip(rows.start - first_row)) {
-            if let Some(row) = row {
-                row.counts = row.counts.merge(counts);
-            }
-        }
-        traced
+        let columns = self.setting.columns();
+        let pilot = Pilot::new(self.setting, (tracer, unseen), settings, [columns, rows.clone()], tally);
+        let Some(pilot) = pilot else { return rows.map(|_| None).collect() };
+        in_parallel(rows, tally, |j| {
+            let mut row = self.row(self.setting.empty_row(j, None), tracer, Some(pilot.plan(j)), tally);
+            row.counts = row.counts.merge(pilot.counts(j));
+            row
+        })
     }
 
     /// Traces a row.
-    fn row(&self, empty: Row, tracer: &RowsTracer, refinement: Option<Refinement>, tally: &Tally) -> Row {
+    fn row(&self, empty: Row, tracer: &RowsTracer, plan: Option<Plan>, tally: &Tally) -> Row {
         let is_shown = self.rows.contains(&empty.j);
-        let row = self.setting.row(empty, tracer.row(), is_shown, refinement);
+        let row = self.setting.row(empty, tracer.row(), is_shown, plan);
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }
         row
-    }
-
-    /// Traces the first samples of these rows and of those beside them; none if the watch cancels the render.
-    fn trace_first(&self, rows: &Range<usize>, tracer: &RowsTracer, tally: &Tally) -> Option<FirstOfRows> {
-        let all = rows.start.saturating_sub(1)..(rows.end + 1).min(self.setting.request.size[1]);
-        let traced = in_parallel(all, tally, |j| self.setting.first_samples(tracer.row(), j));
-        let traced: Option<Vec<_>> = traced.into_iter().collect();
-        Some(traced?.into_iter().unzip())
-    }
-
-    /// What further samples of row `j` start from, given the first samples of the rows from `first_row` on; none if
-    /// the first samples are all.
-    fn refinement<'f>(
-        &self,
-        first: &'f [FirstSamples],
-        first_row: usize,
-        j: usize,
-    ) -> Option<Refinement<'f>> {
-        let row = |j: Option<usize>| first.get(j?.checked_sub(first_row)?);
-        let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        rows[1]?;
-        self.setting.request.adaptive.map(|settings| Refinement::new(settings, rows))
     }
 }
 

@@ -90,7 +90,7 @@ fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
 }
 
 /// Stands for adaptive samples, which begin with these.
-const ADAPTIVE: Sampler = Sampler::first_of_adaptive(Drand48::UNSEEDED);
+const ADAPTIVE: Sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
 
 fn further(sampler: Sampler) -> Option<Adaptive> {
     (sampler == ADAPTIVE).then_some(Adaptive { most: 40, error: 2.0 })

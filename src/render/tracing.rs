@@ -169,7 +169,7 @@ impl PlainTracer<'_> {
 fn demand(view: View, request: &Request) -> Demand {
     let colors = request.traces_colors(Tracing::Fast) && matches!(view, View::Scene);
     let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
-    let samples = request.window_size().iter().product::<usize>() * request.sampler.count() as usize;
+    let samples = request.window_size().iter().product::<usize>() * request.samples();
     Demand {
         size: request.size,
         columns: request.columns(),

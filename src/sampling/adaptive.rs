@@ -1,15 +1,18 @@
-//! Adaptive sampling: samples where they are needed.
+//! Adaptive sampling: how many samples a pixel needs.
 //!
-//! A pixel is divided into 2 x 2 strata with a sample in each. Where the samples disagree, strata are divided into four
-//! in turn: the sample stays in the quarter that it lies in, and each of the others gets a new one. A pixel's colour is
-//! the mean of its samples, weighted by the areas of their strata, so that it stays stratified wherever it ends. The
-//! samples of the pixels around take part in the decision, so that a small thing is found by all pixels that it
-//! touches as soon as it is found by one.
+//! Rays through the corners of all pixels are cast first, once for the four pixels at each. They say what is in a pixel: an
+//! edge that crosses it has corners on both sides. From them, and from what is known without any ray, follows the number
+//! of samples of a pixel, and these alone are its colour. So that has the expected value that it would have with any
+//! number of samples: the rays that decide do not count, and those that count do not decide (Kirk and Arvo, "Unbiased
+//! sampling techniques for image synthesis", SIGGRAPH 1991). They are not even random.
+//!
+//! With n samples in strata the squared error of a pixel is about c^2 n^-3/2 / 8 if an edge of contrast c crosses it,
+//! g^2 n^-3 / 12 if its colours change steadily by g, and v / n if it is full of things that are smaller than its strata,
+//! with a variance of v (Mitchell, "Consequences of stratified sampling in graphics", SIGGRAPH 1996). Samples are spent
+//! where one more lessens the squared error by most, down to the same amount in all pixels.
 
-use super::drand48::Drand48;
 use crate::scene::Color;
-use glam::DVec2;
-use rand::RngExt;
+use glam::Vec3A;
 use serde::Serialize;
 
 /// How far adaptive sampling goes.
@@ -17,231 +20,235 @@ use serde::Serialize;
 pub struct Adaptive {
     /// The largest number of samples of a pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT).
     pub most: u32,
-    /// The estimated error of a pixel's colour, in levels, up to which it gets more samples.
+    /// The error of a pixel's colour that is aimed at, in levels.
     pub error: f64,
 }
 
-/// A part of a pixel with its sample.
+/// What a ray through a corner of pixels sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stratum {
-    /// The sample's offset from the pixel's centre.
-    pub offset: DVec2,
-    /// The sample's colour.
-    pub color: Color,
-    /// How often the pixel was divided: its side is 2^-depth.
-    depth: u32,
-    /// The column and row, from the bottom left, among strata of this depth.
-    place: [usize; 2],
+pub struct Corner {
+    /// Its colour. No more than single precision is needed to decide.
+    pub color: Vec3A,
+    /// The variance that its surface may have without showing it, such as that of highlights.
+    pub hidden: f32,
+    /// The material of the surface, if there is any.
+    pub material: Option<u32>,
+    /// How far ahead the surface is.
+    pub depth: f32,
 }
 
-/// The first samples of a pixel, one in each quarter: bottom left, bottom right, top left, top right.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quarters {
-    offsets: [DVec2; 4],
-    colors: [Color; 4],
-    /// The variance of the samples, as the mean of the channels.
-    variance: f64,
+/// The colours of four corners in a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// The square of the step from the second to the third that is not a part of a steady change.
+    edge: f32,
+    /// The square of the step that is.
+    steady: f32,
+    /// The square of how far the colours go back and forth.
+    back: f32,
 }
 
-/// A pixel's first samples among those of the 3 x 3 pixels around it, row by row from the bottom left. Those outside
-/// the picture are missing.
-pub type Neighborhood<'a> = [[Option<&'a Quarters>; 3]; 3];
+/// What the corners of a pixel and of those around it tell of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// The squared contrast of edges in it.
+    edge: f32,
+    /// The square of a steady change.
+    steady: f32,
+    /// The variance of things that are no larger than a pixel.
+    variance: f32,
+}
 
-/// The share of the squared differences between a sample and the four around it that is the variance within its
-/// stratum.
-///
-/// It is 1/8 if all samples are independent, and less at an edge or a gradient.
-const SHARE: f64 = 1.0 / 8.0;
+/// Edges of this contrast, in levels, have the error that is asked for.
+const EDGE: f64 = 160.0;
 
-/// How much of the variance of the samples around counts in a pixel whose own samples agree. It was chosen by
-/// experiment: with more of it flat pixels beside edges take too many samples, with less small things are missed.
-const PRIOR: f64 = 0.3;
+/// Things that are no larger than a pixel have 1.4 times the error that is asked for if this is their standard
+/// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
+const SMALL_THINGS: f64 = 36.0;
 
-/// A pixel is not divided further than into 2^5 by 2^5 strata.
-const MAX_DEPTH: u32 = 5;
+/// The part of the squared contrast of edges that pixels around get: between two edges may be a gap that no corner sees.
+const BESIDE_EDGES: f32 = 1.0 / 1024.0;
 
-/// The square of a level, the step from one byte to the next.
-const SQUARE_LEVEL: f64 = 1.0 / (255.0 * 255.0);
+/// Colours that are brighter are as bright as this.
+const BRIGHTEST: f64 = 2.0;
+
+/// The number of levels from black to white.
+const LEVELS: f64 = 255.0;
 
 impl Adaptive {
-    /// The number of samples that each pixel has at least.
+    /// The number of samples that each pixel may have at least.
     pub const BASE: u32 = 4;
 
     /// The number of samples above which no pixel gets any.
-    pub const LIMIT: u32 = 1 << (2 * MAX_DEPTH);
-}
+    pub const LIMIT: u32 = 1024;
 
-impl Stratum {
-    /// The part of the pixel that it takes up, a power of 1/4.
-    pub fn area(&self) -> f64 {
-        1.0 / (1u64 << (2 * self.depth)) as f64
+    /// About the number of samples of a pixel on average, where edges cross some of them.
+    pub fn usual(self) -> u32 {
+        (self.of_usual_edge() / 3.0).ceil().min(f64::from(self.most)) as u32
     }
 
-    /// The quarter that the sample lies in.
-    fn own_quarter(&self) -> [usize; 2] {
-        let side = (2u64 << self.depth) as f64;
-        let fine = ((self.offset + 0.5) * side).to_array();
-        [0, 1].map(|axis| usize::from(fine[axis] >= (2 * self.place[axis] + 1) as f64))
+    /// The number of samples of a pixel with an edge of the usual contrast.
+    fn of_usual_edge(self) -> f64 {
+        let ce = EDGE / self.error;
+        libm::pow(ce * ce / 8.0, 2.0 / 3.0)
     }
 
-    /// This quarter of it, with the sample if that lies in it, and otherwise with a place for a new one.
-    fn quarter(&self, quarter: [usize; 2], rng: &mut Drand48) -> Self {
-        let place = [0, 1].map(|axis| 2 * self.place[axis] + quarter[axis]);
-        let divided = Self { depth: self.depth + 1, place, ..*self };
-        if quarter == self.own_quarter() {
-            return divided;
+    /// How many samples pixels need, by their contents.
+    pub fn counts(self) -> impl Fn(Contents) -> u32 {
+        let square = self.error * self.error / (LEVELS * LEVELS);
+        // The squared error that one more sample saves.
+        let least = 1.5 * square / self.of_usual_edge();
+        let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
+        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * square)) as f32;
+        move |Contents { edge, steady, variance }| {
+            let root = |x: f32| x.sqrt().sqrt();
+            // About the power of 2/5.
+            let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
+            let of_steady = root(steady_unit * steady);
+            // NaN for what is not finite or 0 / 0, which more samples do not make better.
+            let count = of_edge.max(of_steady).max(variance.sqrt() * of_variance).ceil();
+            (count as u32).clamp(1, self.most)
         }
-        let side = (2u64 << self.depth) as f64;
-        let random = DVec2::new(rng.random(), rng.random());
-        let corner = DVec2::new(place[0] as f64, place[1] as f64);
-        Self { offset: (corner + random) / side - 0.5, ..divided }
-    }
-}
-
-impl Quarters {
-    /// Samples at these offsets from the pixel's centre, with their colours.
-    pub fn new(offsets: [DVec2; 4], colors: [Color; 4]) -> Self {
-        let mean = colors.iter().sum::<Color>() / 4.0;
-        let squares = colors.map(|color| (color - mean).length_squared());
-        Self { offsets, colors, variance: squares.iter().sum::<f64>() / 9.0 }
-    }
-
-    fn color(&self, [x, y]: [usize; 2]) -> Color {
-        self.colors[2 * y + x]
     }
 }
 
-/// The strata of one pixel.
-#[derive(Debug, Default)]
-pub struct Strata {
-    strata: Vec<Stratum>,
-    /// For each place of the finest strata, row by row, the index of the stratum that it belongs to.
-    indices: Vec<u32>,
-    /// The squared error that each stratum is estimated to cause.
-    errors: Vec<f64>,
-    /// The strata to divide.
-    chosen: Vec<usize>,
-}
-
-impl Strata {
-    /// Starts with a pixel's quarters.
-    pub fn start(&mut self, quarters: &Quarters) {
-        let strata = (0..4).map(|k| Stratum {
-            offset: quarters.offsets[k],
-            color: quarters.colors[k],
-            depth: 1,
-            place: [k % 2, k / 2],
-        });
-        self.strata.clear();
-        self.strata.extend(strata);
-    }
-
-    /// All strata.
-    pub fn all(&self) -> &[Stratum] {
-        &self.strata
-    }
-
-    /// Divides strata where that is needed, and returns those that need a sample; none if the pixel is finished. The
-    /// strata of the last call must have got their colours.
-    pub fn divide(&mut self, settings: Adaptive, around: &Neighborhood, rng: &mut Drand48) -> &mut [Stratum] {
-        let sampled = self.strata.len();
-        self.choose(settings, around);
-        for chosen in std::mem::take(&mut self.chosen) {
-            let stratum = self.strata[chosen];
-            for quarter in [[0, 0], [1, 0], [0, 1], [1, 1]] {
-                let divided = stratum.quarter(quarter, rng);
-                if quarter == stratum.own_quarter() {
-                    self.strata[chosen] = divided;
-                } else {
-                    self.strata.push(divided);
-                }
-            }
-        }
-        &mut self.strata[sampled..]
-    }
-
-    /// Chooses the strata to divide: those that cause more than their part of the error that is allowed.
-    fn choose(&mut self, settings: Adaptive, around: &Neighborhood) {
-        self.chosen.clear();
-        let allowed = settings.error * settings.error * SQUARE_LEVEL;
-        let room = (settings.most as usize).saturating_sub(self.strata.len()) / 3;
-        if room == 0 || self.estimate(around) <= allowed {
-            return;
-        }
-        let part = allowed / self.strata.len() as f64;
-        let causes_too_much = |&k: &usize| self.errors[k] > part && self.strata[k].depth < MAX_DEPTH;
-        self.chosen.extend((0..self.strata.len()).filter(causes_too_much));
-        if self.chosen.len() > room {
-            let errors = &self.errors;
-            self.chosen.sort_by(|a, b| errors[*b].total_cmp(&errors[*a]));
-            self.chosen.truncate(room);
-        }
-    }
-
-    /// Estimates the squared error that each stratum causes, and returns their sum.
-    fn estimate(&mut self, around: &Neighborhood) -> f64 {
-        let depth = self.index();
-        let count = self.strata.len() as f64;
-        // What the samples around say counts less the more samples the pixel has itself.
-        let prior = PRIOR * prior_variance(around) * (4.0 / count) * (4.0 / count);
-        self.errors.clear();
-        let mut sum = 0.0;
-        for stratum in &self.strata {
-            let variance = (SHARE * self.contrast(stratum, depth, around)).max(prior);
-            let error = stratum.area() * stratum.area() * variance;
-            self.errors.push(error);
-            sum += error;
-        }
-        sum
-    }
-
-    /// Enters each stratum at its places, and returns the depth of the finest.
-    fn index(&mut self) -> u32 {
-        let depth = self.strata.iter().map(|stratum| stratum.depth).max().unwrap_or(0);
-        let side = 1 << depth;
-        self.indices.clear();
-        self.indices.resize(side * side, 0);
-        for (index, stratum) in self.strata.iter().enumerate() {
-            let size = 1 << (depth - stratum.depth);
-            let [x, y] = stratum.place.map(|place| place * size);
-            for row in self.indices.chunks_mut(side).skip(y).take(size) {
-                row[x..x + size].fill(index as u32);
-            }
-        }
-        depth
-    }
-
-    /// The sum of the squared differences, as the mean of the channels, between a stratum's sample and those to its
-    /// left and right, below and above.
-    fn contrast(&self, stratum: &Stratum, depth: u32, around: &Neighborhood) -> f64 {
-        let side = 1usize << depth;
-        let size = 1 << (depth - stratum.depth);
-        let [x, y] = stratum.place.map(|place| place * size);
-        let [middle_x, middle_y] = [x + size / 2, y + size / 2];
-        let inside = |x: usize, y: usize| Some(self.strata[self.indices[y * side + x] as usize].color);
-        // The quarter of a pixel beside this one.
-        let half = |place: usize| usize::from(2 * place >= side);
-        let outside = |[i, j]: [usize; 2], quarter| around[j][i].map(|pixel| pixel.color(quarter));
-        let beside = [
-            if x > 0 { inside(x - 1, middle_y) } else { outside([0, 1], [1, half(middle_y)]) },
-            if x + size < side { inside(x + size, middle_y) } else { outside([2, 1], [0, half(middle_y)]) },
-            if y > 0 { inside(middle_x, y - 1) } else { outside([1, 0], [half(middle_x), 1]) },
-            if y + size < side { inside(middle_x, y + size) } else { outside([1, 2], [half(middle_x), 0]) },
-        ];
-        let squares = beside.into_iter().flatten().map(|color| (color - stratum.color).length_squared());
-        squares.sum::<f64>() / 3.0
+impl Corner {
+    /// The one that follows two, if colours change steadily.
+    fn beyond(self, before: Self) -> Self {
+        Self { color: 2.0 * self.color - before.color, ..self }
     }
 }
 
-/// The mean variance of the first samples of a pixel and those around it.
-fn prior_variance(around: &Neighborhood) -> f64 {
-    let (sum, count) = around
-        .iter()
-        .flatten()
-        .flatten()
-        .fold((0.0, 0.0), |(sum, count), quarters| (sum + quarters.variance, count + 1.0));
-    sum / count
+/// The colour of a corner.
+pub fn color_of_corner(color: Color) -> Vec3A {
+    color.clamp(Color::ZERO, Color::splat(BRIGHTEST)).as_vec3a()
+}
+
+impl Line {
+    /// Of four corners, the first and the last of which may be outside the picture.
+    #[inline(always)]
+    pub fn new(first: Option<Corner>, second: Corner, third: Corner, fourth: Option<Corner>) -> Self {
+        let first = first.unwrap_or(second.beyond(third)).color;
+        let fourth = fourth.unwrap_or(third.beyond(second)).color;
+        let [a, b, c] = [second.color - first, third.color - second.color, fourth - third.color];
+        let steady = a.min(b).min(c).max(Vec3A::ZERO) + a.max(b).max(c).min(Vec3A::ZERO);
+        let back = a.abs() + b.abs() + c.abs() - (fourth - first).abs();
+        let mean_square = |v: Vec3A| v.length_squared() / 3.0;
+        Self { edge: mean_square(b - steady), steady: mean_square(steady), back: mean_square(back) }
+    }
+}
+
+impl Contents {
+    /// By the lines along the rows of corners around a pixel, from the one before it to the one after it, and those along the
+    /// columns.
+    #[inline(always)]
+    pub fn new(rows: [Line; 4], columns: [Line; 4]) -> Self {
+        let sides = [rows[1], rows[2], columns[1], columns[2]];
+        let back: f32 = rows.iter().chain(&columns).map(|line| line.back).sum();
+        Self {
+            // An edge that crosses the pixel crosses two of its sides.
+            edge: 0.5 * sides.iter().map(|line| line.edge).sum::<f32>(),
+            steady: 0.5 * sides.iter().map(|line| line.steady).sum::<f32>(),
+            // Where colours are one of two by chance, the mean square of each of eight is 8 variances.
+            variance: back / 64.0,
+        }
+    }
+
+    /// With at least this variance, and with a part of the squared contrast of edges around it.
+    pub fn among(self, variance: f32, edges: f32) -> Self {
+        let edge = self.edge.max(BESIDE_EDGES * edges);
+        Self { edge, variance: self.variance.max(variance), ..self }
+    }
+
+    /// The squared contrast of edges, and the variance of things that are no larger than a pixel.
+    pub fn edge_and_variance(&self) -> [f32; 2] {
+        [self.edge, self.variance]
+    }
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    fn corner(level: f64) -> Corner {
+        let color = color_of_corner(Color::splat(level / LEVELS));
+        Corner { color, hidden: 0.0, material: None, depth: 1.0 }
+    }
+
+    /// The contents of the middle pixel of three by three, whose colours in levels depend on the place.
+    fn contents(level: impl Fn(usize, usize) -> f64) -> Contents {
+        let line = |at: &dyn Fn(usize) -> f64| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| corner(at(k)));
+            Line::new(Some(a), b, c, Some(d))
+        };
+        let rows = [0, 1, 2, 3].map(|y| line(&|x| level(x, y)));
+        let columns = [0, 1, 2, 3].map(|x| line(&|y| level(x, y)));
+        Contents::new(rows, columns)
+    }
+
+    fn in_levels(Contents { edge, steady, variance }: Contents) -> [f64; 3] {
+        [edge, steady, variance].map(|square| f64::from(square).sqrt() * LEVELS)
+    }
+
+    fn assert_near(found: [f64; 3], expected: [f64; 3]) {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn an_edge_is_in_the_pixels_that_it_crosses() {
+        let side = |is_beyond: bool| if is_beyond { 90.0 } else { 10.0 };
+        assert_near(in_levels(contents(|x, _| side(x > 1))), [80.0, 0.0, 0.0]);
+        // It cuts a corner off.
+        assert_near(in_levels(contents(|x, y| side(x + y > 3))), [80.0, 0.0, 0.0]);
+        assert_near(in_levels(contents(|x, _| side(x > 2))), [0.0; 3]);
+        assert_near(in_levels(contents(|x, y| side(x + y > 4))), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_steady_change_is_no_edge() {
+        let slope = contents(|x, y| 50.0 + 3.0 * x as f64 - 4.0 * y as f64);
+        assert_near(in_levels(slope), [0.0, 5.0, 0.0]);
+        let with_edge = contents(|x, _| 50.0 + 3.0 * x as f64 + if x > 1 { 60.0 } else { 0.0 });
+        assert_near(in_levels(with_edge), [60.0, 3.0, 0.0]);
+        // At the border of the picture it is assumed to go on.
+        let [a, b, c] = [1.0, 3.0, 5.0].map(corner);
+        let line = Line::new(None, a, b, Some(c));
+        assert!(line.edge < 1e-9 && (f64::from(line.steady).sqrt() * LEVELS - 2.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn colours_by_chance_have_their_variance() {
+        let mut rng = crate::sampling::drand48::Drand48::seeded(3);
+        let mut sum = 0.0;
+        for _ in 0..4000 {
+            let levels: [[f64; 4]; 4] = std::array::from_fn(|_| {
+                std::array::from_fn(|_| if rand::RngExt::random::<f64>(&mut rng) < 0.5 { 0.0 } else { 100.0 })
+            });
+            sum += in_levels(contents(|x, y| levels[y][x]))[2].powi(2);
+        }
+        assert!((sum / 4000.0 / 2500.0 - 1.0).abs() < 0.05, "{}", sum / 4000.0);
+    }
+
+    #[test]
+    fn less_error_and_more_contrast_take_more_samples() {
+        let count = |most, error, level: f64| {
+            let square = (level / LEVELS).powi(2) as f32;
+            let count = Adaptive { most, error }.counts();
+            let all = [
+                Contents { edge: square, ..Contents::default() },
+                Contents { steady: square, ..Contents::default() },
+                Contents { variance: square, ..Contents::default() },
+            ];
+            all.map(count)
+        };
+        assert_eq!(count(1024, 1.0, 0.0), [1; 3]);
+        assert_eq!(count(1024, 0.0, 1.0), [1024; 3]);
+        assert_eq!(count(1024, 0.0, 0.0), [1; 3]);
+        assert_eq!(count(64, 1e-9, 1.0), [64; 3]);
+        assert_eq!(count(64, 1.0, f64::NAN), [1; 3]);
+        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| count(1024, e, c));
+        assert!(counts.windows(2).all(|pair| (0..3).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
+        let usual = [16.0, 4.0, 1.0, 0.0].map(|error| Adaptive { most: 512, error }.usual());
+        assert!(usual[0] >= 1 && usual.is_sorted() && usual[3] == 512, "{usual:?}");
+    }
+}

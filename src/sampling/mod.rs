@@ -10,4 +10,5 @@ pub mod filter;
 pub mod sum;
 pub mod spread;
 pub mod film;
+pub mod multi_jittered;
 pub mod sampler;

@@ -59,9 +59,14 @@ impl Sampler {
         (self.pattern == Pattern::Displaced).then(|| CRand::unseeded().jumped(before()))
     }
 
-    /// The first samples of adaptive sampling: one in each quarter of a pixel.
-    pub const fn first_of_adaptive(rng: Drand48) -> Self {
+    /// Stands for adaptive samples, which have its random numbers.
+    pub const fn of_adaptive(rng: Drand48) -> Self {
         Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
+    }
+
+    /// The same with other random numbers.
+    pub fn with_rng(self, rng: Drand48) -> Self {
+        Self { rng, ..self }
     }
 
     /// How the samples are distributed.
@@ -87,12 +92,6 @@ impl Sampler {
     /// Whether the only sample of a pixel is at its centre.
     pub fn is_center(&self) -> bool {
         self.pattern == Pattern::Uniform && self.count == 1
-    }
-
-    /// The random numbers for up to `most` further samples of the pixel with this index, of a picture with so many
-    /// pixels. They follow those of the samples of all pixels.
-    pub fn further(self, index: u64, pixels: u64, most: u32) -> Drand48 {
-        self.rng.jumped(2 * pixels * u64::from(self.count) + 2 * index * u64::from(most))
     }
 
     /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the

@@ -133,7 +133,7 @@ impl Spread {
     }
 
     /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre. `area` is the part of the pixel
-    /// that it stands for, which multiplies its weight; it is a power of 2, so that the product is exact.
+    /// that it stands for, which multiplies its weight.
     #[inline]
     pub fn add(&mut self, x: usize, offset: DVec2, color: Color, area: f64) {
         self.batch.push(x, offset, color, area);

@@ -13,6 +13,12 @@ impl Sum {
         self.add_part(weight, [color.x, color.y, color.z, 1.0]);
     }
 
+    /// Adds a sample that stands for this part of its pixel, as a row of pixels does.
+    pub fn add_for(&mut self, weight: f64, color: Color, part: f64) {
+        let color = part * color;
+        self.add_part(weight, [color.x, color.y, color.z, part]);
+    }
+
     /// Adds a sample whose colour is multiplied by the part of the pixel that it stands for, and followed by it.
     fn add_part(&mut self, weight: f64, color: [f64; 4]) {
         // A sample of weight zero is skipped, since its product with a NaN or an infinity would be a NaN.

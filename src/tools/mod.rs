@@ -9,3 +9,4 @@ pub mod explain;
 pub mod causes;
 pub mod grade;
 pub mod error_report;
+pub mod standard_error;

@@ -84,7 +84,7 @@ fn works() -> Vec<(&'static str, &'static str, Work)> {
     let measured = [Layer::Depth { near: 5.0, far: 12.0 }, Layer::Normals, Layer::Samples { zoom: 5 }];
     let measured = Request { layers: measured.to_vec(), ..Request::new([200, 10]) };
     let (adaptive, sampler) =
-        (Some(Adaptive { most: 16, error: 1.0 }), Sampler::first_of_adaptive(Drand48::seeded(0)));
+        (Some(Adaptive { most: 16, error: 1.0 }), Sampler::of_adaptive(Drand48::seeded(0)));
     let adaptive = Request { adaptive, sampler, layers: vec![Layer::Color], ..Request::new([700, 3]) };
     let grid = |structure| Structure::Grid(structure);
     let (auto, cells) = (grid(Resolution::Auto), grid(Resolution::Cells([20, 20, 10])));

@@ -9,6 +9,7 @@
 //! them before committing.
 
 mod adaptive;
+mod standard_error;
 mod commands;
 mod compare;
 mod invariance;

@@ -165,7 +165,7 @@ fn each_sampler_and_its_count() {
     accepts("-uniform_samples 4 -input s.txt", sampled(Pattern::Uniform, 4, unseeded));
     accepts("-input s.txt -jittered_samples 16", sampled(Pattern::Jittered, 16, unseeded));
     let adaptive = |most, error| Options {
-        sampler: Sampler::first_of_adaptive(unseeded),
+        sampler: Sampler::of_adaptive(unseeded),
         adaptive: Some(Adaptive { most, error }),
         ..plain()
     };

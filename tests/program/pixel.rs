@@ -52,7 +52,7 @@ fn cases() -> Vec<Case> {
         ..request(shadows(Shadows::Opaque, 2))
     };
     let adaptive = Request {
-        sampler: Sampler::first_of_adaptive(Drand48::UNSEEDED),
+        sampler: Sampler::of_adaptive(Drand48::UNSEEDED),
         adaptive: Some(Adaptive { most: 20, error: 3.0 }),
         ..request(shadows(Shadows::Opaque, 2))
     };

@@ -1,171 +1,306 @@
-//! The adaptive samples of a row of pixels: the first samples of each pixel, and then, where these and those around
-//! them disagree, more.
+//! The adaptive samples of a row of pixels: rays through the corners of all pixels, and then as many samples as each pixel
+//! needs by what they see.
 
 use super::{Colors, Painter, RenderSetting};
+use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::{RowTracer, RowsTracer};
-use crate::sampling::adaptive::{Adaptive, Neighborhood, Quarters, Strata, Stratum};
-use crate::sampling::sample_packet::{Sample, SamplePacket};
-use crate::scene::Color;
+use crate::render::unseen::{self, Unseen, UnseenRows};
+use crate::sampling::adaptive::{Adaptive, Contents, Corner, Line, color_of_corner};
+use crate::sampling::drand48::Jump;
+use crate::sampling::multi_jittered::MultiJittered;
+use crate::sampling::sample_packet::SamplePacket;
 use crate::stats::Counts;
-use std::ops::Range;
+use glam::DVec2;
+use std::ops::{ControlFlow, Range};
 
-/// The first samples of a row of pixels.
-pub struct FirstSamples {
-    /// The column of the first pixel.
+/// What the rays through a row of corners of pixels see.
+struct Corners {
+    /// The column of the first corner: that of the pixel to the right.
     start: usize,
-    quarters: Vec<Quarters>,
-    /// What they have cost, if that is asked for.
+    corners: Vec<Corner>,
+    /// For each corner that has a next one, the line around the side between them.
+    sides: Vec<Line>,
+    /// What each has cost, if that is asked for.
     counts: Vec<Counts>,
 }
 
-/// The first samples of a row of pixels, with those of the row below and above; none outside the picture.
-pub type FirstRows<'a> = [Option<&'a FirstSamples>; 3];
+/// What corners tell of a row of pixels.
+struct RowContents {
+    /// The column of the first pixel.
+    start: usize,
+    contents: Vec<Contents>,
+}
 
-/// What the adaptive samples of a row start from.
-pub struct Refinement<'a> {
+/// How many samples each pixel of a row gets.
+pub struct Plan {
     settings: Adaptive,
-    rows: FirstRows<'a>,
-    strata: Strata,
+    /// The column of the first pixel.
+    start: usize,
+    samples: Vec<u16>,
+    /// What the corners of each pixel have cost, each counted once, if that is asked for.
+    counts: Vec<Counts>,
 }
 
-impl<'a> Refinement<'a> {
-    pub fn new(settings: Adaptive, rows: FirstRows<'a>) -> Self {
-        Self { settings, rows, strata: Strata::default() }
-    }
-
-    /// What the first samples of a pixel have cost.
-    pub fn first_counts(&self, column: usize) -> Counts {
-        let [_, row, _] = self.rows;
-        row.and_then(|row| row.counts.get(column.checked_sub(row.start)?)).copied().unwrap_or_default()
-    }
+/// What is known of some rows of pixels before they are sampled.
+pub struct Pilot<'a> {
+    setting: RenderSetting<'a>,
+    of_picture: &'a Unseen<'a>,
+    settings: Adaptive,
+    columns: Range<usize>,
+    /// The rows of corners from that with the second index on, with what was counted.
+    corners: (Vec<(Corners, Counts)>, usize),
+    /// The contents of the rows from that with the second index on.
+    contents: (Vec<RowContents>, usize),
+    unseen: UnseenRows,
 }
 
-impl FirstSamples {
-    fn at(&self, column: Option<usize>) -> Option<&Quarters> {
-        self.quarters.get(column?.checked_sub(self.start)?)
-    }
+/// The bytes that what decides on a row of pixels takes for each of them.
+pub const BYTES_PER_PIXEL: usize =
+    size_of::<Corner>() + size_of::<Line>() + size_of::<Contents>() + unseen::BYTES_PER_PIXEL;
+
+/// How far things that are no larger than pixels are looked for around a pixel, in pixels.
+const AROUND: usize = 4;
+
+/// The part of their variance that a pixel is assumed to have, too.
+const OF_AROUND: f32 = 1.0 / 64.0;
+
+/// How far edges are.
+const BESIDE: usize = 2;
+
+/// The rows beside some that have to be traced for the corners that decide on them.
+pub const ROWS_BESIDE: usize = AROUND + 2;
+
+/// These and so many around them, of `count`.
+fn widened(range: &Range<usize>, by: usize, count: usize) -> Range<usize> {
+    range.start.saturating_sub(by)..(range.end + by).min(count)
 }
 
-/// The bytes that the first samples of a pixel take.
-pub const BYTES_PER_PIXEL: usize = size_of::<Quarters>();
+/// The rows or columns of corners that decide on the contents of these pixels, of `count`.
+fn corners_of(pixels: &Range<usize>, count: usize) -> Range<usize> {
+    widened(&(pixels.start..pixels.end + 1), 1, count + 1)
+}
 
-impl RenderSetting<'_> {
-    /// Traces the first samples of row `j`, in the columns of the row's pixels and of those around them.
-    pub fn first_samples(&self, tracer: RowTracer, j: usize) -> (FirstSamples, Counts) {
-        let columns = self.columns();
-        let columns = columns.start.saturating_sub(1)..(columns.end + 1).min(self.request.size[0]);
-        self.first_samples_in(tracer, columns, j)
+impl<'a> Pilot<'a> {
+    /// Casts rays through the corners of these rows of pixels and of those around them; none if the watch cancels the
+    /// render.
+    pub fn new(
+        setting: &RenderSetting<'a>,
+        (tracer, of_picture): (&RowsTracer, &'a Unseen<'a>),
+        settings: Adaptive,
+        [columns, rows]: [Range<usize>; 2],
+        tally: &Tally,
+    ) -> Option<Self> {
+        let [_, height] = setting.request.size;
+        let around = widened(&rows, AROUND, height);
+        let of_corners = corners_of(&around, height);
+        let trace = |j| setting.corners(tracer.row(), of_picture, &columns, j);
+        let corners: Option<Vec<_>> = in_parallel(of_corners.clone(), tally, trace).into_iter().collect();
+        let corners = (corners?, of_corners.start);
+        let look = |j| setting.contents((&corners.0, corners.1), &columns, j);
+        let contents: Option<Vec<_>> = in_parallel(around.clone(), tally, look).into_iter().collect();
+        let (contents, unseen) = ((contents?, around.start), of_picture.rows(rows));
+        Some(Self { setting: *setting, of_picture, settings, columns, corners, contents, unseen })
     }
 
-    /// Traces the first samples of the pixels in these columns.
-    fn first_samples_in(&self, tracer: RowTracer, columns: Range<usize>, j: usize) -> (FirstSamples, Counts) {
-        let mut painter = self.painter(self.empty_row(j, None), tracer, false);
-        painter.row.colors = Colors::Unwanted;
-        let (mut packet, start) = (SamplePacket::default(), columns.start);
-        let counted = if self.request.has_costs() { columns.len() } else { 0 };
-        let (quarters, counts) = (Vec::with_capacity(columns.len()), Vec::with_capacity(counted));
-        let mut first = FirstSamples { start, quarters, counts };
-        let pixels_at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE / 4 };
-        for some in columns.clone().step_by(pixels_at_once) {
-            let before = painter.row.counts;
-            for column in some..columns.end.min(some + pixels_at_once) {
-                painter.push_first(column, &mut packet);
-            }
-            let colors = painter.colors_of(&mut packet);
-            let (pixels, _) = packet.samples().as_chunks::<4>();
-            let (colors, _) = colors.as_chunks::<4>();
-            let quarters = |(pixel, colors): (&[Sample; 4], &[Color; 4])| {
-                Quarters::new(pixel.each_ref().map(|sample| sample.source.offset), *colors)
-            };
-            first.quarters.extend(pixels.iter().zip(colors).map(quarters));
-            packet.clear();
-            if self.request.has_costs() {
-                first.counts.push(painter.row.counts.since(before));
+    /// What the corners of a row of pixels have cost: those below it, and the uppermost ones of the picture, too.
+    pub fn counts(&self, j: usize) -> Counts {
+        let (corners, first) = &self.corners;
+        let last = if j + 1 == self.setting.request.size[1] { j + 1 } else { j };
+        let own = (j..=last).filter_map(|j| Some(corners.get(j.checked_sub(*first)?)?.1));
+        own.fold(Counts::default(), Counts::merge)
+    }
+
+    /// How many samples the pixels of row `j` need.
+    pub fn plan(&self, j: usize) -> Plan {
+        let ((corners, first_corner), (contents, first)) = (&self.corners, &self.contents);
+        let [below, above] = [j, j + 1].map(|j| &corners[j - first_corner].0);
+        let row = &contents[j - first];
+        // The strongest edges, and the largest variance, of each column around.
+        let mut most = vec![[0.0f32; 2]; row.contents.len()];
+        let rows = widened(&(j - first..j - first + 1), AROUND, contents.len());
+        for (away, row) in rows.clone().map(|k| k.abs_diff(j - first)).zip(&contents[rows]) {
+            for (most, contents) in most.iter_mut().zip(&row.contents) {
+                let [edge, variance] = contents.edge_and_variance();
+                let edge = if away > BESIDE { 0.0 } else { edge };
+                *most = [most[0].max(edge), most[1].max(variance)];
             }
         }
-        (first, painter.row.counts)
+        let count = self.settings.counts();
+        let mut plan = Plan {
+            settings: self.settings,
+            start: self.columns.start,
+            samples: Vec::with_capacity(self.columns.len()),
+            counts: vec![],
+        };
+        for column in self.columns.clone() {
+            let [k, index] = [column - row.start, column - below.start];
+            let largest = |which: usize, by: usize| {
+                let around = &most[widened(&(k..k + 1), by, most.len())];
+                around.iter().fold(0.0, |a: f32, b| a.max(b[which]))
+            };
+            let (edges, around) = (largest(0, BESIDE), OF_AROUND * largest(1, AROUND));
+            let corners =
+                [(below, 0), (below, 1), (above, 0), (above, 1)].map(|(row, k)| row.corners[index + k]);
+            let hidden = corners.iter().fold(0.0, |a: f32, corner| a.max(corner.hidden));
+            let known = self.unseen.variance(self.of_picture, [column, j], &corners).max(hidden).max(around);
+            plan.samples.push(count(row.contents[k].among(known, edges)) as u16);
+            if !below.counts.is_empty() {
+                // The corners at the upper and the right border of the picture are the last pixels', too.
+                let [width, height] = self.setting.request.size;
+                let rows = [below, above].into_iter().take(if j + 1 == height { 2 } else { 1 });
+                let own = index..index + if column + 1 == width { 2 } else { 1 };
+                let counts = rows.flat_map(|row| &row.counts[own.clone()]);
+                plan.counts.push(counts.fold(Counts::default(), |sum, counts| sum.merge(*counts)));
+            }
+        }
+        plan
+    }
+}
+
+impl Corners {
+    fn at(&self, column: Option<usize>) -> Option<Corner> {
+        self.corners.get(column?.checked_sub(self.start)?).copied()
+    }
+}
+
+impl Plan {
+    /// The part of its pixel that a sample in this column stands for.
+    pub fn part(&self, column: usize) -> f64 {
+        let [columns, rows] = self.strata(column);
+        1.0 / f64::from(columns * rows)
     }
 
-    /// The samples of one pixel with their strata.
-    pub fn strata(&self, settings: Adaptive, tracer: &RowsTracer, [column, j]: [usize; 2]) -> Vec<Stratum> {
+    /// The columns and rows of a pixel's strata.
+    fn strata(&self, column: usize) -> [u32; 2] {
+        let samples = column.checked_sub(self.start).and_then(|k| self.samples.get(k)).copied().unwrap_or(1);
+        MultiJittered::strata(u32::from(samples), self.settings.most)
+    }
+
+    /// What the corners of a pixel have cost.
+    pub fn corner_counts(&self, column: usize) -> Counts {
+        column.checked_sub(self.start).and_then(|k| self.counts.get(k)).copied().unwrap_or_default()
+    }
+}
+
+impl RenderSetting<'_> {
+    /// Casts the rays through row `j` of corners that decide on the pixels in these columns.
+    fn corners(
+        &self,
+        tracer: RowTracer,
+        unseen: &Unseen,
+        columns: &Range<usize>,
+        j: usize,
+    ) -> (Corners, Counts) {
         let [width, height] = self.request.size;
-        let columns = column.saturating_sub(1)..(column + 2).min(width);
-        let row = |j: Option<usize>| {
-            Some(self.first_samples_in(tracer.row(), columns.clone(), j.filter(|&j| j < height)?).0)
-        };
-        let rows = [row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1))];
-        let mut painter = self.painter(self.empty_row(j, None), tracer.row(), false);
+        let columns = corners_of(&widened(columns, AROUND, width), width);
+        // Those at the upper and the right border of the picture are in the last pixel.
+        let row = j.min(height - 1);
+        let mut painter = self.painter(self.empty_row(row, None), tracer, false);
         painter.row.colors = Colors::Unwanted;
-        painter.refinement = Some(Refinement::new(settings, rows.each_ref().map(Option::as_ref)));
-        painter.refine(column, &mut SamplePacket::default());
-        painter.refinement.map(|refinement| refinement.strata.all().to_vec()).unwrap_or_default()
+        let mut packet = SamplePacket::default();
+        let mut found = Corners {
+            start: columns.start,
+            corners: Vec::with_capacity(columns.len()),
+            sides: Vec::with_capacity(columns.len()),
+            counts: vec![],
+        };
+        let at_once = if self.request.has_costs() { 1 } else { SamplePacket::SIZE };
+        for first in columns.clone().step_by(at_once) {
+            let before = painter.row.counts;
+            for column in first..columns.end.min(first + at_once) {
+                let pixel = column.min(width - 1);
+                packet.push(pixel, DVec2::new((column - pixel) as f64, (j - row) as f64) - 0.5, false);
+            }
+            let colors = painter.colors_of(&mut packet);
+            found.corners.extend(packet.samples().iter().zip(colors).map(|(sample, color)| Corner {
+                color: color_of_corner(color),
+                hidden: sample.surface.map_or(0.0, |surface| unseen.hidden_by(&surface)),
+                material: sample.surface.map(|surface| surface.material as u32),
+                depth: sample.surface.map_or(f32::INFINITY, |surface| unseen.depth(surface.position)),
+            }));
+            packet.clear();
+            if self.request.has_costs() {
+                found.counts.push(painter.row.counts.since(before));
+            }
+        }
+        let corner = |k: Option<usize>| found.corners.get(k?).copied();
+        found.sides.extend(
+            found
+                .corners
+                .windows(2)
+                .enumerate()
+                .map(|(k, pair)| Line::new(corner(k.checked_sub(1)), pair[0], pair[1], corner(Some(k + 2)))),
+        );
+        (found, painter.row.counts)
+    }
+
+    /// What corners tell of the pixels of row `j` in these columns and around them. The first of their rows has this index.
+    fn contents(
+        &self,
+        (corners, first): (&[(Corners, Counts)], usize),
+        columns: &Range<usize>,
+        j: usize,
+    ) -> RowContents {
+        let columns = widened(columns, AROUND, self.request.size[0]);
+        let row = |j: Option<usize>| Some(&corners.get(j?.checked_sub(first)?)?.0);
+        let start = columns.start;
+        let mut contents = Vec::with_capacity(columns.len());
+        let (before, after) = (row(j.checked_sub(1)), row(Some(j + 2)));
+        if let (Some(below), Some(above)) = (row(Some(j)), row(Some(j + 1))) {
+            let along = [before.unwrap_or(below), below, above, after.unwrap_or(above)];
+            let upright = |column: Option<usize>| {
+                let at = |row: Option<&Corners>| row?.at(column);
+                Some(Line::new(at(before), below.at(column)?, above.at(column)?, at(after)))
+            };
+            let mut lines = [start.checked_sub(1), Some(start), Some(start + 1), None].map(upright);
+            for column in columns {
+                lines[3] = upright(Some(column + 2));
+                let [left, here, next, right] = lines;
+                let (here, next) = (here.unwrap_or_default(), next.unwrap_or_default());
+                let across = [left.unwrap_or(here), here, next, right.unwrap_or(next)];
+                contents.push(Contents::new(along.map(|row| row.sides[column - row.start]), across));
+                lines = [lines[1], lines[2], lines[3], None];
+            }
+        }
+        RowContents { start, contents }
+    }
+
+    /// The offsets of the samples of one pixel.
+    pub fn adaptive_offsets(
+        &self,
+        settings: Adaptive,
+        tracer: &RowsTracer,
+        unseen: &Unseen,
+        [column, j]: [usize; 2],
+    ) -> Vec<DVec2> {
+        let window = [column..column + 1, j..j + 1];
+        let tally = Tally::new(1, &|_| ControlFlow::Continue(()));
+        let Some(pilot) = Pilot::new(self, (tracer, unseen), settings, window, &tally) else { return vec![] };
+        let index = (column * self.request.size[1] + j) as u64;
+        let rng = self.request.sampler.rng().jumped(index * MultiJittered::draws(settings.most));
+        MultiJittered::new(pilot.plan(j).strata(column), rng).collect()
     }
 }
 
 impl Painter<'_> {
-    /// Adds the first samples of a pixel to a packet.
-    fn push_first(&self, column: usize, packet: &mut SamplePacket) {
-        let index = self.index(column);
-        for offset in self.setting.request.sampler.offsets(index) {
-            packet.push(column, offset, false);
-        }
-    }
-
-    /// Takes the samples of a pixel, the first of which have been traced, and adds them to the row.
-    pub fn refine(&mut self, column: usize, packet: &mut SamplePacket) {
-        let Some(mut refinement) = self.refinement.take() else { return };
-        let Refinement { settings, rows, strata } = &mut refinement;
-        let around: Neighborhood =
-            rows.map(|row| [column.checked_sub(1), Some(column), Some(column + 1)].map(|x| row?.at(x)));
-        if let Some(first) = around[1][1] {
-            strata.start(first);
-            self.divide(column, *settings, &around, strata, packet);
-            strata.all().iter().for_each(|stratum| self.add_stratum(column, stratum));
-            let sum = std::mem::take(&mut self.sum);
-            self.finish(&sum);
-        }
-        self.refinement = Some(refinement);
-    }
-
-    /// Divides strata and samples the new ones until the pixel is finished.
-    fn divide(
-        &mut self,
-        column: usize,
-        settings: Adaptive,
-        around: &Neighborhood,
-        strata: &mut Strata,
-        packet: &mut SamplePacket,
-    ) {
-        let request = self.setting.request;
-        let pixels = (request.size[0] * request.size[1]) as u64;
-        let mut rng = request.sampler.further(self.index(column), pixels, settings.most);
-        loop {
-            let new = strata.divide(settings, around, &mut rng);
-            if new.is_empty() {
-                return;
-            }
-            for some in new.chunks_mut(SamplePacket::SIZE) {
-                for stratum in &*some {
-                    packet.push(column, stratum.offset, false);
+    /// Takes the samples of the pixels in these columns as planned, packet by packet.
+    pub fn take_planned(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
+        let Some(plan) = &self.plan else { return };
+        let [_, height] = self.setting.request.size;
+        let draws = MultiJittered::draws(plan.settings.most);
+        let mut rng = self.setting.request.sampler.rng().jumped(self.index(columns.start) * draws);
+        let jump = Jump::of(draws * height as u64);
+        for column in columns {
+            let Some(plan) = &self.plan else { return };
+            let mut offsets = MultiJittered::new(plan.strata(column), rng);
+            rng = rng.after(jump);
+            while let Some(offset) = offsets.next() {
+                packet.push(column, offset, offsets.len() == 0);
+                if packet.is_full() {
+                    self.color_samples(packet);
                 }
-                let colors = self.colors_of(packet);
-                some.iter_mut().zip(colors).for_each(|(stratum, color)| stratum.color = color);
-                packet.clear();
             }
         }
-    }
-
-    fn add_stratum(&mut self, column: usize, stratum: &Stratum) {
-        let Stratum { offset, color, .. } = *stratum;
-        match &mut self.row.colors {
-            Colors::Unwanted => {}
-            Colors::Finished(_) => {
-                self.sum.add(self.setting.request.filter.weight(offset) * stratum.area(), color);
-            }
-            Colors::Spread(spread) => spread.add(column, offset, color, stratum.area()),
-        }
-        if !self.plots.is_empty() {
-            self.plot(column, offset, color);
-        }
+        self.color_samples(packet);
     }
 }

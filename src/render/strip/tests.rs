@@ -23,7 +23,7 @@ fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting) -
 fn a_strip_has_as_many_rows_as_the_memory_holds() {
     let rows = |layers: &[Layer], filter, end, first| {
         let request = Request { layers: layers.to_vec(), filter, ..Request::new([1 << 16, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, end, first).rows)
+        with_setting(&request, |setting| Strip::below(setting, None, end, first).rows)
     };
     let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
     // Memory for 32 rows of 2^16 colours of 24 bytes.
@@ -43,7 +43,7 @@ fn a_strip_has_as_many_rows_as_the_memory_holds() {
 fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() {
     let rows = |filter, adaptive, width| {
         let request = Request { filter, adaptive, ..Request::new([width, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
+        with_setting(&request, |setting| Strip::below(setting, None, 1, 0).rows_in_flight())
     };
     let widths = [1 << 10, 1 << 16, 1 << 30];
     assert_eq!(widths.map(|width| rows(Filter::PIXEL, None, width)), [32, 16, 1]);

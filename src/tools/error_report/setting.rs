@@ -100,7 +100,7 @@ impl Setting {
     pub fn request(&self, base: &Request, rng: Drand48) -> Request {
         let (sampler, adaptive) = match self.samples {
             Samples::Fixed(pattern, count) => (Sampler::new(pattern, count, rng), None),
-            Samples::Adaptive(adaptive) => (Sampler::first_of_adaptive(rng), Some(adaptive)),
+            Samples::Adaptive(adaptive) => (Sampler::of_adaptive(rng), Some(adaptive)),
         };
         let (filter, effects) = (self.filter, self.effects);
         Request { sampler, adaptive, filter, effects, layers: vec![Layer::Color], ..base.clone() }

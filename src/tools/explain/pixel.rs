@@ -131,20 +131,20 @@ impl<'p, 'r> Explainer<'p, 'r> {
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
-                for (number, offset, weight) in self.samples(request, [column, row], target) {
+                for (number, offset, weight, part) in self.samples(request, [column, row], target) {
                     let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                     let is_kept = samples.len() < MAX_SAMPLES;
                     let (color, rays, rest) = self.trace(request, &ray, if is_kept { room } else { 0 }, stop);
                     if stop.is_over() {
                         return Err(ExplainError::Stopped);
                     }
-                    row_sum.add(weight, color);
+                    row_sum.add_for(weight, color, part);
                     room -= rays.len();
                     left_out.rays += rest.rays;
                     left_out.counts = left_out.counts.merge(rest.counts);
                     if is_kept {
                         let pixel = [column, height - 1 - row];
-                        let left_out = rest;
+                        let (left_out, weight) = (rest, weight * part);
                         samples.push(SampleTree { pixel, number, offset, weight, color, rays, left_out });
                     } else {
                         more_samples += 1;
@@ -163,19 +163,19 @@ impl<'p, 'r> Explainer<'p, 'r> {
         Ok(PixelTree { pixel: [x, y], has_grid, samples, more_samples, left_out, color, bytes })
     }
 
-    /// The samples of the pixel `own` that have weight for `target`: number, offset and weight. Rows count from the
-    /// bottom.
+    /// The samples of the pixel `own` that have weight for `target`: number, offset, the filter's weight, and the part of
+    /// the pixel that they stand for. Rows count from the bottom.
     fn samples(
         &self,
         request: &Request,
         own: [usize; 2],
         target: [usize; 2],
-    ) -> impl Iterator<Item = (usize, DVec2, f64)> {
+    ) -> impl Iterator<Item = (usize, DVec2, f64, f64)> {
         let filter = request.filter;
         let samples = self.prepared.samples(request, own).into_iter();
-        samples.enumerate().filter_map(move |(number, (offset, area))| {
-            let weight = weight_for(target, filter, own, offset) * area;
-            (weight != 0.0).then_some((number, offset, weight))
+        samples.enumerate().filter_map(move |(number, (offset, part))| {
+            let weight = weight_for(target, filter, own, offset);
+            (weight != 0.0).then_some((number, offset, weight, part))
         })
     }
 

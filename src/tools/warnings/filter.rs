@@ -195,7 +195,7 @@ mod tests {
         for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
             assert!((1..70).all(|count| too_narrow(&request(pattern, count, Filter::PIXEL)).is_none()));
         }
-        let adaptive = Sampler::first_of_adaptive(Drand48::UNSEEDED);
+        let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
         assert!(too_narrow(&Request { sampler: adaptive, ..Request::new([9, 9]) }).is_none());
     }
 
