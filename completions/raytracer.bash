@@ -31,6 +31,7 @@ _raytracer() {
             output:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             size:0) return ;;
             size:1) return ;;
+            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
             region:0) return ;;
             region:1) return ;;
             region:2) return ;;
@@ -45,6 +46,7 @@ _raytracer() {
             weight:0) return ;;
             random_samples:0) return ;;
             uniform_samples:0) return ;;
+            regular_samples:0) return ;;
             jittered_samples:0) return ;;
             adaptive_samples:0) return ;;
             adaptive_samples:1) return ;;
@@ -80,10 +82,10 @@ _raytracer() {
             port:0) return ;;
             tessellation:0) return ;;
             tessellation:1) return ;;
-            help:0) COMPREPLY=($(compgen -W 'input output size region merge convert depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples jittered_samples adaptive_samples seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats repeat cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud h help version' -- "$current")); return ;;
+            help:0) COMPREPLY=($(compgen -W 'input output size edition region merge convert depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples regular_samples jittered_samples adaptive_samples jitter filter seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats repeat cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud specular_fix h help version' -- "$current")); return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -size -region -merge -convert -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -jittered_samples -adaptive_samples -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -h -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -size -edition -region -merge -convert -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -specular_fix -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

@@ -6,6 +6,7 @@ use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
 use crate::math::vector::Vector;
 use crate::scene;
+use crate::scene::model::Screen;
 use glam::{DVec2, DVec3};
 
 /// A camera with orthogonal axes.
@@ -20,6 +21,8 @@ pub struct Camera {
     is_perspective: bool,
     /// The picture's width and height in pixels.
     size: DVec2,
+    /// The pixels along each axis that the whole screen spans.
+    span: DVec2,
 }
 
 /// How the rays through the pixels' centres depend on the pixel. For the one in column i of row j, let the way across
@@ -51,8 +54,7 @@ impl Camera {
     /// How the camera's rays depend on the pixel.
     pub fn projection(&self) -> Projection {
         let Self { center, direction, .. } = *self;
-        let longer = self.size.max_element();
-        let (right, up) = (self.horizontal / longer, self.vertical / longer);
+        let (right, up) = (self.horizontal / self.span.x, self.vertical / self.span.y);
         let middle = 0.5 * self.size - 0.5;
         let eye = Eye { center, direction, right, up, middle };
         if self.is_perspective { Projection::Perspective(eye) } else { Projection::Orthographic(eye) }
@@ -61,6 +63,11 @@ impl Camera {
     /// The camera for a picture with this width and height in pixels. The longer side spans the square
     /// screen, which the shorter side crops around its middle.
     pub fn new(camera: &scene::Camera, size: [usize; 2]) -> Self {
+        Self::with_screen(camera, size, Screen::LongerSide)
+    }
+
+    /// The same for a camera whose view is spread over the pixels in this way, if it is a perspective one.
+    pub fn with_screen(camera: &scene::Camera, size: [usize; 2], spread: Screen) -> Self {
         let (center, direction, up, screen, is_perspective) = match *camera {
             scene::Camera::Orthographic { center, direction, up, size } => {
                 (center, direction, up, size, false)
@@ -71,14 +78,16 @@ impl Camera {
         };
         let direction = unit(direction);
         let right = unit(direction.cross(rescaled(up)));
-        Self {
-            center,
-            direction,
-            horizontal: screen * right,
-            vertical: screen * right.cross(direction),
-            is_perspective,
-            size: DVec2::new(size[0] as f64, size[1] as f64),
-        }
+        let size = DVec2::new(size[0] as f64, size[1] as f64);
+        let (span, vertical) = match spread {
+            Screen::BothSides { up_as_written } if is_perspective => {
+                // The only pixel of a row or column is in its middle.
+                ((size - 1.0).max(DVec2::ONE), if up_as_written { up } else { right.cross(direction) })
+            }
+            _ => (DVec2::splat(size.max_element()), right.cross(direction)),
+        };
+        let (horizontal, vertical) = (screen * right, screen * vertical);
+        Self { center, direction, horizontal, vertical, is_perspective, size, span }
     }
 
     /// The ray through the point at `offset` from the centre of a pixel, whose integer coordinates start with
@@ -117,12 +126,14 @@ impl Camera {
     fn origin_and_direction<N: Number>(&self, [column, row]: [N; 2], offset: [N; 2]) -> [Vector<N>; 2] {
         let splat = |v: DVec3| Vector::splat(column.proof(), v);
         let (half, middle) = (column.broadcast(0.5), 0.5 * self.size);
-        let longer = column.broadcast(self.size.max_element());
+        let span = self.span;
         // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
         // exact mirror images.
-        let on_screen =
-            |pixel: N, offset: N, middle: f64| (pixel + half - pixel.broadcast(middle) + offset) / longer;
-        let (x, y) = (on_screen(column, offset[0], middle.x), on_screen(row, offset[1], middle.y));
+        let on_screen = |pixel: N, offset: N, middle: f64, span: f64| {
+            (pixel + half - pixel.broadcast(middle) + offset) / pixel.broadcast(span)
+        };
+        let (x, y) =
+            (on_screen(column, offset[0], middle.x, span.x), on_screen(row, offset[1], middle.y, span.y));
         let across = splat(self.horizontal) * x + splat(self.vertical) * y;
         if self.is_perspective {
             [splat(self.center), (splat(self.direction) + across).normalized()]

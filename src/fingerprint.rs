@@ -2,15 +2,17 @@
 
 use crate::image_io::Part;
 use crate::render::{Layer, Request, Window};
-use crate::renderer::Prepared;
+use crate::renderer::{Prepared, Renderer};
 use crate::world::World;
 use siphasher::sip128::{Hasher128, SipHasher13};
 use std::hash::Hasher;
 
-/// The part in this window of a layer's picture; none if the layer has no parts, because it shows the filter or is
-/// scaled by the most expensive pixel.
+/// The part in this window of a layer's picture; none if the layer has no parts, because it shows the filter, is reduced
+/// or scaled by the most expensive pixel.
 pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
     let (kind, zoom) = match layer {
+        // A reduced picture is not put together.
+        Layer::Color if request.is_reduced => return None,
         Layer::Color => ("color", 1),
         Layer::Depth { .. } => ("depth", 1),
         Layer::Distance => ("distance", 1),
@@ -40,6 +42,7 @@ fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
     write_block(&mut hasher, env!("CARGO_PKG_VERSION").as_bytes());
     write_block(&mut hasher, renderer.source.text.as_bytes());
     write_triangles(&mut hasher, renderer.world());
+    write_model(&mut hasher, renderer);
     let Request { size, effects, sampler, adaptive, filter, .. } = request;
     let sampling = matches!(layer, Layer::Color | Layer::Samples { .. }).then_some((sampler, adaptive));
     let shading = sampling.map(|_| (effects, filter, prepared.drawn_cells()));
@@ -53,6 +56,19 @@ fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
 fn write_block(hasher: &mut SipHasher13, bytes: &[u8]) {
     hasher.write_u64(bytes.len() as u64);
     hasher.write(bytes);
+}
+
+/// What the scene means, if that is not what it does in 2004, and the pictures that it names.
+fn write_model(hasher: &mut SipHasher13, renderer: &Renderer) {
+    if renderer.world().is_of_course() {
+        return;
+    }
+    write_block(hasher, format!("{:?}", renderer.scene.model).as_bytes());
+    renderer.scene.images.iter().for_each(|image| write_block(hasher, &image.texels.rgb));
+    let coordinates = renderer.scene.meshes.iter().flat_map(|mesh| mesh.texture_coordinates.iter());
+    for coordinate in coordinates.flatten().flatten().flat_map(|corner| corner.to_array()) {
+        hasher.write(&coordinate.to_le_bytes());
+    }
 }
 
 /// All triangles, most of which come from meshes. The text of the scene has all else.

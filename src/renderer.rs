@@ -129,7 +129,8 @@ impl Renderer {
 
     /// The camera that a request's pictures are seen with.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
-        Camera::new(request.camera.as_ref().unwrap_or(&self.scene.camera), request.size)
+        let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
+        Camera::with_screen(camera, request.size, self.scene.model.screen)
     }
 
     /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays, by which an
@@ -257,6 +258,9 @@ impl Prepared<'_> {
     /// parts of the pixel that they stand for, up to a factor.
     pub(crate) fn samples(&self, request: &Request, [column, row]: [usize; 2]) -> Vec<(DVec2, f64)> {
         let Some(settings) = request.adaptive else {
+            if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
+                return vec![(c_rand.next_offset(), 1.0)];
+            }
             let index = (column * request.size[1] + row) as u64;
             return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
         };

@@ -3,18 +3,24 @@
 mod error;
 
 use crate::escape::escape;
+use crate::image_io::read_picture;
 use crate::memory;
 use crate::near_names::nearest_file;
+use crate::scene::edition::{Choice, Clues, Edition};
 use crate::scene::error::{Problem, SceneError};
+use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, memory_for, read_obj};
-use crate::scene::parser::{self, Places, Reading};
+use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::recovery::MAX_ERRORS;
+use crate::scene::texels::{ImageFile, Texels};
+use crate::scene::texture_coordinates::{self, Corners};
 use crate::scene::warning::SceneWarning;
 use crate::scene::{MeshFile, Scene};
 pub use error::LoadError;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A scene with everything that it names.
 #[derive(Clone, Debug)]
@@ -31,6 +37,34 @@ pub struct LoadedScene {
     pub warnings: Vec<SceneWarning>,
     /// Where its text says what.
     pub places: Places,
+    /// The edition of the course in whose language it was read.
+    pub choice: Choice,
+}
+
+/// What is known of a scene's edition beside its words.
+#[derive(Clone, Debug, Default)]
+pub struct Hints {
+    /// The edition, if somebody has named it.
+    pub edition: Option<Edition>,
+    /// The endings of the pictures that are written of it, without the dot.
+    pub endings: Vec<String>,
+}
+
+/// Those, and the files beside a scene.
+struct Around<'a> {
+    hints: &'a Hints,
+    folder: &'a Path,
+}
+
+impl Clues for Around<'_> {
+    fn has_face(&self, folder: &str, ending: &str) -> bool {
+        let name = format!("{folder}/right.{ending}");
+        mesh_places(&name, self.folder, Edition::Y2019).iter().any(|place| place.is_file())
+    }
+
+    fn writes(&self, ending: &str) -> bool {
+        self.hints.endings.iter().any(|written| written.eq_ignore_ascii_case(ending))
+    }
 }
 
 /// A scene's text, without a byte order mark, and the file that it comes from.
@@ -57,30 +91,43 @@ const LONGEST_STREAM: u64 = 1 << 28;
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    load_announcing(path, &|_| ())
+    load_announcing(path, &Hints::default(), &|_| ())
 }
 
-/// The same. `announce` is told the size of each mesh's file, in bytes, before it is parsed.
-pub fn load_announcing(path: &Path, announce: &dyn Fn(usize)) -> Result<LoadedScene, LoadError> {
+/// The same, with what is known of the scene's edition. `announce` is told the size of each mesh's file, in bytes, before
+/// it is parsed.
+pub fn load_announcing(
+    path: &Path,
+    hints: &Hints,
+    announce: &dyn Fn(usize),
+) -> Result<LoadedScene, LoadError> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
-    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, announce)
+    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
 }
 
 /// Reads a scene from the text of its file.
-pub fn load_source(source: Source, announce: &dyn Fn(usize)) -> Result<LoadedScene, LoadError> {
+pub fn load_source(
+    source: Source,
+    hints: &Hints,
+    announce: &dyn Fn(usize),
+) -> Result<LoadedScene, LoadError> {
     let path = source.path.clone();
     let directory = path.parent().unwrap_or(Path::new(""));
-    let read = |file: &MeshFile| {
-        read_mesh(file, directory, announce).map_err(|problem| SceneError {
+    let read = |file: &MeshFile, edition, is_textured| {
+        read_mesh(file, (directory, edition), is_textured, announce).map_err(|problem| SceneError {
             at: file.at,
             hint: problem.mesh_hint().or_else(|| hint_to_name(&problem, directory)),
             problem,
         })
     };
-    load_text(source, &read)
+    let read_image = |image: &ImageFile, edition| {
+        find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError::new(image.at, problem))
+    };
+    let readers = Readers { mesh: &read, image: &read_image };
+    load_text(source, hints, readers)
 }
 
 /// A mesh that a scene names.
@@ -90,26 +137,73 @@ pub struct FoundMesh {
     pub mesh: Mesh,
     /// Its file.
     pub file: PathBuf,
+    /// The texture coordinates of its triangles, if they were asked for.
+    pub texture_coordinates: Vec<Option<Corners>>,
     /// What the file says without an error, but hardly on purpose.
     pub warnings: Vec<SceneWarning>,
 }
 
-/// Reads a mesh that a scene names.
-pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile) -> Result<FoundMesh, SceneError>;
+/// Reads a mesh that a scene of this edition names, with its texture coordinates if the last argument says so.
+pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, SceneError>;
 
-/// Reads a scene from its text. `read_mesh` reads each mesh that it names.
-pub fn load_text(source: Source, read_mesh: ReadMesh) -> Result<LoadedScene, LoadError> {
-    match read_with_meshes(&source.text, read_mesh) {
-        Ok((Reading { scene, mut warnings, places }, found)) => {
+/// Reads a picture that a scene of this edition names, and tells its file.
+pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), SceneError>;
+
+/// Reads the files that a scene names.
+#[derive(Clone, Copy)]
+pub struct Readers<'a> {
+    /// Reads its meshes.
+    pub mesh: ReadMesh<'a>,
+    /// Reads its pictures.
+    pub image: ReadImage<'a>,
+}
+
+/// Reads a scene from its text, and the files that it names.
+pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, LoadError> {
+    let folder = source.path.parent().unwrap_or(Path::new(""));
+    let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
+        let found = read_files(&mut reading.scene, choice.edition, readers)?;
+        Ok((choice, reading, found))
+    });
+    match read {
+        Ok((choice, Reading { mut scene, mut warnings, places }, found)) => {
             let (mut meshes, mut mesh_files) = (vec![], vec![]);
-            for found in found {
+            for (found, named) in found.into_iter().zip(&mut scene.meshes) {
+                named.texture_coordinates = Arc::new(found.texture_coordinates);
                 meshes.push(found.mesh);
                 mesh_files.push(found.file);
                 warnings.extend(found.warnings);
             }
-            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places })
+            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
         }
         Err(errors) => Err(LoadError::Scene { source, errors }),
+    }
+}
+
+/// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
+/// not written in it, that which its words and the files around it tell.
+fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Vec<SceneError>> {
+    let named = around.hints.edition;
+    let edition = named.unwrap_or_default();
+    let errors = match read_in(edition, text) {
+        Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
+        Err(errors) => errors,
+    };
+    let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
+    let Some(choice) = found else { return Err(errors) };
+    match read_in(choice.edition, text) {
+        Ok(reading) => Ok((choice, reading)),
+        Err(mut errors) => {
+            if let Some(first) = errors.first_mut() {
+                let because = choice.because.unwrap_or_default();
+                let read = format!(
+                    "the scene is read as one of `-edition {}`, because of {because}",
+                    choice.edition
+                );
+                first.hint = Some(first.hint.take().map_or(read.clone(), |hint| format!("{hint}; {read}")));
+            }
+            Err(errors)
+        }
     }
 }
 
@@ -125,11 +219,34 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-fn read_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Reading, Vec<FoundMesh>), Vec<SceneError>> {
-    let reading = parser::read(text)?;
+/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If all editions have
+/// its words, the pictures that are written of it may tell which one is meant.
+fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
+    let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
+    if around.hints.edition.is_some() || !Edition::is_of_all(&reading.scene) {
+        return (choice, reading);
+    }
+    if around.writes("bmp")
+        && let Ok(reading) = read_in(Edition::Y2012A4, text)
+    {
+        let because = Some("the picture in BMP".to_owned());
+        return (Choice { edition: Edition::Y2012A4, because, is_open: false }, reading);
+    }
+    // The pictures of 2004 are TGA.
+    (Choice { is_open: around.writes("png"), ..choice }, reading)
+}
+
+/// Reads the meshes and the pictures that a scene names.
+fn read_files(
+    scene: &mut Scene,
+    edition: Edition,
+    readers: Readers,
+) -> Result<Vec<FoundMesh>, Vec<SceneError>> {
     let (mut meshes, mut errors) = (vec![], vec![]);
-    for file in &reading.scene.meshes {
-        match read_mesh(file) {
+    let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image(_)));
+    let is_textured = scene.materials.iter().any(is_image);
+    for file in &scene.meshes {
+        match (readers.mesh)(file, edition, is_textured) {
             Ok(mesh) => meshes.push(mesh),
             Err(error) => errors.push(error),
         }
@@ -137,29 +254,54 @@ fn read_with_meshes(text: &str, read_mesh: ReadMesh) -> Result<(Reading, Vec<Fou
             break;
         }
     }
-    if errors.is_empty() { Ok((reading, meshes)) } else { Err(errors) }
+    for image in &mut scene.images {
+        match (readers.image)(image, edition) {
+            Ok((texels, file)) => (image.texels, image.file) = (texels, Some(file)),
+            Err(error) if errors.len() < MAX_ERRORS => errors.push(error),
+            Err(_) => break,
+        }
+    }
+    if errors.is_empty() { Ok(meshes) } else { Err(errors) }
+}
+
+/// Reads a picture that a scene names from the first place where there is one.
+fn find_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Arc<Texels>, PathBuf), Problem> {
+    let places = mesh_places(name, folder, edition);
+    let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
+    let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
+    Ok((Arc::new(read_texels(name, file, edition)?), file.to_owned()))
+}
+
+/// Reads the picture that a scene calls `name`.
+fn read_texels(name: &str, file: &Path, edition: Edition) -> Result<Texels, Problem> {
+    let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
+    let picture = read_picture(file).map_err(|error| unreadable(error.to_string()))?;
+    let size = [picture.width(), picture.height()].map(|n| n as usize);
+    Ok(Texels { size, rgb: picture.pixels().to_vec(), divides_last: edition.divides_texels_last() })
 }
 
 /// Advice on a mesh's name for which there is no file: the name of one that is there.
 fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
     let Problem::MeshUnreadable { name, .. } = problem else { return None };
     let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
-    if mesh_places(name, scene_directory).iter().any(is_there) {
+    let places = mesh_places(name, scene_directory, Edition::Y2004);
+    if places.iter().any(is_there) {
         return None;
     }
-    let near = mesh_places(name, scene_directory).iter().find_map(|place| nearest_file(place))?;
+    let near = places.iter().find_map(|place| nearest_file(place))?;
     let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
     Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
 }
 
 /// Reads the mesh that a scene names from the first place where it can be read.
 fn read_mesh(
-    MeshFile { name, at }: &MeshFile,
-    scene_directory: &Path,
+    MeshFile { name, at, .. }: &MeshFile,
+    (scene_directory, edition): (&Path, Edition),
+    is_textured: bool,
     announce: &dyn Fn(usize),
 ) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
-    for place in mesh_places(name, scene_directory) {
+    for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
             Ok(bytes) => {
                 announce(bytes.len());
@@ -167,7 +309,11 @@ fn read_mesh(
                     read_obj(&bytes).map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
                 let warning = |doubt| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
                 let warnings = doubts.into_iter().map(warning).collect();
-                return Ok(FoundMesh { mesh, file: place, warnings });
+                let texture_coordinates = match is_textured {
+                    true => texture_coordinates::read(&bytes, mesh.triangles.len()),
+                    false => vec![],
+                };
+                return Ok(FoundMesh { mesh, file: place, texture_coordinates, warnings });
             }
             Err(reason) => tried.push((lossy(&place), reason)),
         }
@@ -188,25 +334,32 @@ fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, Problem> {
     Ok(fs::read(place).map_err(|error| error.to_string()))
 }
 
-/// The files that are read for the meshes of a scene, each in the first place where it is; none of a scene that is no
+/// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene that is no
 /// regular file or cannot be read.
-pub fn mesh_files(scene: &Path) -> Vec<PathBuf> {
+pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
-    let Some(Ok(Reading { scene: named, .. })) = text.map(|text| parser::read(&text)) else { return vec![] };
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let find = |file: &MeshFile| mesh_places(&file.name, folder).into_iter().find(|place| is_file(place));
-    named.meshes.iter().filter_map(find).collect()
+    let read = |text: String| read_words(&text, Around { hints, folder });
+    let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
+    let find =
+        |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
+    let images = named.images.iter().map(|image| &image.name);
+    named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
 }
 
-/// Where to look for a mesh: relative to the working directory, as the course's program does, then beside the scene,
-/// unless that is the same. In either folder, a file whose name has backslashes comes before a path that is written with
+/// Where to look for a mesh or a picture: relative to the working directory, as the course's program does, then beside the
+/// scene, unless that is the same; in some editions the other way round. In either folder, a file whose name has backslashes comes before a path that is written with
 /// them, as on Windows.
-pub fn mesh_places(name: &str, scene_directory: &Path) -> Vec<PathBuf> {
+pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<PathBuf> {
     let with_slashes = name.replace('\\', "/");
     let mut places = Vec::new();
-    for folder in [Path::new(""), scene_directory] {
+    let mut folders = [Path::new(""), scene_directory];
+    if edition.starts_beside_scene() {
+        folders.reverse();
+    }
+    for folder in folders {
         for place in [name, &with_slashes].map(|name| folder.join(name)) {
             if !places.contains(&place) {
                 places.push(place);
@@ -282,9 +435,12 @@ mod tests {
 
     #[test]
     fn the_working_directory_comes_first() {
-        assert_eq!(mesh_places("m.obj", Path::new("s")), [Path::new("m.obj"), Path::new("s/m.obj")]);
-        assert_eq!(mesh_places("m.obj", Path::new("")), [Path::new("m.obj")]);
-        assert_eq!(mesh_places("/m.obj", Path::new("s")), [Path::new("/m.obj")]);
+        assert_eq!(
+            mesh_places("m.obj", Path::new("s"), Edition::Y2004),
+            [Path::new("m.obj"), Path::new("s/m.obj")]
+        );
+        assert_eq!(mesh_places("m.obj", Path::new(""), Edition::Y2004), [Path::new("m.obj")]);
+        assert_eq!(mesh_places("/m.obj", Path::new("s"), Edition::Y2004), [Path::new("/m.obj")]);
     }
 
     #[test]
@@ -295,7 +451,7 @@ mod tests {
         fs::create_dir(folder.path().join("a")).unwrap();
         fs::write(folder.path().join("a/m.obj"), mesh).unwrap();
         assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 1);
-        assert_eq!(mesh_files(&scene), load(&scene).unwrap().mesh_files);
+        assert_eq!(mesh_files(&scene, &Hints::default()), load(&scene).unwrap().mesh_files);
         if cfg!(unix) {
             let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
             fs::write(folder.path().join("a\\m.obj"), two).unwrap();

@@ -6,6 +6,7 @@
 
 use crate::math::ray::{Ray, Visible};
 use crate::scene::Color;
+use crate::scene::model::Highlight;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial};
 use crate::world::{SurfacePoint, World};
@@ -20,7 +21,7 @@ mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
-pub use rules::{Departure, Rules};
+pub use rules::{ByModel, Departure, Rules, View};
 pub(crate) use secondary::{Path, SecondaryRay};
 
 /// Which objects cast shadows.
@@ -146,7 +147,7 @@ impl<R: Rules> Tracer<'_, R> {
                 self.refract(path, &arrival, pending, observer);
                 self.shade(&arrival, observer)
             }
-            None => self.rules.background(path.bounces),
+            None => self.rules.background(ray.direction, path.bounces),
         };
         observer.observe(|| Event::Shaded(color));
         color
@@ -155,25 +156,27 @@ impl<R: Rules> Tracer<'_, R> {
     /// The colour of a surface by itself: ambient light, and the lights that are visible from the point.
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
         let Arrival { direction, surface, material } = arrival;
-        let is_inside = surface.normal.dot(*direction) > 0.0;
+        let highlight = self.rules.model().highlight;
+        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = if is_inside { -surface.normal } else { surface.normal };
+        let normal = self.rules.shading_normal(surface.normal, is_inside);
         let to_viewer = -*direction;
-        let mut color = self.rules.sum(Color::ZERO, self.world().ambient * material.phong.diffuse);
+        let mut color = self.rules.sum(Color::ZERO, self.rules.ambient(surface, material.phong));
         observer.observe(|| Event::Ambient(color));
         for (index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
             // The course's program casts the shadow ray even where the light has no effect.
             let passed = self.light_passed(arrival, &light, index, observer);
-            if material.shows(&light, cosine) && passed != Color::ZERO {
-                let lit = passed * material.reflect(&light, cosine, normal, to_viewer);
+            if material.shows(highlight, &light, cosine) && passed != Color::ZERO {
+                let view = View { cosine, normal, to_viewer };
+                let lit = passed * self.rules.reflect(material, (&light, index), &view);
                 color = self.rules.sum(color, self.rules.light(lit));
             }
             observer.observe(|| {
-                let parts = material.parts(&light, cosine, normal, to_viewer);
+                let parts = material.parts(highlight, &light, cosine, normal, to_viewer);
                 Event::Light { incident: light, cosine, passed, parts }
             });
         }

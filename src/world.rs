@@ -3,6 +3,7 @@
 //! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one
 //! range of ids, in the order triangles, shapes, planes.
 
+mod appearance;
 mod builder;
 mod coincidence;
 mod crossing;
@@ -19,6 +20,9 @@ use crate::primitive::{plane::Plane, triangle};
 use crate::scene::error::SceneError;
 use crate::scene::limits;
 use crate::scene::mesh::Mesh;
+use crate::scene::model::Model;
+use crate::scene::texels::{CubeFaces, Texels};
+use crate::scene::texture_coordinates::Corners;
 use crate::scene::{Color, Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
@@ -27,6 +31,7 @@ use resting_lights::RestingLights;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::Arc;
 
 pub use placement::{Placement, placements};
 pub use surface::SurfacePoint;
@@ -68,6 +73,17 @@ pub struct World {
     material_runs: Vec<(u32, u32)>,
     /// The point lights that lie on triangles.
     resting_lights: RestingLights,
+    /// What the scene means.
+    pub model: Model,
+    /// A vector along the normal of each vertex whose mesh is smooth; zero for other vertices. The list may be shorter than
+    /// that of the vertices.
+    vertex_normals: Vec<DVec3>,
+    /// The texture coordinates of triangles. The list may be shorter than that of the triangles.
+    texture_coordinates: Vec<Option<Corners>>,
+    /// The pictures that the scene names.
+    images: Vec<Arc<Texels>>,
+    /// The pictures that rays see that hit nothing.
+    cube_map: Option<CubeFaces>,
 }
 
 /// A primitive by its kind and its index in the world's list of that kind.
@@ -120,6 +136,11 @@ impl World {
             max_abs_coord: 0.0,
             material_runs: vec![],
             resting_lights: RestingLights::default(),
+            model: scene.model,
+            vertex_normals: vec![],
+            texture_coordinates: vec![],
+            images: scene.images.iter().map(|image| image.texels.clone()).collect(),
+            cube_map: scene.cube_map,
         }
     }
 

@@ -9,7 +9,8 @@ use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::offset_origin;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::{self, Background, MeshFile, Object, Position, Scene};
+use raytracer::scene::model::Model;
+use raytracer::scene::{self, Background, MeshFile, Object, Scene};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 use std::path::Path;
@@ -112,6 +113,9 @@ fn scene_on_ground(mesh: &Mesh) -> Scene {
         ],
         positions: vec![],
         root: 2,
-        meshes: vec![MeshFile { name: "bunny_5k.obj".into(), at: Position { line: 1, column: 1 } }],
+        meshes: vec![MeshFile { name: "bunny_5k.obj".into(), ..MeshFile::default() }],
+        images: vec![],
+        cube_map: None,
+        model: Model::COURSE,
     }
 }

@@ -1,8 +1,7 @@
 //! The scenes on which samplers are measured: those of `docs/speed-against-error.md`, and others whose light is in small
 //! things, which samples are likely to miss.
 
-use raytracer::scene::error::SceneError;
-use raytracer::scene_io::{LoadedScene, Source, load, load_text};
+use raytracer::scene_io::{Hints, LoadedScene, Readers, Source, load, load_text};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -49,10 +48,14 @@ pub const CASES: [Case; 16] = [
 
 impl Case {
     pub fn load(&self) -> Result<LoadedScene, Box<dyn Error>> {
-        let none = |_: &_| -> Result<_, SceneError> { unreachable!("these scenes name no mesh") };
+        let no_mesh = |_: &_, _, _| unreachable!("these scenes name no mesh");
+        let no_image = |_: &_, _| unreachable!("these scenes name no picture");
+        let readers = Readers { mesh: &no_mesh, image: &no_image };
         Ok(match self.origin {
             Origin::File(name) => load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name))?,
-            Origin::Text(text) => load_text(Source { path: self.name.into(), text: text() }, &none)?,
+            Origin::Text(text) => {
+                load_text(Source { path: self.name.into(), text: text() }, &Hints::default(), readers)?
+            }
         })
     }
 }

@@ -21,7 +21,7 @@ use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::{Repeats, Report, Timings};
-use raytracer::tools::explain::{CostReport, Explainer, PixelTree};
+use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
 use std::ffi::OsString;
@@ -32,6 +32,9 @@ use std::time::{Duration, Instant};
 
 /// The size of a mesh's file, in bytes, from which on its parsing is work for several threads.
 const LARGE_MESH: usize = 1 << 18;
+
+/// How long the rays behind a pixel are followed. It is as much as millions of rays take.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
 /// The number of camera rays from which on a picture is work for several threads.
 const MANY_RAYS: usize = 1 << 17;
@@ -44,6 +47,8 @@ const PATIENCE: Duration = Duration::from_millis(3);
 
 /// What a rendering leaves.
 pub struct Rendered {
+    /// The options as the scene's edition settles them.
+    pub options: Options,
     pub renderer: Renderer,
     pub report: Report,
     /// The times of all renderings, if there are several.
@@ -77,9 +82,16 @@ pub fn render(
             crew.start_all()
         }
     };
-    let loaded = scene_io::load_announcing(input, &announce);
+    let loaded = scene_io::load_announcing(input, &options.hints(), &announce);
     let mut loaded = loaded.map_err(|error| error.to_string())?;
     loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
+    let images = loaded.scene.images.iter().filter_map(|image| image.file.as_deref());
+    images.into_iter().try_for_each(|image| written.check_read(ReadAs::Picture, image))?;
+    let settled = options.in_edition(loaded.choice.edition);
+    let options = &settled;
+    if let Some(note) = warned::about_edition(&loaded.choice) {
+        tell(&note);
+    }
     let reading = clock.lap();
     let mut warnings = warned::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
@@ -106,11 +118,11 @@ pub fn render(
     let part = |layer| request.window.and_then(|window| part_in(window, layer));
     let mut products = Products::begin(files, &request, &part)?;
     if keeps {
-        products.keep(options.size)?;
+        products.keep(options.picture_size())?;
     }
     let world = renderer.world();
     let is_empty = world.finite_count() == 0 && world.planes.is_empty();
-    products.watch_for_blank(&request, renderer.scene.background.color, is_empty);
+    products.watch_for_blank(&request, &renderer.scene, is_empty);
     let mut failure = None;
     let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
         Ok(()) => ControlFlow::Continue(()),
@@ -154,7 +166,7 @@ pub fn render(
     let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places, &goes_on) } else { None };
     say(nothing.as_slice())?;
     say(&not_shown(&products.exceptional()))?;
-    let finished = products.finish(options.size)?;
+    let finished = products.finish(options.picture_size())?;
     let files = CompleteFiles::default();
     let (streams, regular): (Vec<_>, Vec<_>) = finished.files.into_iter().partition(CompleteFile::is_stream);
     regular.into_iter().try_for_each(|file| files.add(file))?;
@@ -186,7 +198,7 @@ pub fn render(
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
-    Ok(Rendered { renderer, report, repeats, costs, pixel, picture: finished.kept, files })
+    Ok(Rendered { options: settled, renderer, report, repeats, costs, pixel, picture: finished.kept, files })
 }
 
 impl Rendered {
@@ -281,7 +293,11 @@ fn explanation(
         Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
     };
     let explainer = Explainer::new(&prepared).map_err(failed)?;
-    Ok(explainer.pixel(&request, pixel))
+    let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+    match explainer.pixel(&request, pixel, &stop) {
+        Err(ExplainError::Outside) => Ok(None),
+        explained => explained.map(Some).map_err(failed),
+    }
 }
 
 /// How many of the fullest cells are named.

@@ -5,7 +5,8 @@ use raytracer::image_io::{CompleteFile, Content, Exceptional, ImageError, Output
 use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
-use raytracer::scene::Color;
+use raytracer::scene::model::NormalColors;
+use raytracer::scene::{Color, Scene};
 use raytracer::tools::explain::CostMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -57,7 +58,7 @@ impl Products {
             layer => {
                 let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                 let part = part(layer);
-                let writer = file.begin_with(layer.size(request.window_size()), content, part.as_ref());
+                let writer = file.begin_with(request.layer_size(&layer), content, part.as_ref());
                 Ok(Product::File(Box::new(writer.map_err(failed)?)))
             }
         };
@@ -65,10 +66,9 @@ impl Products {
         Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
     }
 
-    /// Watches whether the pictures show nothing but `background`, the colour of rays that hit nothing. In a scene that
-    /// `is_empty` they do.
-    pub fn watch_for_blank(&mut self, request: &Request, background: Color, is_empty: bool) {
-        self.blank = request.layers.iter().map(|layer| blank(layer, background)).collect();
+    /// Watches whether the pictures show nothing but what rays show that hit nothing. In a scene that `is_empty` they do.
+    pub fn watch_for_blank(&mut self, request: &Request, scene: &Scene, is_empty: bool) {
+        self.blank = request.layers.iter().map(|layer| blank(layer, scene)).collect();
         // A part of a picture may well show nothing.
         self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
         if is_empty {
@@ -111,6 +111,7 @@ impl Products {
     ) -> Result<Vec<KeptPart>, String> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
             (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            (Product::File(_), None) if layer == Layer::Color => Ok(None),
             // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
             (Product::File(writer), None) => {
                 let file = writer.complete().map_err(failed)?;
@@ -163,9 +164,10 @@ impl Products {
 }
 
 /// The colour that a layer shows where nothing is hit.
-fn blank(layer: &Layer, background: Color) -> Option<Color> {
+fn blank(layer: &Layer, scene: &Scene) -> Option<Color> {
     match layer {
-        Layer::Color => Some(background),
+        Layer::Color => Some(scene.background.color).filter(|_| scene.cube_map.is_none()),
+        Layer::Normals if scene.model.normal_colors == NormalColors::Shifted => Some(Color::splat(0.5)),
         Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
         Layer::Distance => Some(Color::INFINITY),
         Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,

@@ -1,9 +1,11 @@
 //! Says what is doubtful, or ends the run for it as `-strict` asks.
 
 use raytracer::cli::{Comparison, Options};
-use raytracer::render::Layer;
+use raytracer::render::{Layer, Request};
+use raytracer::scene::edition::Choice;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::tools::warnings::{self, Severity, Warning};
+use raytracer::trace::Effects;
 
 /// Says each of these warnings. With `-strict` they are the message that ends the program.
 pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(&str)) -> Result<(), String> {
@@ -16,9 +18,28 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
     Ok(())
 }
 
+/// What is to be said of a scene's edition, which nobody has named.
+pub fn about_edition(choice: &Choice) -> Option<String> {
+    let Choice { edition, because, is_open } = choice;
+    if *is_open {
+        return Some(
+            "note: the scene is the same text in several editions of the course, and another picture in each; it is taken as \
+             one of 2004, and `-edition` names another"
+                .into(),
+        );
+    }
+    let because = because.as_ref()?;
+    Some(format!(
+        "note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
+    ))
+}
+
 /// What is doubtful about a scene that has been read and about the flags it is rendered with.
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> {
-    let (scene, effects) = (&loaded.scene, &options.effects);
+    let scene = &loaded.scene;
+    // Nobody has asked for the bounces of an edition.
+    let asked_for = if options.has_default_bounces { 0 } else { options.effects.bounces };
+    let effects = &Effects { bounces: asked_for, ..options.effects };
     let mut found: Vec<Warning> =
         std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
     if scene.lights.is_empty() {
@@ -28,7 +49,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
         found.push(Warning::NoPicture);
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
-    let request = options.request();
+    let request = Request { effects: *effects, ..options.request() };
     if !shows_colors(options) {
         found.extend(warnings::colors_not_asked_for(&request));
         return found;

@@ -3,6 +3,7 @@
 use super::flag::{Flag, Offer};
 use super::flags;
 use crate::escape::quoted;
+use crate::scene::edition::Edition;
 use std::ffi::OsString;
 use std::fmt;
 use std::path::PathBuf;
@@ -57,6 +58,17 @@ pub enum CliError {
         word: OsString,
         /// The reason why the value is not valid.
         problem: Problem,
+    },
+    /// `-filter` of a picture below three pixels a side.
+    ReducedToNothing,
+    /// A flag that the named edition does not have.
+    OtherEdition {
+        /// The flag.
+        flag: &'static str,
+        /// The edition that has it.
+        has_it: Edition,
+        /// The edition that is named.
+        named: Edition,
     },
     /// `-depth` with a `t0` that is not below `t1`.
     DepthOrder {
@@ -155,6 +167,8 @@ pub enum Problem {
     NotPage,
     /// It is outside the range of filter sizes.
     NotFilterSize,
+    /// It is the name of no edition.
+    NotEdition,
     /// It is no kind of cost.
     NotCost,
     /// It stands beside other values.
@@ -172,6 +186,7 @@ impl fmt::Display for Problem {
             Self::NotFilterSize => f.write_str("is not between 0.000001 and 1000000 pixels"),
             Self::NotJson => f.write_str("is neither - nor ends in .json"),
             Self::NotAlone => f.write_str("stands alone, in place of the three numbers"),
+            Self::NotEdition => write!(f, "is none of the editions {}", Edition::NAMES.join(", ")),
             Self::NotCost => f.write_str("is none of rays, tests and cells"),
             Self::NotPicture => f.write_str("ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
             Self::NotBytes => f.write_str("ends in none of .tga, .png, .bmp and .ppm"),
@@ -198,6 +213,12 @@ impl CliError {
             Self::Conflict { flag, other } => format!("`-{flag}` cannot be combined with `-{other}`"),
             Self::WrongCount { flag, given } => wrong_count(flag, *given),
             Self::BadValue { flag, word, problem } => format!("`-{flag}`: {} {problem}", quoted(word)),
+            Self::ReducedToNothing => {
+                "`-filter`: a third of the picture's width or height is no pixel".into()
+            }
+            Self::OtherEdition { flag, has_it, named } => {
+                format!("`-{flag}` is a flag of the edition {has_it}, not of {named}: `-edition {has_it}`")
+            }
             Self::DepthOrder { t0, t1 } => format!("`-depth`: t0 must be less than t1, but {t0} >= {t1}"),
             Self::DepthRange => "`-depth`: t1 - t0 is too large for a number".into(),
             Self::TooManyCells { cells: [x, y, z] } => {

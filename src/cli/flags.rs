@@ -13,6 +13,7 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Pattern;
+use crate::scene::edition::Edition;
 use crate::tools::compare::Tolerance;
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -97,6 +98,15 @@ flags! {
         .example("-size 200 200")
         .runs(SHAPING)
         .read(size);
+
+    EDITION: Edition = Flag::new(Section::Pictures, "edition")
+        .values(&[word("name", &Edition::NAMES)])
+        .default("what the scene's words tell, else 2004")
+        .help("Takes scene and flags as that edition of the course does: 2004, 2012a4 or 2012a5 (assignments 4 and 5 of 2012), 2019 (2016 to 2023) or aalto.")
+        .details("They differ in the words of scenes, the camera, highlights, normals, recursion and the colours of depths and normals.")
+        .example("-edition 2019")
+        .runs(SHAPING)
+        .read(edition);
 
     REGION: Window = Flag::new(Section::Pictures, "region")
         .values(&[number("x"), number("y"), number("w"), number("h")])
@@ -208,10 +218,19 @@ flags! {
         .runs(SHAPING)
         .read(|values| samples(values, Pattern::Uniform));
 
+    REGULAR_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "regular_samples")
+        .values(&[number("n")])
+        .default("1, the centre")
+        .help("What -uniform_samples is in the editions of the course but Aalto's, which this flag implies: there -uniform_samples are random.")
+        .example("-regular_samples 9")
+        .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag, &ADAPTIVE_SAMPLES.flag, &JITTER.flag])
+        .runs(SHAPING)
+        .read(|values| samples(values, Pattern::Uniform));
+
     JITTERED_SAMPLES: (Pattern, u32) = Flag::new(Section::Sampling, "jittered_samples")
         .values(&[number("n")])
         .usual()
-        .elsewhere(&["aa", "antialias", "antialiasing", "supersample", "supersampling", "msaa", "samples", "spp", "n", "jitter"])
+        .elsewhere(&["aa", "antialias", "antialiasing", "supersample", "supersampling", "msaa", "samples", "spp", "n"])
         .default("1, the centre")
         .help("Takes n samples per pixel, which smooths edges. Each lies at random in a cell of the grid of -uniform_samples.")
         .example("-jittered_samples 16")
@@ -227,6 +246,19 @@ flags! {
         .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag])
         .runs(SHAPING)
         .read(adaptive);
+
+    JITTER: () = Flag::new(Section::Sampling, "jitter")
+        .help("Takes a picture of three times the width and height, with one sample anywhere in each pixel; as in assignment 5 of 2012, which it implies.")
+        .details("The random numbers are those of the C library's rand, so that the samples are those of the course's program. Its command lines have -filter too.")
+        .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag, &ADAPTIVE_SAMPLES.flag, &SEED.flag, &REGION.flag])
+        .switch();
+
+    FILTER: () = Flag::new(Section::Sampling, "filter")
+        .help("Blurs the picture and reduces its width and height to a third; as in assignment 5 of 2012, which it implies.")
+        .details("The width and height of -size come out with -jitter.")
+        .after("-input scene.txt -output picture.png -jitter")
+        .excludes(&[&REGION.flag, &PIXEL.flag])
+        .switch();
 
     SEED: Drand48 = Flag::new(Section::Sampling, "seed")
         .values(&[number("n")])
@@ -447,6 +479,7 @@ flags! {
         .read(|values| Ok(values.number(THREADS_RANGE)? as usize));
 
     PROGRESS: () = Flag::new(Section::Other, "progress")
+        .aliases(&["show_progress"])
         .help("Tells how far the run has come every ten seconds where standard error is no terminal. A terminal shows it after one second.")
         .excludes(&[&QUIET.flag])
         .runs(&[Run::Merge, Run::Grade, Run::ErrorReport])
@@ -493,6 +526,10 @@ flags! {
         .help("Accepted from the course; changes nothing.")
         .read(|_| Ok(()));
 
+    SPECULAR_FIX: () = Flag::new(Section::Preview, "specular_fix")
+        .help("Accepted from Aalto's edition; changes nothing.")
+        .read(|_| Ok(()));
+
     USUAL: () = Flag::new(Section::Other, "h")
         .help("Prints the ten flags that people use.")
         .after("")
@@ -529,6 +566,11 @@ fn depth(values: &Values) -> Result<Output, CliError> {
         return Err(CliError::DepthRange);
     }
     values.output(file, format, [Layer::Depth { near, far }, Layer::Distance])
+}
+
+fn edition(values: &Values) -> Result<Edition, CliError> {
+    let [word] = values.exactly()?;
+    word.to_str().and_then(Edition::named).ok_or_else(|| values.bad(word, Problem::NotEdition))
 }
 
 fn enlarged(values: &Values, layer: fn(usize) -> Layer) -> Result<Output, CliError> {

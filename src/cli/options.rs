@@ -11,9 +11,12 @@ use super::values::{lossy, lossy_or_null};
 use crate::caster::choose::Structure;
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
+use crate::sampling::blur::{REDUCTION, reduced};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
+use crate::scene::edition::Edition;
+use crate::scene_io::Hints;
 use crate::trace::{Effects, Shadows};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -32,8 +35,17 @@ pub struct Options {
     pub size: [usize; 2],
     /// The part of every picture that is rendered; none for the whole. It lies in the picture.
     pub region: Option<Window>,
+    /// The edition of the course; none until the scene's words have been read.
+    pub edition: Option<Edition>,
+    /// Whether the picture is rendered with three times the width and height.
+    pub jitter: bool,
+    /// Whether it is blurred and reduced to a third.
+    pub reduced: bool,
     /// What is modelled.
     pub effects: Effects,
+    /// Whether the number of bounces is the default of the edition.
+    #[serde(skip)]
+    pub has_default_bounces: bool,
     /// Whether `-bounces 0` is given, which is the default: whoever says it means it.
     #[serde(skip)]
     pub says_no_bounces: bool,
@@ -68,6 +80,9 @@ pub struct Options {
     /// Where progress is shown.
     pub progress: ShowProgress,
 }
+
+/// How often a ray bounces in assignment 5 of 2012 if nobody says so.
+const DEFAULT_BOUNCES_2012A5: u32 = 4;
 
 /// Where a JSON document goes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -112,12 +127,16 @@ impl Options {
             outputs: outputs(raw)?,
             size: raw.read_or_default(&flags::SIZE)?,
             region: raw.read(&flags::REGION)?,
+            edition: edition(raw)?,
+            jitter: three_sizes(raw, &flags::JITTER),
+            reduced: three_sizes(raw, &flags::FILTER),
             effects: Effects {
                 shadows: shadows(raw),
                 shade_back: raw.given(&flags::SHADE_BACK),
                 bounces: raw.read_or_default(&flags::BOUNCES)?,
-                min_weight: raw.read_or_default(&flags::WEIGHT)?,
+                min_weight: weight(raw)?,
             },
+            has_default_bounces: !raw.given(&flags::BOUNCES),
             says_no_bounces: raw.read(&flags::BOUNCES)? == Some(0),
             sampler: sampler(raw)?,
             adaptive: raw.read(&flags::ADAPTIVE_SAMPLES)?,
@@ -136,7 +155,30 @@ impl Options {
             progress: ShowProgress::from_raw(raw),
         };
         options.check_together()?;
-        Ok(options)
+        Ok(match options.edition {
+            Some(edition) => options.in_edition(edition),
+            None => options,
+        })
+    }
+
+    /// The same options for a scene of this edition, on which some defaults depend.
+    #[must_use]
+    pub fn in_edition(&self, edition: Edition) -> Self {
+        let mut options = self.clone();
+        options.edition = Some(edition);
+        if self.has_default_bounces && edition == Edition::Y2012A5 {
+            options.effects.bounces = DEFAULT_BOUNCES_2012A5;
+        }
+        // In later editions every material with a highlight mirrors if it is asked to, and is not doubtful without; in
+        // Aalto's the weight has a default.
+        options.says_no_bounces |= edition != Edition::Y2004;
+        options
+    }
+
+    /// What the flags tell of the scene's edition.
+    pub fn hints(&self) -> Hints {
+        let ending = |output: &Output| Some(output.file.extension()?.to_string_lossy().into_owned());
+        Hints { edition: self.edition, endings: self.outputs.iter().filter_map(ending).collect() }
     }
 
     fn check_together(&self) -> Result<(), CliError> {
@@ -144,6 +186,9 @@ impl Options {
             self.pixel.is_some() || self.comparison.as_ref().is_none_or(Comparison::needs_scene);
         if self.input.is_none() && needs_scene {
             return Err(CliError::InputNeeded);
+        }
+        if self.picture_size().contains(&0) {
+            return Err(CliError::ReducedToNothing);
         }
         let [width, height] = self.size;
         let is_outside =
@@ -205,19 +250,55 @@ impl Options {
         if counts { Tracing::Counted } else { Tracing::Fast }
     }
 
+    /// Width and height of the colour picture.
+    pub fn picture_size(&self) -> [usize; 2] {
+        match (self.jitter, self.reduced) {
+            (true, false) => self.size.map(|n| n * REDUCTION),
+            (false, true) => reduced(self.size),
+            _ => self.size,
+        }
+    }
+
     /// What the renderer is asked for.
     pub fn request(&self) -> Request {
         Request {
-            size: self.size,
+            size: if self.jitter { self.size.map(|n| n * REDUCTION) } else { self.size },
             window: self.region,
             camera: None,
             effects: self.effects,
             sampler: self.sampler,
             adaptive: self.adaptive,
             filter: self.filter,
+            is_reduced: self.reduced,
             layers: self.outputs.iter().map(|output| output.layer).collect(),
         }
     }
+}
+
+/// The edition that is named, or the one that has a flag.
+fn edition(raw: &Raw) -> Result<Option<Edition>, CliError> {
+    let named = raw.read(&flags::EDITION)?;
+    let flags = [
+        (&flags::JITTER.flag, Edition::Y2012A5),
+        (&flags::FILTER.flag, Edition::Y2012A5),
+        (&flags::REGULAR_SAMPLES.flag, Edition::Aalto),
+    ];
+    for (flag, has_it) in flags.into_iter().filter(|(flag, _)| raw.given(flag)) {
+        match named {
+            None => return Ok(Some(has_it)),
+            // The program of 2019 accepts both and does nothing.
+            Some(named) if named != has_it && named != Edition::Y2019 => {
+                return Err(CliError::OtherEdition { flag: flag.name, has_it, named });
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(named)
+}
+
+/// Whether a flag is given that changes the size, in an edition in which it does.
+fn three_sizes(raw: &Raw, flag: &Flag) -> bool {
+    raw.given(flag) && !matches!(raw.read(&flags::EDITION), Ok(Some(Edition::Y2019)))
 }
 
 fn shadows(raw: &Raw) -> Shadows {
@@ -228,11 +309,24 @@ fn shadows(raw: &Raw) -> Shadows {
     }
 }
 
+/// The least weight of a ray that is traced.
+fn weight(raw: &Raw) -> Result<f64, CliError> {
+    const DEFAULT_OF_AALTO: f64 = 0.1;
+    match (raw.read(&flags::WEIGHT)?, edition(raw)?) {
+        (None, Some(Edition::Aalto)) => Ok(DEFAULT_OF_AALTO),
+        _ => raw.read_or_default(&flags::WEIGHT),
+    }
+}
+
 fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
     let rng = raw.read(&flags::SEED)?.unwrap_or(Drand48::UNSEEDED);
-    let samples = [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::JITTERED_SAMPLES];
+    let samples =
+        [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::REGULAR_SAMPLES, &flags::JITTERED_SAMPLES];
+    let are_random = edition(raw)? == Some(Edition::Aalto) && raw.given(&flags::UNIFORM_SAMPLES);
     Ok(match raw.read_first(&samples)? {
+        Some((_, count)) if are_random => Sampler::new(Pattern::Random, count, rng),
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
+        None if three_sizes(raw, &flags::JITTER) => Sampler::DISPLACED,
         None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
     })
@@ -245,5 +339,6 @@ fn filter(raw: &Raw) -> Result<Filter, CliError> {
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {
     let tessellation = raw.read(&flags::TESSELLATION)?;
-    Ok(tessellation.is_some() || raw.given(&flags::GUI) || raw.given(&flags::GOURAUD))
+    let others = [&flags::GUI.flag, &flags::GOURAUD.flag, &flags::SPECULAR_FIX.flag];
+    Ok(tessellation.is_some() || others.into_iter().any(|flag| raw.given(flag)))
 }

@@ -7,6 +7,7 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::scene::Color;
+use crate::scene::model::Highlight;
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::Mixture;
 use crate::stats::Quiet;
@@ -111,7 +112,7 @@ impl Shading<'_> {
             if cosine > 0.0 && !is_black && light.color != Color::ZERO {
                 let passed = self.light_passed(arrival, (&light, light_index, is_inside), rays);
                 if passed != Color::ZERO {
-                    color += passed * material.reflect(&light, cosine, normal, to_viewer);
+                    color += passed * material.reflect(Highlight::Blinn, &light, cosine, normal, to_viewer);
                 }
             }
         }

@@ -20,13 +20,17 @@ use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing, grid_view};
 use crate::scene::Camera;
 use crate::scene::parser::parse_camera;
-use crate::tools::explain::Explainer;
+use crate::tools::explain::{Explainer, Stop};
 use crate::undisturbed::without_signals;
 use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
+use std::time::{Duration, Instant};
+
+/// How long the rays behind a pixel are followed, if the desk does not end it before.
+const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
 /// What a page is made of.
 pub struct Setup<'o> {
@@ -78,7 +82,8 @@ impl App {
         let count = setup.options.threads.unwrap_or_else(cores);
         let threads = without_signals(|| ThreadPoolBuilder::new().num_threads(count).build());
         let threads = threads.map_err(|error| format!("error: cannot serve the page: {error}"))?;
-        let stage = Stage::open(setup.input, text, Arc::new(threads)).map_err(|error| error.to_string())?;
+        let stage = Stage::open(setup.input, text, &setup.options.hints(), Arc::new(threads))
+            .map_err(|error| error.to_string())?;
         let comparison = setup.options.comparison.as_ref();
         let file = comparison.and_then(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
@@ -215,8 +220,8 @@ impl App {
         let prepared = renderer.prepare_for(options.structure, &request, Tracing::Counted);
         let prepared = prepared.map_err(|error| impossible(error.to_string()))?;
         let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.to_string()))?;
-        let tree =
-            explainer.pixel(&request, pixel).ok_or_else(|| impossible("outside the picture".into()))?;
+        let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
+        let tree = explainer.pixel(&request, pixel, &stop).map_err(|error| impossible(error.to_string()))?;
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
         Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
     }
@@ -268,7 +273,7 @@ impl App {
 
     fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
-        let options = self.most.options(&view.words).map_err(impossible)?;
+        let options = self.most.options(&view.words).map_err(impossible)?.in_edition(scene.edition);
         let pixels = options.size.iter().map(|&side| side as u64).product::<u64>();
         memory::ask(pixels * BYTES_PER_PIXEL).map_err(|error| impossible(error.to_string()))?;
         let camera = view.camera.as_deref().map(read_camera).transpose()?;

@@ -76,7 +76,8 @@ mod tests {
     use crate::renderer::Meshes;
     use crate::scene::MeshFile;
     use crate::scene::error::{Problem, SceneError};
-    use crate::scene_io::{Source, load_text};
+    use crate::scene::texels::ImageFile;
+    use crate::scene_io::{Hints, Readers, Source, load_text};
 
     #[test]
     fn each_pixel_names_the_object_that_it_shows() {
@@ -85,8 +86,10 @@ mod tests {
             Sphere { center -1 1 0 radius .9 }
             Box { min 0 -2 -1 max 2 0 1 } }";
         let source = Source { path: "s.txt".into(), text: text.into() };
-        let no_mesh = |file: &MeshFile| Err(SceneError::new(file.at, Problem::NoNormal));
-        let loaded = load_text(source, &no_mesh).unwrap();
+        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
+        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let readers = Readers { mesh: &no_mesh, image: &no_image };
+        let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let map = ObjectMap::new(&renderer, None, [2, 2]).unwrap();
         let named: Vec<(&str, u32)> =

@@ -189,9 +189,11 @@ mod tests {
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
     use crate::scene::error::{Problem, SceneError};
-    use crate::scene_io::{Source, load_text};
-    use crate::tools::explain::Explainer;
+    use crate::scene::texels::ImageFile;
+    use crate::scene_io::{Hints, Readers, Source, load_text};
+    use crate::tools::explain::{Explainer, Stop};
     use crate::trace::{Effects, Shadows};
+    use std::time::{Duration, Instant};
 
     const GLASS: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }
         Lights { numLights 2 PointLight { position 0 3 3 color 1 1 1 } DirectionalLight { direction 0 0 1 color 1 1 1 } }
@@ -201,13 +203,16 @@ mod tests {
 
     fn rays(structure: Structure) -> (PixelTree, Rays) {
         let source = Source { path: "s.txt".into(), text: GLASS.into() };
-        let no_mesh = |file: &MeshFile| Err(SceneError::new(file.at, Problem::NoNormal));
-        let loaded = load_text(source, &no_mesh).unwrap();
+        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
+        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let readers = Readers { mesh: &no_mesh, image: &no_image };
+        let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
         let request = Request { effects, ..Request::new([9, 9]) };
         let prepared = renderer.prepare_for(structure, &request, Tracing::Counted).unwrap();
-        let tree = Explainer::new(&prepared).unwrap().pixel(&request, [5, 4]).unwrap();
+        let stop = Stop::at(Instant::now() + Duration::from_secs(60));
+        let tree = Explainer::new(&prepared).unwrap().pixel(&request, [5, 4], &stop).unwrap();
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());
         (tree, rays)
     }

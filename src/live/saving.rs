@@ -8,6 +8,7 @@ use crate::escape::quoted;
 use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
 use crate::render::{Layer, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};
+use crate::scene::edition::Edition;
 use crate::scene_io::mesh_places;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,7 +41,8 @@ fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<
     let scene = &renderer.source.path;
     files.check_read(ReadAs::Scene, scene)?;
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let mut meshes = renderer.scene.meshes.iter().flat_map(|mesh| mesh_places(&mesh.name, folder));
+    let places = |name| Edition::ALL.into_iter().flat_map(move |edition| mesh_places(name, folder, edition));
+    let mut meshes = renderer.scene.meshes.iter().flat_map(|mesh| places(mesh.name.as_str()));
     meshes.try_for_each(|mesh| files.check_read(ReadAs::Mesh, &mesh))?;
     compared.iter().try_for_each(|picture| files.check_read(ReadAs::Picture, picture))
 }

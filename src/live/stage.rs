@@ -3,10 +3,12 @@
 use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::memory;
 use crate::renderer::{Meshes, Renderer};
+use crate::scene::edition::Edition;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, memory_for, parse_obj};
+use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{self, FoundMesh, LoadError, LoadedScene, Source};
+use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::cell::Cell;
@@ -20,12 +22,15 @@ use std::sync::Arc;
 pub struct OpenScene {
     /// By which a page names it; 0 is the command line's.
     pub revision: u64,
+    /// The edition that it was read in.
+    pub edition: Edition,
     pub renderer: Renderer,
 }
 
 /// The open scenes: the command line's, and the one that was typed in last.
 pub struct Stage {
     path: PathBuf,
+    hints: Hints,
     /// Those of the command line's scene, which may stand anywhere.
     meshes: HashMap<String, Mesh>,
     first: Arc<OpenScene>,
@@ -45,16 +50,22 @@ pub struct SceneMessage {
 
 impl Stage {
     /// Opens the scene of the command line, from this text where it is known already.
-    pub fn open(path: &Path, text: Option<String>, threads: Arc<ThreadPool>) -> Result<Self, LoadError> {
+    pub fn open(
+        path: &Path,
+        text: Option<String>,
+        hints: &Hints,
+        threads: Arc<ThreadPool>,
+    ) -> Result<Self, LoadError> {
         let loaded = match text {
-            Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, &|_| ())?,
-            None => scene_io::load(path)?,
+            Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, hints, &|_| ())?,
+            None => scene_io::load_announcing(path, hints, &|_| ())?,
         };
+        let edition = loaded.choice.edition;
         let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
-        let first = Arc::new(OpenScene { revision: 0, renderer });
-        Ok(Self { path: path.to_owned(), meshes, first, typed: None, threads })
+        let first = Arc::new(OpenScene { revision: 0, edition, renderer });
+        Ok(Self { path: path.to_owned(), hints: hints.clone(), meshes, first, typed: None, threads })
     }
 
     /// The scene of the command line.
@@ -70,13 +81,14 @@ impl Stage {
     /// Opens a text in place of the one that was typed in before.
     pub fn type_in(&mut self, revision: u64, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
-        let renderer = self.renderer(source)?.on_threads(self.threads.clone());
-        let scene = Arc::new(OpenScene { revision, renderer });
+        let (edition, renderer) = self.renderer(source)?;
+        let renderer = renderer.on_threads(self.threads.clone());
+        let scene = Arc::new(OpenScene { revision, edition, renderer });
         self.typed = Some(scene.clone());
         Ok(scene)
     }
 
-    fn renderer(&self, source: Source) -> Result<Renderer, Vec<SceneMessage>> {
+    fn renderer(&self, source: Source) -> Result<(Edition, Renderer), Vec<SceneMessage>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let find = |name: &str| match self.meshes.get(name) {
@@ -86,18 +98,38 @@ impl Stage {
             }
             None => mesh_beside(name, folder),
         };
-        let read = |file: &MeshFile| match find(&file.name) {
-            Ok(mesh) => Ok(FoundMesh { mesh, file: PathBuf::from(&file.name), warnings: vec![] }),
+        let first = &self.first.renderer.scene;
+        let coordinates = |name: &str| {
+            let known = first.meshes.iter().find(|file| file.name == name);
+            known.map_or(vec![], |file| file.texture_coordinates.to_vec())
+        };
+        let read = |file: &MeshFile, _, _| match find(&file.name) {
+            Ok(mesh) => {
+                let texture_coordinates = coordinates(&file.name);
+                let (file, warnings) = (PathBuf::from(&file.name), vec![]);
+                Ok(FoundMesh { mesh, file, texture_coordinates, warnings })
+            }
             Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
-        let loaded = scene_io::load_text(source, &read).map_err(SceneMessage::of)?;
+        // Pictures are those of the command line's scene, which may stand anywhere.
+        let read_image = |image: &ImageFile, _| {
+            let known = first.images.iter().find(|known| known.name == image.name);
+            let reason = "a page opens the pictures of the command line's scene only";
+            known.map(|known| (known.texels.clone(), PathBuf::from(&image.name))).ok_or_else(|| {
+                let (name, reason) = (image.name.clone(), reason.to_owned());
+                SceneError::new(image.at, Problem::ImageUnreadable { name, reason })
+            })
+        };
+        let readers = Readers { mesh: &read, image: &read_image };
+        let loaded = scene_io::load_text(source, &self.hints, readers).map_err(SceneMessage::of)?;
         let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
         let count = primitives(&loaded);
         if count > MAX_PRIMITIVES {
             return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
         }
         memory::ask(count as u64 * BYTES_PER_PRIMITIVE).map_err(|error| refused(error.to_string()))?;
-        Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)
+        let edition = loaded.choice.edition;
+        Ok((edition, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
     }
 }
 

@@ -20,6 +20,7 @@ use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::adaptive::Adaptive;
+use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
@@ -101,6 +102,9 @@ pub fn render(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
+    if request.layers.iter().any(|layer| request.reduces(layer)) {
+        return render_reduced((camera, caster), view, request, tracing, watch, take_row);
+    }
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     // No strip takes more than the first.
@@ -114,6 +118,33 @@ pub fn render(
         let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
         counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
         end = strip.rows.start;
+    }
+    Ok(counts)
+}
+
+/// The same for a request whose colours are reduced.
+fn render_reduced(
+    scene: (&Camera, &Caster),
+    view: View,
+    request: &Request,
+    tracing: Tracing,
+    watch: Watch,
+    take_row: TakeRow,
+) -> Result<Counts, Stopped> {
+    let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
+    let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
+    let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
+        Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
+        None => take_row(layer, row),
+    };
+    let whole = Request { is_reduced: false, ..request.clone() };
+    let counts = render(scene, view, &whole, tracing, watch, &mut reduce)?;
+    for (layer, blur) in blurs.iter_mut().enumerate() {
+        if let Some(row) = blur.as_mut().and_then(Blur::end)
+            && take_row(layer, &row).is_break()
+        {
+            return Err(Stopped::Output);
+        }
     }
     Ok(counts)
 }
@@ -141,7 +172,7 @@ pub fn render_in_memory(
     request: &Request,
     tracing: Tracing,
 ) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
-    let empty = |layer: &Layer| FloatPicture::with_room(layer.size(request.window_size()));
+    let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
         pictures[layer].colors.extend_from_slice(row);

@@ -5,6 +5,7 @@ use super::tracing::Tracing;
 use crate::camera::Camera;
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
+use crate::sampling::blur::reduced;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::scene;
@@ -63,6 +64,8 @@ pub struct Request {
     pub adaptive: Option<Adaptive>,
     /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
+    /// Whether the colours are blurred and reduced to a third of the size, as [`Blur`](crate::sampling::blur::Blur) does.
+    pub is_reduced: bool,
     /// The layers, in the order in which rows are handed out.
     pub layers: Vec<Layer>,
 }
@@ -79,6 +82,7 @@ impl Request {
             sampler: Sampler::CENTER,
             adaptive: None,
             filter: Filter::PIXEL,
+            is_reduced: false,
             layers: vec![Layer::Color],
         }
     }
@@ -86,6 +90,17 @@ impl Request {
     /// Width and height of the rendered part, in pixels.
     pub fn window_size(&self) -> [usize; 2] {
         [self.columns().len(), self.rows().len()]
+    }
+
+    /// Width and height of a layer's picture, in pixels.
+    pub fn layer_size(&self, layer: &Layer) -> [usize; 2] {
+        let size = layer.size(self.window_size());
+        if self.reduces(layer) { reduced(size) } else { size }
+    }
+
+    /// Whether a layer's rows are reduced.
+    pub(super) fn reduces(&self, layer: &Layer) -> bool {
+        self.is_reduced && *layer == Layer::Color
     }
 
     /// The columns that are rendered.
@@ -153,7 +168,7 @@ impl Request {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let casts_centers = !finds_first_hits(camera, world, self.size);
+        let casts_centers = !world.is_of_course() || !finds_first_hits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
         let casts = self.measures() && casts_centers || self.traces_colors(Tracing::Fast) && casts_for_colors;
         let pixels: usize = self.window_size().iter().product();

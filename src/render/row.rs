@@ -6,6 +6,7 @@ use super::tracing::{RowTracer, Tracing};
 use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::render::grid_view::Face;
+use crate::sampling::c_rand::CRand;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, SamplePlace, Wanted};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
@@ -75,6 +76,7 @@ impl RenderSetting<'_> {
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             plots: plots(request, is_shown),
+            c_rand: request.sampler.c_rand([self.columns().start, row.j], request.size[0]),
             plan: None,
             row,
         }
@@ -114,6 +116,8 @@ struct Painter<'a> {
     sum: Sum,
     /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
+    /// The random numbers of the next sample, where they are drawn row by row.
+    c_rand: Option<CRand>,
     /// How many samples pixels get, if it is not the same number.
     plan: Option<Plan>,
     row: Row,
@@ -187,6 +191,10 @@ impl Painter<'_> {
     /// Takes the samples of the pixels in these columns, packet by packet.
     fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, size: [_, height], .. } = *self.setting.request;
+        if let Some(c_rand) = &mut self.c_rand {
+            columns.for_each(|column| packet.push(column, c_rand.next_offset(), true));
+            return self.color_samples(packet);
+        }
         let mut pixels = sampler.pixels(self.index(columns.start), height as u64);
         for column in columns {
             let mut offsets = pixels.next_offsets();

@@ -7,7 +7,7 @@ use crate::caster::Caster;
 use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;
-use crate::trace::{Observer, Rules, Tracer};
+use crate::trace::{ByModel, Effects, Observer, Rules, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::ops::Range;
@@ -48,7 +48,8 @@ pub enum RowTracer<'a> {
 #[derive(Clone, Copy)]
 pub struct PlainTracer<'a> {
     camera: &'a Camera,
-    tracer: Tracer<'a, Caster<'a>>,
+    caster: &'a Caster<'a>,
+    effects: Effects,
 }
 
 impl<'a> PictureTracer<'a> {
@@ -61,13 +62,13 @@ impl<'a> PictureTracer<'a> {
     ) -> Self {
         match tracing {
             #[cfg(feature = "fast")]
-            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request))),
+            // What other models mean only the tracer knows.
+            Tracing::Fast if caster.world.is_of_course() => {
+                Self::Fast(FastTracer::new(camera, caster, demand(view, request)))
+            }
             _ => {
                 let _ = view;
-                Self::Plain(PlainTracer {
-                    camera,
-                    tracer: Tracer { rules: caster, effects: request.effects },
-                })
+                Self::Plain(PlainTracer { camera, caster, effects: request.effects })
             }
         }
     }
@@ -123,7 +124,24 @@ impl PlainTracer<'_> {
         colors: &mut PacketColors,
         observer: &mut O,
     ) {
-        let Self { camera, tracer } = self;
+        let Self { caster, effects, .. } = *self;
+        if caster.world.is_of_course() {
+            return self.trace_with(Tracer { rules: caster, effects }, j, wanted, packet, colors, observer);
+        }
+        let rules = &ByModel(caster);
+        self.trace_with(Tracer { rules, effects }, j, wanted, packet, colors, observer);
+    }
+
+    fn trace_with<R: Rules, O: Observer>(
+        &self,
+        tracer: Tracer<R>,
+        j: usize,
+        wanted: Wanted,
+        packet: &mut SamplePacket,
+        colors: &mut PacketColors,
+        observer: &mut O,
+    ) {
+        let camera = self.camera;
         let samples = packet.samples_mut();
         // Step by step, since the processor works on the same step of several samples at once.
         for sample in &mut *samples {

@@ -275,7 +275,7 @@ fn materials(world: &World, effects: &Effects) -> Vec<(f32, Option<Vec3A>)> {
     let light = world.ambient + world.lights.iter().map(color_of).sum::<DVec3>();
     let brightness = |material: &Material| match material {
         Material::Phong(phong) => (phong.diffuse * light).max_element(),
-        Material::Texture(_) => 0.0,
+        Material::Texture(_) | Material::Painted(..) => 0.0,
     };
     let brightest = world.materials.iter().map(brightness).fold(world.background.max_element(), f64::max);
     let mut materials: Vec<(f32, Option<Vec3A>)> = Vec::with_capacity(world.materials.len());
@@ -286,6 +286,9 @@ fn materials(world: &World, effects: &Effects) -> Vec<(f32, Option<Vec3A>)> {
                 let is_dull = !material.has_secondary_rays() || effects.bounces == 0;
                 let hidden = hidden_by_phong(phong, effects, brightest.clamp(1.0, 4.0) as f32);
                 (hidden, is_dull.then(|| half.as_vec3a()))
+            }
+            Material::Painted(phong, _) => {
+                (IN_TEXTURE + hidden_by_phong(phong, effects, brightest.clamp(1.0, 4.0) as f32), None)
             }
             Material::Texture(texture) => {
                 let children = texture.children.iter().filter_map(|&child| materials.get(child));

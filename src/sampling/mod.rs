@@ -4,6 +4,8 @@
 pub mod adaptive;
 pub mod sample_packet;
 pub mod drand48;
+pub mod c_rand;
+pub mod blur;
 pub mod filter;
 pub mod sum;
 pub mod spread;

@@ -1,6 +1,7 @@
 //! Samplers: the positions of the samples within a pixel.
 
 use super::adaptive::Adaptive;
+use super::c_rand::CRand;
 use super::drand48::{Drand48, Jump};
 use glam::DVec2;
 use rand::RngExt;
@@ -16,6 +17,8 @@ pub enum Pattern {
     Uniform,
     /// A random point in each stratum of a grid.
     Jittered,
+    /// One point, by the random numbers of [`CRand`], which are drawn row by row.
+    Displaced,
 }
 
 /// Generates the sample positions of every pixel of a picture.
@@ -44,6 +47,16 @@ impl Sampler {
         let count = count.max(1);
         let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
         Self { pattern, count, columns: count / rows, rng }
+    }
+
+    /// One sample anywhere in the pixel, as in assignment 5 of 2012.
+    pub const DISPLACED: Self = Self { pattern: Pattern::Displaced, ..Self::CENTER };
+
+    /// The random numbers from a pixel on, by its column and row from the bottom left in a picture of this width; none
+    /// where the samples take others.
+    pub fn c_rand(&self, [column, row]: [usize; 2], width: usize) -> Option<CRand> {
+        let before = || 2 * (row as u64 * width as u64 + column as u64);
+        (self.pattern == Pattern::Displaced).then(|| CRand::unseeded().jumped(before()))
     }
 
     /// Stands for adaptive samples, which have its random numbers.
@@ -151,7 +164,8 @@ impl Iterator for Offsets {
                 (corner + DVec2::new(x, y)) / strata - 0.5
             }
             // The course's program draws y first here.
-            Pattern::Random => {
+            // Those that are displaced are not asked for here.
+            Pattern::Random | Pattern::Displaced => {
                 let (y, x) = (self.rng.random(), self.rng.random());
                 DVec2::new(x, y) - 0.5
             }

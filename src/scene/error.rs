@@ -1,6 +1,7 @@
 //! The errors that a scene can have, and their messages.
 
 use super::Position;
+use super::edition::Edition;
 use super::excerpt;
 use super::mesh::{self, MeshError};
 use crate::escape::{self, escape};
@@ -104,6 +105,11 @@ pub enum Problem {
         /// The word as written.
         word: String,
     },
+    /// A point light whose brightness is infinite in this edition.
+    NoFalloff {
+        /// The edition.
+        edition: Edition,
+    },
     /// The last row of a `Matrix` is not 0 0 0 1.
     NotAffine,
     /// A transform or texture map in which a number overflows.
@@ -129,6 +135,13 @@ pub enum Problem {
         name: String,
         /// The paths that were tried, and for each the reason why the file could not be read.
         tried: Vec<(String, String)>,
+    },
+    /// A picture that could not be read.
+    ImageUnreadable {
+        /// The name as written, with that of the face for a cube map.
+        name: String,
+        /// Why.
+        reason: String,
     },
     /// A mesh file with an error in its contents.
     BadMesh {
@@ -241,6 +254,9 @@ impl fmt::Display for Problem {
             Self::MaterialsAfterGroup => write!(f, "`Materials` must come before the `Group`"),
             Self::Missing { block } => write!(f, "the scene has no {block}"),
             Self::Unsupported { word } => write!(f, "the object `{word}` is not supported"),
+            Self::NoFalloff { edition } => {
+                write!(f, "without `falloff` the light is infinitely bright in the edition {edition}")
+            }
             Self::NotAffine => write!(f, "the last row of a `Matrix` must be 0 0 0 1"),
             Self::TransformOverflow => write!(f, "the transformation's numbers grow too large"),
             Self::CoordinatesTooLarge => write!(f, "the object has coordinates beyond 1e100"),
@@ -253,6 +269,9 @@ impl fmt::Display for Problem {
             Self::TooManyPrimitives => write!(f, "the scene has too many primitives for 32-bit ids"),
             Self::Memory(refused) => refused.fmt(f),
             Self::MeshUnreadable { name, tried } => write_unreadable(f, name, tried),
+            Self::ImageUnreadable { name, reason } => {
+                write!(f, "cannot read the picture {}: {}", quoted(name), escape(reason))
+            }
             Self::BadMesh { file, error, .. } => write!(f, "in the mesh {}: {error}", quoted(file)),
         }
     }

@@ -5,7 +5,7 @@
 //! stay below the largest f64.
 
 use super::error::{Problem, SceneError};
-use super::material::{Material, Phong, Texture};
+use super::material::{Material, Paint, Phong, Texture};
 use super::{Camera, Color, Light, Position, Scene};
 use glam::DVec3;
 
@@ -63,6 +63,10 @@ fn is_light(light: &Light) -> bool {
 fn is_material(material: &Material) -> bool {
     match material {
         Material::Phong(phong) => is_phong(phong),
+        Material::Painted(phong, Paint::Image(_)) => is_phong(phong),
+        Material::Painted(phong, Paint::Pattern(_, colors)) => {
+            is_phong(phong) && colors.iter().all(|&color| is_color(color))
+        }
         Material::Texture(Texture { world_to_texture, .. }) => world_to_texture.is_finite(),
     }
 }
@@ -112,7 +116,7 @@ mod tests {
     fn change_phong(scene: &mut Scene, change: impl Fn(&mut Phong)) {
         match &mut scene.materials[0] {
             Material::Phong(phong) => change(phong),
-            Material::Texture(_) => unreachable!(),
+            Material::Texture(_) | Material::Painted(..) => unreachable!(),
         }
     }
 

@@ -11,13 +11,17 @@ pub enum Material {
     Phong(Phong),
     /// A mixture of two other materials.
     Texture(Texture),
+    /// A material whose diffuse colour depends on the point.
+    Painted(Phong, Paint),
 }
 
 impl Material {
     /// Whether rays are reflected or refracted at it. At a texture they are by the materials that it mixes.
     pub fn has_secondary_rays(&self) -> bool {
         match self {
-            Self::Phong(phong) => phong.reflective != Color::ZERO || phong.transparent != Color::ZERO,
+            Self::Phong(phong) | Self::Painted(phong, _) => {
+                phong.reflective != Color::ZERO || phong.transparent != Color::ZERO
+            }
             Self::Texture(_) => false,
         }
     }
@@ -92,4 +96,14 @@ pub enum Pattern {
         /// The shift of the phase by a noise of 1, in radians.
         amplitude: f64,
     },
+}
+
+/// Where a painted material's diffuse colour comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Paint {
+    /// From the picture with this index in [`Scene::images`](super::Scene::images), where the mesh has texture
+    /// coordinates. Ambient light is reflected by the same colour.
+    Image(usize),
+    /// From two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
+    Pattern(Pattern, [Color; 2]),
 }

@@ -4,6 +4,7 @@
 //! Objects form a tree that is stored in one arena (`Scene::objects`), so that a scene nested a hundred
 //! thousand levels deep is built, traversed and dropped without recursion.
 
+pub mod edition;
 pub mod error;
 mod foreign_format;
 mod keyword;
@@ -14,6 +15,7 @@ pub mod material;
 pub mod mesh;
 mod object;
 mod mesh_error;
+pub mod model;
 mod obj_lines;
 mod obj_reader;
 mod open_object;
@@ -28,13 +30,19 @@ mod polygon;
 mod reader;
 pub(crate) mod recovery;
 pub(crate) mod excerpt;
+pub mod texels;
+pub mod texture_coordinates;
 mod transform;
 pub mod warning;
 
 use glam::DVec3;
 use material::Material;
+use model::Model;
 pub use object::Object;
 use serde::Serialize;
+use std::sync::Arc;
+use texels::{CubeFaces, ImageFile};
+use texture_coordinates::Corners;
 pub(crate) use transform::TRANSFORMATIONS;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
@@ -70,6 +78,12 @@ pub struct Scene {
     pub root: ObjectId,
     /// The mesh files that the scene names, each once. [`Object::Mesh`] has an index into this list.
     pub meshes: Vec<MeshFile>,
+    /// The pictures that the scene names, each once.
+    pub images: Vec<ImageFile>,
+    /// What rays see that hit nothing, by indices into [`Scene::images`], if that is more than a colour.
+    pub cube_map: Option<CubeFaces>,
+    /// What all of this means.
+    pub model: Model,
 }
 
 /// Index into [`Scene::objects`].
@@ -78,12 +92,15 @@ pub type ObjectId = usize;
 pub type MaterialId = usize;
 
 /// A mesh file that the scene names.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     /// The name as written.
     pub name: String,
     /// The position where the scene first names it.
     pub at: Position,
+    /// The texture coordinates of its triangles, once it has been read, if the scene has pictures. It may be shorter than
+    /// the mesh.
+    pub texture_coordinates: Arc<Vec<Option<Corners>>>,
 }
 
 /// A camera. Its directions need not be unit vectors.

@@ -3,7 +3,7 @@
 use super::list::Announced;
 use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
-use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::transform::{parse_transformations, transformations};
 use super::{ObjectId, Position};
 use crate::math::rounded_affine::RoundedAffine;
 
@@ -42,7 +42,7 @@ pub fn close_transform(reader: &mut Reader<'_>) -> Parsed<()> {
         if reader.is_at_any(&OBJECTS) {
             return error.with_hint("a `Transform` holds one object; put several into a `Group`");
         }
-        if reader.is_at_any(&TRANSFORMATIONS) {
+        if reader.is_at_any(transformations(reader.edition)) {
             return error.with_hint("transformations come before the object that they move");
         }
         error

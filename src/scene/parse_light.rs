@@ -1,5 +1,7 @@
 //! Reads lights.
 
+use super::edition::Edition;
+use super::error::{Problem, SceneError};
 use super::list::counted_list;
 use super::reader::{Parsed, Reader};
 use super::warning;
@@ -36,11 +38,14 @@ fn parse_directional_light(reader: &mut Reader<'_>) -> Parsed<Light> {
 }
 
 fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
+    if matches!(reader.edition, Edition::Y2012A5 | Edition::Y2019) {
+        return parse_later_point_light(reader);
+    }
     let name = reader.open()?.text;
     let position = reader.vector_field("position")?;
     let (color, at) = parse_light_color(reader)?;
     let constant = DVec3::X;
-    let has_attenuation = reader.accept("attenuation");
+    let has_attenuation = !reader.edition.is_later() && reader.accept("attenuation");
     let attenuation = if has_attenuation { reader.vector("attenuation")? } else { constant };
     if attenuation == constant {
         warn_if_bytes(reader, at, color);
@@ -52,6 +57,33 @@ fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     }
     reader.close(name)?;
     Ok(Light::Point { position, color, attenuation: attenuation.to_array() })
+}
+
+/// Reads a light of assignment 5 of 2012 or of 2019, whose fields may come in any order. Its light is divided by
+/// 1 + falloff d^2 in the one, and by falloff d^2 in the other.
+fn parse_later_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
+    const FIELDS: [&str; 3] = ["position", "color", "falloff"];
+    let word = reader.open()?;
+    let (mut position, mut color, mut falloff) = (DVec3::ZERO, Color::ZERO, 0.0);
+    while !reader.is_at("}") {
+        if reader.accept("position") {
+            position = reader.vector("position")?;
+        } else if reader.accept("color") {
+            color = reader.color("color")?;
+        } else if reader.accept("falloff") {
+            falloff = reader.number_that("falloff", "must not be negative", |number| number >= 0.0)?;
+        } else {
+            return Err(reader.unexpected("a field of `PointLight` or `}`", &FIELDS));
+        }
+    }
+    reader.close(word.text)?;
+    let constant = if reader.edition == Edition::Y2019 { 0.0 } else { 1.0 };
+    if constant == 0.0 && falloff == 0.0 {
+        let problem = Problem::NoFalloff { edition: reader.edition };
+        let hint = "`-edition 2012a4` and `-edition 2012a5` take such a light to be the same everywhere";
+        reader.report(SceneError::new(word.at, problem).with_hint(hint));
+    }
+    Ok(Light::Point { position, color, attenuation: [constant, 0.0, falloff] })
 }
 
 fn parse_light_color(reader: &mut Reader<'_>) -> Parsed<(Color, Position)> {

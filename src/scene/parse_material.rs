@@ -1,8 +1,9 @@
 //! Reads materials.
 
+use super::edition::Edition;
 use super::error::{Problem, SceneError};
 use super::list::counted_list;
-use super::material::{Material, Pattern, Phong, Texture};
+use super::material::{Material, Paint, Pattern, Phong, Texture};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, Position};
@@ -34,17 +35,21 @@ pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Positio
 /// Reads the material whose index is `own`.
 fn parse_material(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Material> {
     if reader.is_at_any(&PHONG_KINDS) {
-        return Ok(Material::Phong(parse_phong(reader)?));
+        return parse_phong(reader);
     }
-    if !reader.is_at_any(&KINDS) {
-        return Err(reader.unexpected("a material", &KINDS));
+    let kinds = if reader.edition.is_later() { &PHONG_KINDS[..] } else { &KINDS };
+    if !reader.is_at_any(kinds) {
+        return Err(reader.unexpected("a material", kinds));
     }
     Ok(Material::Texture(parse_texture(reader, own)?))
 }
 
 /// Reads a Phong material with its keyword and braces. The fields may come in any order, and a repeated field
 /// replaces the earlier one.
-pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
+pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
+    if reader.edition.is_later() {
+        return parse_later_phong(reader);
+    }
     let name = reader.open()?.text;
     let mut phong = Phong::default();
     while let Some(field) = PHONG_FIELDS.into_iter().find(|field| reader.is_at(field)) {
@@ -55,7 +60,91 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Phong> {
         return Err(reader.unexpected(&format!("a field of `{name}` or `}}`"), &PHONG_FIELDS));
     }
     reader.close(name)?;
-    Ok(phong)
+    Ok(Material::Phong(phong))
+}
+
+/// Reads a material of 2012 and later.
+///
+/// There the specular colour is also the factor for mirrored rays. Assignment 5 of 2012 has no highlights, and a material
+/// with an index of refraction lets the same colour through.
+fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
+    let (name, fields) = (reader.open()?.text, later_fields(reader.edition));
+    let mut phong = Phong { exponent: 0.0, ..Phong::default() };
+    let (mut paint, mut index) = (None, 0.0);
+    while let Some(field) = fields.iter().find(|field| reader.is_at(field)) {
+        match *field {
+            "Noise" => {
+                paint = Some(parse_noise(reader)?);
+                continue;
+            }
+            _ => reader.take(),
+        };
+        match *field {
+            "diffuseColor" => phong.diffuse = reader.shown_color(field)?,
+            "specularColor" => phong.specular = reader.shown_color(field)?,
+            "shininess" => {
+                phong.exponent = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
+            }
+            "refractionIndex" => {
+                index = reader.number_that(field, "must not be negative", |number| number >= 0.0)?
+            }
+            "texture" => {
+                let file = reader.file_name(field)?;
+                paint = Some(Paint::Image(reader.image(file.text.into(), file.at)));
+            }
+            // It is read and has no effect, as in the course's program.
+            _ => _ = reader.file_name(field)?,
+        }
+    }
+    if !reader.is_at("}") {
+        return Err(reader.unexpected(&format!("a field of `{name}` or `}}`"), fields));
+    }
+    reader.close(name)?;
+    phong.reflective = phong.specular;
+    if reader.edition == Edition::Y2012A5 {
+        (phong.specular, phong.exponent) = (DVec3::ZERO, 0.0);
+        if index > 0.0 {
+            (phong.transparent, phong.index_of_refraction) = (phong.reflective, index);
+        }
+    }
+    Ok(paint.map_or(Material::Phong(phong), |paint| Material::Painted(phong, paint)))
+}
+
+fn later_fields(edition: Edition) -> &'static [&'static str] {
+    match edition {
+        Edition::Y2012A4 => &["diffuseColor", "specularColor", "shininess", "texture"],
+        Edition::Y2012A5 => {
+            &["diffuseColor", "specularColor", "shininess", "texture", "refractionIndex", "bump", "Noise"]
+        }
+        _ => &["diffuseColor", "specularColor", "shininess", "bump"],
+    }
+}
+
+/// Reads the noise within a material of assignment 5 of 2012, whose fields may come in any order.
+fn parse_noise(reader: &mut Reader<'_>) -> Parsed<Paint> {
+    const FIELDS: [&str; 4] = ["color", "octaves", "frequency", "amplitude"];
+    let name = reader.open()?.text;
+    let (mut colors, mut octaves, mut frequency, mut amplitude) = (vec![], 0, 1.0, 1.0);
+    loop {
+        let at = reader.peek();
+        match at.text {
+            "color" => {
+                reader.take();
+                colors.push(reader.shown_color("color")?);
+            }
+            "octaves" => octaves = parse_octaves(reader)?,
+            "frequency" => frequency = reader.number_field("frequency")?,
+            "amplitude" => amplitude = reader.number_field("amplitude")?,
+            "}" => {
+                let &[one, other] = colors.as_slice() else {
+                    return Err(reader.unexpected("two colours in all", &[]));
+                };
+                reader.close(name)?;
+                return Ok(Paint::Pattern(Pattern::Marble { octaves, frequency, amplitude }, [one, other]));
+            }
+            _ => return Err(reader.unexpected("a field of `Noise` or `}`", &FIELDS)),
+        }
+    }
 }
 
 fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) -> Parsed<()> {

@@ -7,7 +7,7 @@ use super::open_object::{Open, close_transform, open_group, open_transform};
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::parse_primitive::{OBJECTS, PRIMITIVES, parse_primitive};
 use super::reader::{Parsed, Reader, bad_value};
-use super::transform::TRANSFORMATIONS;
+use super::transform::transformations;
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
 use std::collections::HashMap;
 
@@ -172,15 +172,15 @@ impl ObjectTree {
     /// Reads a whole material. An error in it is recorded.
     fn parse_own_material(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         let (at, outer) = (reader.peek().at, reader.depth);
-        let phong = match parse_phong(reader) {
-            Ok(phong) => phong,
+        let material = match parse_phong(reader) {
+            Ok(material) => material,
             Err(error) => {
                 reader.recover(error, outer)?;
-                Phong::default()
+                Material::Phong(Phong::default())
             }
         };
         self.material_positions.push(at);
-        self.materials.push(Material::Phong(phong));
+        self.materials.push(material);
         self.current_material = Some(self.materials.len() - 1);
         Ok(())
     }
@@ -211,7 +211,7 @@ impl ObjectTree {
     }
 
     fn parse_transformed_object(&mut self, reader: &mut Reader<'_>) -> Parsed<Step> {
-        let keywords = [TRANSFORMATIONS.as_slice(), OBJECTS.as_slice()].concat();
+        let keywords = [transformations(reader.edition), OBJECTS.as_slice()].concat();
         let what = "a transformation or an object";
         if reader.is_at("MaterialIndex") || reader.is_at_any(&PHONG_KINDS) {
             return Err(reader.unexpected(what, &[]).with_hint("choose the material before the `Transform`"));
@@ -281,7 +281,7 @@ impl ObjectTree {
             return index;
         }
         let index = self.meshes.len();
-        self.meshes.push(MeshFile { name: name.to_owned(), at });
+        self.meshes.push(MeshFile { name: name.to_owned(), at, ..MeshFile::default() });
         self.mesh_indices.insert(name.to_owned(), index);
         index
     }

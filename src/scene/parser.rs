@@ -1,5 +1,6 @@
 //! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
 
+use super::edition::Edition;
 use super::error::{Problem, SceneError};
 use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
 use super::parse_light::parse_lights;
@@ -8,8 +9,9 @@ use super::parse_object::ObjectTree;
 use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
 use super::recovery::Findings;
+use super::texels::{CubeFaces, FACES};
 use super::warning::{self, Doubt, SceneWarning};
-use super::{Background, Camera, Light, ObjectId, Position, Scene};
+use super::{Background, Camera, Light, Object, ObjectId, Position, Scene};
 
 const BLOCKS: [&str; 6] =
     ["OrthographicCamera", "PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
@@ -53,7 +55,12 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
 /// an earlier one of its kind. Errors: at least one and at most ten, in the order of the text. None of them is
 /// only a consequence of another.
 pub fn read(text: &str) -> Result<Reading, Vec<SceneError>> {
-    let mut reader = Reader::new(text);
+    read_in(Edition::Y2004, text)
+}
+
+/// The same in the language of an edition.
+pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Vec<SceneError>> {
+    let mut reader = Reader::of(edition, text);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
         let block = reader.peek().text;
@@ -100,7 +107,7 @@ impl Reader<'_> {
 
 /// Parses the block of a camera alone. Errors: anything else, or anything after it.
 pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
-    let mut reader = Reader::new(text);
+    let mut reader = Reader::of(Edition::Y2004, text);
     let camera = match reader.peek().text {
         "OrthographicCamera" => parse_orthographic_camera(&mut reader)?,
         "PerspectiveCamera" => parse_perspective_camera(&mut reader)?,
@@ -117,6 +124,7 @@ pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
 struct Blocks {
     camera: Option<Camera>,
     background: Background,
+    cube_map: Option<CubeFaces>,
     lights: Vec<(Light, Position)>,
     tree: ObjectTree,
     root: Option<ObjectId>,
@@ -128,9 +136,11 @@ impl Blocks {
     fn parse_block(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         self.note_block(reader);
         match reader.peek().text {
-            "OrthographicCamera" => self.camera = Some(parse_orthographic_camera(reader)?),
+            "OrthographicCamera" if !reader.edition.is_later() => {
+                self.camera = Some(parse_orthographic_camera(reader)?)
+            }
             "PerspectiveCamera" => self.camera = Some(parse_perspective_camera(reader)?),
-            "Background" => self.background = parse_background(reader)?,
+            "Background" => (self.background, self.cube_map) = parse_background(reader)?,
             "Lights" => self.lights = parse_lights(reader)?,
             "Materials" => self.parse_materials(reader)?,
             "Group" => self.root = Some(self.tree.parse_root(reader)?),
@@ -163,8 +173,17 @@ impl Blocks {
     }
 
     /// The scene. A missing block is recorded, unless an error may have hidden it.
-    fn into_scene(self, reader: &mut Reader<'_>) -> Option<(Scene, Places)> {
-        for (is_missing, block) in [(self.camera.is_none(), "camera"), (self.root.is_none(), "group")] {
+    fn into_scene(mut self, reader: &mut Reader<'_>) -> Option<(Scene, Places)> {
+        let root = self.root.or_else(|| {
+            // A scene of Aalto's may have no objects.
+            let is_empty = reader.edition == Edition::Aalto && reader.findings.errors.is_empty();
+            is_empty.then(|| {
+                self.tree.objects.push(Object::Group(vec![]));
+                self.tree.positions.push(reader.peek().at);
+                self.tree.objects.len() - 1
+            })
+        });
+        for (is_missing, block) in [(self.camera.is_none(), "camera"), (root.is_none(), "group")] {
             if is_missing && reader.findings.errors.is_empty() {
                 reader.report(SceneError::new(reader.peek().at, Problem::Missing { block }));
             }
@@ -178,8 +197,11 @@ impl Blocks {
             material_positions: self.tree.material_positions,
             objects: self.tree.objects,
             positions: self.tree.positions,
-            root: self.root?,
+            root: root?,
             meshes: self.tree.meshes,
+            images: std::mem::take(&mut reader.images),
+            cube_map: self.cube_map,
+            model: reader.edition.model(),
         };
         Some((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
     }
@@ -197,17 +219,24 @@ fn unknown_block(reader: &Reader<'_>) -> SceneError {
 }
 
 /// Reads the background. Both fields are optional, and a repeated field replaces the earlier one.
-fn parse_background(reader: &mut Reader<'_>) -> Parsed<Background> {
+fn parse_background(reader: &mut Reader<'_>) -> Parsed<(Background, Option<CubeFaces>)> {
     let name = reader.open()?.text;
     let mut background = Background::default();
+    let mut cube_map = None;
+    let has_map = matches!(reader.edition, Edition::Y2012A5 | Edition::Y2019);
     loop {
         if reader.accept("color") {
             background.color = reader.shown_color("color")?;
         } else if reader.accept("ambientLight") {
             background.ambient = reader.shown_color("ambientLight")?;
+        } else if has_map && reader.accept("cubeMap") {
+            let folder = reader.file_name("cubeMap")?;
+            let ending = reader.edition.ending_of_faces();
+            cube_map =
+                Some(FACES.map(|face| reader.image(format!("{}/{face}.{ending}", folder.text), folder.at)));
         } else if reader.is_at("}") {
             reader.close(name)?;
-            return Ok(background);
+            return Ok((background, cube_map));
         } else {
             return Err(reader.unexpected("`color`, `ambientLight` or `}`", &BACKGROUND_FIELDS));
         }

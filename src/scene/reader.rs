@@ -1,10 +1,12 @@
 //! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
 
+use super::edition::{Edition, editions_of};
 use super::error::{Problem, SceneError};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
 use super::limits::{BRIGHTEST, LARGEST};
 use super::recovery::Findings;
+use super::texels::ImageFile;
 use super::warning::SceneWarning;
 use super::{Color, Position};
 use glam::DVec3;
@@ -24,13 +26,48 @@ pub struct Reader<'a> {
     /// The number of braces that are open before the next word.
     pub(super) depth: usize,
     pub(super) findings: Findings,
+    /// The edition whose words are read.
+    pub(super) edition: Edition,
+    /// The pictures that have been named.
+    pub(super) images: Vec<ImageFile>,
 }
 
 impl<'a> Reader<'a> {
+    #[cfg(test)]
     pub fn new(text: &'a str) -> Self {
+        Self::of(Edition::Y2004, text)
+    }
+
+    pub fn of(edition: Edition, text: &'a str) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        Self { text, lexer, ahead, values: ("", 0), depth: 0, findings: Findings::default() }
+        Self {
+            text,
+            lexer,
+            ahead,
+            values: ("", 0),
+            depth: 0,
+            findings: Findings::default(),
+            edition,
+            images: vec![],
+        }
+    }
+
+    /// The index of the picture with this name, which the scene names here.
+    pub fn image(&mut self, name: String, at: Position) -> usize {
+        let known = self.images.iter().position(|image| image.name == name);
+        known.unwrap_or_else(|| {
+            self.images.push(ImageFile { name, at, ..ImageFile::default() });
+            self.images.len() - 1
+        })
+    }
+
+    /// Takes the name of a file or a folder, the value of `field`.
+    pub fn file_name(&mut self, field: &str) -> Parsed<Word<'a>> {
+        if self.ahead.is_end() || matches!(self.ahead.text, "{" | "}") {
+            return Err(self.unexpected(&format!("a file name for `{field}`"), &[]));
+        }
+        Ok(self.take())
     }
 
     /// The next word, without taking it.
@@ -88,10 +125,19 @@ impl<'a> Reader<'a> {
             return error.with_hint(hint);
         }
         match nearest(found, keywords) {
+            _ if self.is_of_other_edition(found) => {
+                let editions = editions_of(found).unwrap_or_default();
+                let names: Vec<_> = editions.iter().map(|edition| format!("`-edition {edition}`")).collect();
+                error.with_hint(format!("`{found}` is a word of other editions: {}", names.join(", ")))
+            }
             Some(keyword) => error.with_hint(format!("did you mean `{keyword}`?")),
             None if keywords.len() > 1 => error.with_hint(format!("possible here: {}", keywords.join(", "))),
             None => error,
         }
+    }
+
+    fn is_of_other_edition(&self, word: &str) -> bool {
+        editions_of(word).is_some_and(|editions| !editions.contains(&self.edition))
     }
 
     /// What to say of a number that follows the last one of a field.

@@ -1,5 +1,6 @@
 //! Reads a list of transformations and composes them to one affine map.
 
+use super::edition::Edition;
 use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -9,6 +10,14 @@ use glam::{DAffine3, DMat3, DVec3};
 /// The keywords that start a transformation.
 pub const TRANSFORMATIONS: [&str; 8] =
     ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix"];
+/// Those of 2012 and later.
+const LATER: [&str; 8] =
+    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
+
+/// The keywords that start a transformation in an edition.
+pub fn transformations(edition: Edition) -> &'static [&'static str] {
+    if edition.is_later() { &LATER } else { &TRANSFORMATIONS }
+}
 
 /// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
 /// does.
@@ -18,9 +27,10 @@ pub const TRANSFORMATIONS: [&str; 8] =
 /// overflows is recorded.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let mut product = RoundedAffine::IDENTITY;
-    while reader.is_at_any(&TRANSFORMATIONS) {
+    let known = transformations(reader.edition);
+    while reader.is_at_any(known) {
         let at = reader.peek().at;
-        product = if reader.is_at("Matrix") {
+        product = if reader.is_at("Matrix") || reader.is_at("Matrix4f") {
             parse_matrix(reader)? * product
         } else {
             product * parse_factor(reader)?
@@ -64,25 +74,24 @@ fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     Ok(rotation(axis, angle))
 }
 
-/// Reads `Matrix { ... }`: sixteen numbers, row after row.
+/// Reads `Matrix { ... }`: sixteen numbers, row after row; or `Matrix4f { ... }`: the same, column after column.
 fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
-    reader.open()?;
-    let mut rows = [[0.0; 4]; 3];
-    for number in rows.as_flattened_mut() {
-        *number = reader.number("Matrix")?;
-    }
-    let mut first_wrong = None;
-    for expected in [0.0, 0.0, 0.0, 1.0] {
-        let at = reader.peek().at;
-        if reader.number("Matrix")? != expected {
+    let name = reader.open()?.text;
+    let (mut rows, mut first_wrong) = ([[0.0; 4]; 4], None);
+    for place in 0..16 {
+        let (at, number) = (reader.peek().at, reader.number(name)?);
+        let [row, column] = if name == "Matrix4f" { [place % 4, place / 4] } else { [place / 4, place % 4] };
+        rows[row][column] = number;
+        if row == 3 && number != [0.0, 0.0, 0.0, 1.0][column] {
             first_wrong.get_or_insert(at);
         }
     }
     if let Some(at) = first_wrong {
         reader.report(SceneError::new(at, Problem::NotAffine));
     }
-    reader.close("Matrix")?;
-    Ok(from_rows(rows).into())
+    reader.close(name)?;
+    let [x, y, z, _] = rows;
+    Ok(from_rows([x, y, z]).into())
 }
 
 /// The right-handed rotation around `axis` by `degrees`.

@@ -1,6 +1,7 @@
-//! Blinn-Phong reflection, and the material at a point of a surface after its textures are evaluated.
+//! Blinn's and Phong's reflection, and the material at a point of a surface after its textures are evaluated.
 
 use super::light::{Incident, unit_or_zero};
+use crate::scene::model::Highlight;
 use crate::scene::{Color, material::Phong};
 use glam::DVec3;
 
@@ -11,11 +12,11 @@ pub struct PointMaterial<'m> {
     pub phong: &'m Phong,
     /// The highlights of the other materials in a mixture. They stay separate, because exponents cannot be
     /// mixed.
-    further: &'m [Highlight],
+    further: &'m [Lobe],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Highlight {
+struct Lobe {
     color: Color,
     exponent: f64,
 }
@@ -25,7 +26,7 @@ struct Highlight {
 #[derive(Debug, Default)]
 pub struct Mixture {
     sum: Phong,
-    further: Vec<Highlight>,
+    further: Vec<Lobe>,
 }
 
 impl Mixture {
@@ -52,7 +53,7 @@ impl Mixture {
         self.sum.index_of_refraction += phong.index_of_refraction * weight;
         let color = phong.specular * weight;
         if color != Color::ZERO {
-            self.further.push(Highlight { color, exponent: phong.exponent });
+            self.further.push(Lobe { color, exponent: phong.exponent });
         }
     }
 
@@ -71,37 +72,60 @@ impl<'m> From<&'m Phong> for PointMaterial<'m> {
 }
 
 impl PointMaterial<'_> {
-    /// The light reflected to the viewer: Lambert's diffuse and Blinn's specular term. `normal` and
-    /// `to_viewer` are unit vectors, and `cosine`, between the normal and the direction to the light, is
-    /// positive. As in the course the specular term is not multiplied by the cosine.
+    /// The light reflected to the viewer: Lambert's diffuse and a specular term. `normal` and `to_viewer` are unit
+    /// vectors, and `cosine` is between the normal and the direction to the light. As in the course the specular term is
+    /// not multiplied by the cosine.
     #[inline(always)]
-    pub fn reflect(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> Color {
-        let mut reflected = self.phong.diffuse * cosine;
+    pub fn reflect(
+        &self,
+        highlight: Highlight,
+        light: &Incident,
+        cosine: f64,
+        normal: DVec3,
+        to_viewer: DVec3,
+    ) -> Color {
+        let mut reflected = self.phong.diffuse * diffuse_factor(highlight, cosine);
         if self.is_specular() {
-            reflected += self.specular(light.direction, normal, to_viewer);
+            reflected += self.specular(highlight, light.direction, normal, to_viewer);
         }
         light.color * reflected
     }
 
-    /// Whether [`reflect`](Self::reflect) returns anything but black.
+    /// Whether [`reflect`](Self::reflect) is to be asked, and may return anything but black.
     #[inline(always)]
-    pub fn shows(&self, light: &Incident, cosine: f64) -> bool {
-        cosine > 0.0 && !self.is_black() && light.color != Color::ZERO
+    pub fn shows(&self, highlight: Highlight, light: &Incident, cosine: f64) -> bool {
+        let faces = cosine > 0.0 || highlight == Highlight::Phong && self.is_specular();
+        faces && !self.is_black() && light.color != Color::ZERO
     }
 
     /// The diffuse and the specular part of what [`reflect`](Self::reflect) returns, for whoever wants to know.
-    pub fn parts(&self, light: &Incident, cosine: f64, normal: DVec3, to_viewer: DVec3) -> [Color; 2] {
-        [self.phong.diffuse * cosine, self.specular(light.direction, normal, to_viewer)]
-            .map(|part| light.color * part)
+    pub fn parts(
+        &self,
+        highlight: Highlight,
+        light: &Incident,
+        cosine: f64,
+        normal: DVec3,
+        to_viewer: DVec3,
+    ) -> [Color; 2] {
+        let diffuse = self.phong.diffuse * diffuse_factor(highlight, cosine);
+        [diffuse, self.specular(highlight, light.direction, normal, to_viewer)].map(|part| light.color * part)
     }
 
-    /// Blinn's specular term, per unit of light.
+    /// The specular term, per unit of light.
     #[inline(always)]
-    fn specular(&self, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
-        let half = unit_or_zero(to_light + to_viewer);
-        let alignment = normal.dot(half).max(0.0);
+    fn specular(&self, highlight: Highlight, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
+        let alignment = match highlight {
+            Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
+            Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
+        };
+        self.highlights(alignment.max(0.0))
+    }
+
+    /// The highlights per unit of light, where `alignment` is the cosine that is raised to their exponents.
+    #[inline(always)]
+    pub fn highlights(&self, alignment: f64) -> Color {
         let Phong { specular, exponent, .. } = *self.phong;
-        let first = Highlight { color: specular, exponent }.strength(alignment);
+        let first = Lobe { color: specular, exponent }.strength(alignment);
         self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))
     }
 
@@ -118,10 +142,19 @@ impl PointMaterial<'_> {
     }
 }
 
-impl Highlight {
+impl Lobe {
     #[inline(always)]
     fn strength(&self, alignment: f64) -> Color {
         if self.color == Color::ZERO { Color::ZERO } else { self.color * power(alignment, self.exponent) }
+    }
+}
+
+/// The factor of the diffuse colour. By Blinn's law it is asked for only where the surface faces the light.
+#[inline(always)]
+fn diffuse_factor(highlight: Highlight, cosine: f64) -> f64 {
+    match highlight {
+        Highlight::Blinn => cosine,
+        Highlight::Phong => cosine.max(0.0),
     }
 }
 
@@ -164,8 +197,31 @@ mod tests {
     fn a_highlight_is_not_scaled_by_the_cosine() {
         let phong = Phong { diffuse: Color::ZERO, specular: Color::ONE, exponent: 1.0, ..Phong::default() };
         let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
-        let color = PointMaterial::from(&phong).reflect(&light, 1e-9, DVec3::Y, DVec3::Y);
+        let color = PointMaterial::from(&phong).reflect(Highlight::Blinn, &light, 1e-9, DVec3::Y, DVec3::Y);
         assert!((color.x - 0.5f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_highlight_by_the_mirrored_direction_needs_no_surface_that_faces_the_light() {
+        let phong = Phong { specular: Color::X, exponent: 2.0, ..Phong::default() };
+        let viewer = DVec3::new(1.0, 1.0, 0.0).normalize();
+        let light = |direction: DVec3| Incident { direction, distance: 1.0, color: Color::ONE };
+        let (level, behind) = (light(DVec3::NEG_X), light(DVec3::new(-1.0, -0.1, 0.0).normalize()));
+        let material = PointMaterial::from(&phong);
+        let reflect = |light: &Incident| {
+            material.reflect(Highlight::Phong, light, DVec3::Y.dot(light.direction), DVec3::Y, viewer)
+        };
+        // The mirrored direction is at 45 degrees to the one, and a little farther from the other.
+        assert!((reflect(&level) - Color::new(0.5, 0.0, 0.0)).length() < 1e-15);
+        let cosine = behind.direction.dot(DVec3::new(-1.0, 1.0, 0.0).normalize());
+        assert!((reflect(&behind) - Color::X * cosine * cosine).length() < 1e-15);
+        let shows = |highlight, light: &Incident| material.shows(highlight, light, light.direction.y);
+        assert_eq!([Highlight::Phong, Highlight::Blinn].map(|law| shows(law, &behind)), [true, false]);
+        // Zero to the power of zero is one.
+        let even = Phong { exponent: 0.0, ..phong };
+        let away = light(DVec3::new(1.0, -1.0, 0.0).normalize());
+        let color = PointMaterial::from(&even).reflect(Highlight::Phong, &away, -0.7, DVec3::Y, viewer);
+        assert_eq!(color, Color::X);
     }
 
     fn mixed() -> (Phong, Phong) {
@@ -201,10 +257,13 @@ mod tests {
         assert_eq!(mix.phong.index_of_refraction, 0.25 * 1.5 + 0.75 * 1.25);
         // The cosine between the normal and the vector half way between light and viewer is sqrt(1/2).
         let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::new(1.0, 0.5, 2.0) };
-        let color = mix.reflect(&light, 0.5, DVec3::Y, DVec3::Y);
+        let color = mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::Y, DVec3::Y);
         let highlights = 0.25 * one.specular * 0.5 + 0.75 * other.specular * 0.25;
         assert!((color - light.color * (0.5 * mix.phong.diffuse + highlights)).length() < 1e-15, "{color}");
-        assert_eq!(mix.reflect(&light, 0.5, DVec3::NEG_Y, DVec3::Y), light.color * 0.5 * mix.phong.diffuse);
+        assert_eq!(
+            mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::NEG_Y, DVec3::Y),
+            light.color * 0.5 * mix.phong.diffuse
+        );
     }
 
     #[test]

@@ -9,9 +9,9 @@ use crate::math::instructions::Avx2;
 use crate::math::instructions::Instructions;
 use crate::math::rounded_affine::RoundedAffine;
 use crate::math::rounded_point::RoundedPoint;
-use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
+use crate::scene::{Color, MaterialId};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -30,7 +30,8 @@ pub fn material_at<'m>(
     let mut id = id;
     loop {
         let texture = match &materials[id] {
-            Material::Phong(phong) => return phong.into(),
+            // A painted material is part of no texture, and is not asked for here.
+            Material::Phong(phong) | Material::Painted(phong, _) => return phong.into(),
             Material::Texture(texture) => texture,
         };
         if texture.pattern == Pattern::Checkerboard {
@@ -135,11 +136,11 @@ fn mix(
             continue;
         }
         match material {
-            Material::Phong(phong) if is_empty => {
+            Material::Phong(phong) | Material::Painted(phong, _) if is_empty => {
                 mixture.start(phong, weight);
                 is_empty = false;
             }
-            Material::Phong(phong) => mixture.add(phong, weight),
+            Material::Phong(phong) | Material::Painted(phong, _) => mixture.add(phong, weight),
             Material::Texture(texture) => {
                 let first = first_weight(texture, point, instructions);
                 weights[texture.children[0]] += weight * first;
@@ -150,6 +151,13 @@ fn mix(
     if is_empty {
         mixture.start(&Default::default(), 1.0);
     }
+}
+
+/// The colour of two in a pattern of world space.
+pub fn mixed_color(pattern: Pattern, colors: [Color; 2], point: DVec3, instructions: Instructions) -> Color {
+    let texture = Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children: [0, 1] };
+    let first = first_weight(&texture, &point.into(), instructions);
+    colors[0] * first + colors[1] * (1.0 - first)
 }
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
@@ -212,7 +220,6 @@ pub fn is_in_boundary(texture: &Texture, point: &RoundedPoint) -> bool {
 mod tests {
     use super::*;
     use crate::math::robust::UNIT_ROUNDOFF;
-    use crate::scene::Color;
     use crate::scene::material::Phong;
     use Instructions::Portable;
     use glam::DAffine3;

@@ -1,15 +1,19 @@
 //! The rules by which rays are traced. Those that are provided are the right ones, and the only ones of a caster. Whoever
 //! wants to know what a mistake looks like breaks one.
 
+use super::optics::transmittance;
 use super::{Secondary, reflected};
 use crate::caster::Caster;
+use crate::math::double_double::Dd;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Paint, Phong};
+use crate::scene::model::{MeshNormals, Model, Split};
+use crate::shading::light::Incident;
 use crate::shading::phong::{Mixture, PointMaterial};
-use crate::shading::texture::material_at;
+use crate::shading::texture::{material_at, mixed_color};
 use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
@@ -21,12 +25,32 @@ pub enum Departure {
     Secondary(Secondary),
     /// It goes to a light.
     Shadow,
+    /// It has passed a transparent surface on the way to a light.
+    Onwards,
+}
+
+/// From where a surface is lit and seen.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Between the normal and the direction to the light.
+    pub cosine: f64,
+    /// The normal on the side from which it is seen, a unit vector.
+    pub normal: DVec3,
+    /// The direction to the viewer, a unit vector.
+    pub to_viewer: DVec3,
 }
 
 /// How rays are traced.
 pub trait Rules: Sync {
     /// What rays hit.
     fn world(&self) -> &World;
+
+    /// What the world's scene means. A caster knows only the model of the course, whatever the world says, so that
+    /// what others mean takes no time: [`ByModel`] asks the world.
+    #[inline(always)]
+    fn model(&self) -> Model {
+        Model::COURSE
+    }
 
     /// What a ray hits first that leaves the primitive `leaves`. That is not hit again, unless it is round.
     fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible>;
@@ -40,7 +64,12 @@ pub trait Rules: Sync {
     /// The surface that a ray hits first.
     #[inline(always)]
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        self.world().visible_surface(ray, visible)
+        let surface = self.world().visible_surface(ray, visible);
+        if self.model().normals == MeshNormals::Flat {
+            return surface;
+        }
+        let normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
+        SurfacePoint { normal, ..surface }
     }
 
     /// The instructions that textures are evaluated with. The bytes are the same with all of them.
@@ -53,24 +82,46 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let (world, instructions) = (self.world(), self.instructions());
-        if let Material::Phong(phong) = &world.materials[surface.material] {
+        let material = &world.materials[surface.material];
+        if let Material::Phong(phong) = material {
             return phong.into();
+        }
+        if self.model() != Model::COURSE
+            && let Material::Painted(phong, paint) = material
+        {
+            let diffuse = painted(world, paint, surface, instructions).unwrap_or(phong.diffuse);
+            mixture.start(&Phong { diffuse, ..*phong }, 1.0);
+            return mixture.material();
         }
         world.with_rounded_point(surface, |point| {
             material_at(&world.materials, surface.material, point, instructions, mixture)
         })
     }
 
-    /// The colour of a ray that hits nothing after so many bounces.
+    /// The colour of a ray in this direction that hits nothing after so many bounces.
     #[inline(always)]
-    fn background(&self, _bounces: u32) -> Color {
-        self.world().background
+    fn background(&self, direction: DVec3, _bounces: u32) -> Color {
+        if self.model() == Model::COURSE {
+            return self.world().background;
+        }
+        self.world().background_along(direction)
+    }
+
+    /// A vector along the normal of a primitive's surface, with less rounding than this unit normal where that is known.
+    #[inline(always)]
+    fn precise_normal(&self, primitive: Option<u32>, normal: DVec3) -> [Dd; 3] {
+        // A smooth normal is not the triangle's.
+        let is_flat = self.model().normals == MeshNormals::Flat;
+        self.world().precise_normal(if is_flat { primitive } else { None }, normal)
     }
 
     /// A ray from a surface, and the primitive that it leaves. It starts a few roundings off the surface, on the side to
     /// which it goes.
     #[inline(always)]
     fn departing(&self, _why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
+        if let Some(t_min) = self.model().epsilon {
+            return (Ray { t_min, ..Ray::new(surface.position, direction) }, None);
+        }
         let largest = self.world().max_abs_coord;
         let origin = offset_origin(surface.position, surface.normal, direction, largest);
         (Ray::new(origin, direction), surface.primitive)
@@ -86,6 +137,70 @@ pub trait Rules: Sync {
     #[inline(always)]
     fn reflected(&self, direction: DVec3, normal: DVec3) -> DVec3 {
         reflected(direction, normal)
+    }
+
+    /// The part of the light that is mirrored at a surface, of which Schlick's approximation says `part`.
+    #[inline(always)]
+    fn mirrored(&self, part: f64) -> f64 {
+        part
+    }
+
+    /// What a colour of a material makes of the light along a secondary ray.
+    #[inline(always)]
+    fn filter(&self, _kind: Secondary, color: Color) -> Color {
+        color
+    }
+
+    /// The indices of refraction in front of a surface and behind it. `around` is that of the medium that the ray comes
+    /// from.
+    #[inline(always)]
+    fn indices(&self, around: f64, material: &Phong, is_entering: bool) -> [f64; 2] {
+        let inside = material.index_of_refraction;
+        match (self.model().split, is_entering) {
+            (Split::Colors, _) => [around, if is_entering { inside } else { 1.0 }],
+            (Split::Schlick, true) => [1.0, inside],
+            (Split::Schlick, false) => [inside, 1.0],
+        }
+    }
+
+    /// Where the refracted ray goes at total internal reflection, if there is one.
+    #[inline(always)]
+    fn totally_reflected(&self, _direction: DVec3, _normal: DVec3) -> Option<DVec3> {
+        None
+    }
+
+    /// Whether opaque shadows let nothing through along a ray that leaves the primitive `leaves`. The course's program
+    /// looks for the nearest hit, even where any hit would do.
+    #[inline(always)]
+    fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        self.nearest(ray, leaves, probe).is_some()
+    }
+
+    /// The fraction of light that is left after a way through a transparent object.
+    #[inline(always)]
+    fn transmittance(&self, tint: Color, way: f64) -> Color {
+        transmittance(tint, way)
+    }
+
+    /// The normal by which a surface is shaded: that on the viewer's side.
+    #[inline(always)]
+    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+        if is_inside { -normal } else { normal }
+    }
+
+    /// The ambient light that a surface reflects.
+    #[inline(always)]
+    fn ambient(&self, surface: &SurfacePoint, material: &Phong) -> Color {
+        let diffuse = material.diffuse;
+        let is_of_course = self.model() == Model::COURSE;
+        self.world().ambient
+            * if is_of_course { diffuse } else { self.world().ambient_color(surface, diffuse) }
+    }
+
+    /// What a surface reflects of the light with this index; `cosine` is positive.
+    #[inline(always)]
+    fn reflect(&self, material: &PointMaterial, (light, _): (&Incident, usize), view: &View) -> Color {
+        material.reflect(self.model().highlight, light, view.cosine, view.normal, view.to_viewer)
     }
 
     /// What the light of one source adds to the colour of a surface.
@@ -115,5 +230,44 @@ impl Rules for Caster<'_> {
     #[inline(always)]
     fn instructions(&self) -> Instructions {
         self.instructions
+    }
+}
+
+/// The diffuse colour of paint at a surface; none where it has none.
+fn painted(
+    world: &World,
+    paint: &Paint,
+    surface: &SurfacePoint,
+    instructions: Instructions,
+) -> Option<Color> {
+    match *paint {
+        Paint::Image(image) => world.image_color(image, surface),
+        Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, instructions)),
+    }
+}
+
+/// A caster by whose rules a scene means what its model says.
+#[derive(Clone, Copy, Debug)]
+pub struct ByModel<'c, 'w>(pub &'c Caster<'w>);
+
+impl Rules for ByModel<'_, '_> {
+    #[inline(always)]
+    fn world(&self) -> &World {
+        self.0.world
+    }
+
+    #[inline(always)]
+    fn model(&self) -> Model {
+        self.0.world.model
+    }
+
+    #[inline(always)]
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        Caster::nearest(self.0, ray, leaves, probe)
+    }
+
+    #[inline(always)]
+    fn instructions(&self) -> Instructions {
+        self.0.instructions
     }
 }

@@ -7,6 +7,7 @@ use super::{Arrival, Tracer};
 use crate::math::ray::Ray;
 use crate::scene::Color;
 use crate::scene::limits::BRIGHTEST;
+use crate::scene::model::Split;
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
@@ -46,8 +47,11 @@ impl<R: Rules> Tracer<'_, R> {
         observer: &mut O,
     ) {
         let kind = Secondary::Reflected;
-        let color = arrival.material.phong.reflective;
-        let branch = self.filter_and_weight(path, color);
+        let color = match self.rules.model().split {
+            Split::Colors => arrival.material.phong.reflective,
+            Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(arrival),
+        };
+        let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let direction = self.rules.reflected(arrival.direction, arrival.surface.normal);
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
@@ -65,22 +69,33 @@ impl<R: Rules> Tracer<'_, R> {
     ) {
         let kind = Secondary::Refracted;
         let material = arrival.material.phong;
-        let branch = self.filter_and_weight(path, material.transparent);
+        let color = match self.rules.model().split {
+            Split::Colors => material.transparent,
+            Split::Schlick => material.transparent * (1.0 - self.mirrored_part(arrival)),
+        };
+        let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
         let (direction, normal) = (arrival.direction, arrival.surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
-        let (against, index) =
-            if is_entering { (normal, material.index_of_refraction) } else { (-normal, 1.0) };
-        let indices = [path.index, index];
+        let against = if is_entering { normal } else { -normal };
+        let indices = self.rules.indices(path.index, material, is_entering);
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
         let primitive = arrival.surface.primitive;
-        let precise_normal = || self.world().precise_normal(primitive, normal);
+        let precise_normal = || self.rules.precise_normal(primitive, normal);
         let refracted = refracted_between(direction, against, indices, precise_normal);
-        let Some(direction) = refracted.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
+        let (onwards, index) = match refracted {
+            Some(refracted) => (Some(refracted), if is_entering { indices[1] } else { 1.0 }),
+            None => (self.rules.totally_reflected(direction, normal), path.index),
+        };
+        let Some(direction) = onwards.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
             return;
         };
         let path = Path { filter, weight, bounces: path.bounces + 1, index };
         pending.push(self.branch(kind, arrival, direction, path, observer));
+    }
+
+    fn mirrored_part(&self, arrival: &Arrival) -> f64 {
+        self.rules.mirrored(mirrored_part(arrival))
     }
 
     #[inline(always)]
@@ -101,18 +116,46 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The filter and the weight of a secondary ray, if it is traced.
     #[inline(always)]
-    fn filter_and_weight(&self, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
+    fn filter_and_weight(&self, kind: Secondary, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
         if path.bounces >= self.effects.bounces {
             return Err(PathEnd::of(color, PathEnd::Bounces));
         }
         let weight = path.weight * color.length();
         if weight > self.effects.min_weight {
             let bound = Color::splat(BRIGHTEST);
-            Ok(((path.filter * color).clamp(-bound, bound), weight))
+            let filter = path.filter * self.rules.filter(kind, color);
+            Ok((filter.clamp(-bound, bound), weight))
         } else {
             Err(PathEnd::of(color, PathEnd::Weight { weight }))
         }
     }
+}
+
+/// The index of refraction outside every object.
+const OUTSIDE: f64 = 1.0;
+
+/// How much of the light of a transparent surface is mirrored, by Schlick's approximation ("An Inexpensive BRDF Model for
+/// Physically-based Rendering", Computer Graphics Forum 13(3), 1994); all at a surface that is opaque.
+fn mirrored_part(arrival: &Arrival) -> f64 {
+    let material = arrival.material.phong;
+    if material.transparent == Color::ZERO {
+        return 1.0;
+    }
+    let cosine = arrival.direction.dot(arrival.surface.normal);
+    let inside = material.index_of_refraction;
+    let [front, behind] = if cosine < 0.0 { [OUTSIDE, inside] } else { [inside, OUTSIDE] };
+    let ratio = front / behind;
+    let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if refracted_square < 0.0 {
+        return 1.0;
+    }
+    // The larger one of the angles in front of the surface and behind it counts.
+    let cosine = if front <= behind { cosine.abs() } else { refracted_square.sqrt() };
+    // As in the course's program, the surface is compared with the medium that the ray is in. Inside the object that is the
+    // same, so that nothing is mirrored there at a right angle.
+    let root = (inside - front) / (inside + front);
+    let straight = root * root;
+    straight + (1.0 - straight) * (1.0 - cosine).powi(5)
 }
 
 /// A step on the way of a secondary ray, or its end.

@@ -1,7 +1,6 @@
 //! How much of a light reaches a surface.
 
 use super::observer::{Event, Observer};
-use super::optics::transmittance;
 use super::rules::{Departure, Rules};
 use super::{Arrival, Shadows, Tracer};
 use crate::math::ray::Ray;
@@ -32,8 +31,7 @@ impl<R: Rules> Tracer<'_, R> {
             let starts_within = arrival.surface.normal.dot(light.direction) < 0.0;
             return self.filtered(ray, index, starts_within, observer);
         }
-        // The course's program looks for the nearest hit, even where any hit would do.
-        let is_blocked = self.rules.nearest(&ray, leaves, observer).is_some();
+        let is_blocked = self.rules.is_blocked(&ray, leaves, observer);
         // A ray to a light that lies on a triangle ends there, so that roundings would decide whether it is blocked.
         let is_at_rest = !self.world().triangles_at_light(index).is_empty();
         if is_blocked || is_at_rest { Color::ZERO } else { Color::ONE }
@@ -79,7 +77,7 @@ impl<R: Rules> Tracer<'_, R> {
             }
             is_within = !leaves;
             if leaves {
-                passed = (passed * transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
+                passed = (passed * self.rules.transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
             }
             way = 0.0;
             ray = self.behind(&surface, ray.direction, ray.t_max - hit.t);
@@ -89,7 +87,7 @@ impl<R: Rules> Tracer<'_, R> {
             Some(Color::ZERO) => Color::ZERO,
             Some(tint) if is_within => {
                 let way = way + ray.t_max.max(0.0);
-                (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
+                (passed * self.rules.transmittance(tint, way)).min(Color::splat(LARGEST))
             }
             _ => passed,
         }
@@ -97,7 +95,7 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The rest of a ray behind a surface.
     fn behind(&self, surface: &SurfacePoint, direction: DVec3, t_max: f64) -> Ray {
-        let (ray, _) = self.rules.departing(Departure::Shadow, surface, direction);
+        let (ray, _) = self.rules.departing(Departure::Onwards, surface, direction);
         Ray { t_max, ..ray }
     }
 

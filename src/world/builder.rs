@@ -2,6 +2,7 @@
 //! its kind.
 
 use super::World;
+use super::appearance::vertex_normals;
 use super::placement::Placement;
 use super::point_error::{BoundaryWidth, Finite, PlacementError, PlaneError};
 use super::resting_lights::RestingLights;
@@ -13,6 +14,7 @@ use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, trian
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::Mesh;
+use crate::scene::texture_coordinates::Corners;
 use crate::scene::{MaterialId, MeshFile, Object, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -106,6 +108,7 @@ impl<'a> Builder<'a> {
     fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
         let map = |p: DVec3| placement.world_point(p);
         let mesh = mem::take(&mut self.meshes[id]);
+        self.appearance(id, &mesh, placement);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
         let error = match placement.transform {
@@ -128,6 +131,30 @@ impl<'a> Builder<'a> {
                 }
                 result
             }
+        }
+    }
+
+    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, which are the next ones, if the
+    /// model has them.
+    fn appearance(&mut self, id: usize, mesh: &Mesh, placement: &Placement) {
+        let world = &mut self.world;
+        if world.is_of_course() {
+            return;
+        }
+        let linear = placement.matrix.matrix3;
+        if let Some(normals) = vertex_normals(mesh, linear, world.model.normals) {
+            let (first, all) = (world.vertices.len(), &mut world.vertex_normals);
+            all.resize(first, DVec3::ZERO);
+            all.extend(normals);
+        }
+        let named = self.files.get(id).map_or(&[][..], |file| file.texture_coordinates.as_slice());
+        if !named.is_empty() {
+            let (first, all) = (world.triangles.len(), &mut world.texture_coordinates);
+            all.resize(first, None);
+            // The winding of a mirrored triangle is reversed, as that of its vertices.
+            let is_mirrored = robust::is_mirroring(linear);
+            let wound = |[a, b, c]: Corners| if is_mirrored { [a, c, b] } else { [a, b, c] };
+            all.extend(named.iter().map(|corners| corners.map(wound)));
         }
     }
 

@@ -6,6 +6,7 @@ use raytracer::math::ray::Ray;
 use raytracer::math::robust::unit;
 use raytracer::scene::limits::SMALLEST_RADIUS;
 use raytracer::scene::material::{Material, Pattern, Phong, Texture};
+use raytracer::scene::model::Model;
 use raytracer::scene::{self, Background, Light, MeshFile, Object, ObjectId, Position, Scene};
 
 const AT: Position = Position { line: 1, column: 1 };
@@ -174,7 +175,7 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
             }
             objects.push(Object::Group(children));
             // Their contents are `fuzz_findings::checks::meshes`.
-            let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT }; 2];
+            let meshes = vec![MeshFile { name: "mesh.obj".into(), at: AT, ..MeshFile::default() }; 2];
             Scene {
                 camera,
                 background,
@@ -185,6 +186,9 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
                 objects,
                 positions: vec![],
                 meshes,
+                images: vec![],
+                cube_map: None,
+                model: Model::COURSE,
             }
         },
     )

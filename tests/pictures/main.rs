@@ -101,7 +101,10 @@ fn every_scene_shows_something() {
     for scene in scenes() {
         let mut program = commands::program();
         program
-            .args(["-input", &scene, "-size", "24", "24", "-shadows", "-bounces", "0", "-output"])
+            .args([
+                "-input", &scene, "-edition", "2004", "-size", "24", "24", "-shadows", "-bounces", "0",
+                "-output",
+            ])
             .arg(&path);
         commands::succeed(program);
         let picture = image_io::read_picture(&path).unwrap();

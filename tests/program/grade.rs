@@ -76,17 +76,31 @@ fn the_summary_counts_what_passes() {
     let block = |passed: &str, o: &str, bela: &str| {
         format!(
             "********************************************\nGRADING\n  tolerance                  {passed}\nNAMES\n  \
-             anna                       2 of 2\n  bela                       {bela} of 2\nPICTURES\n  \
-             o.tga                      {o} of 2\n  d.tga                      1 of 2\n\
+             anna                       2 of 2, 100 points\n  bela                       {bela}\nPICTURES\n  \
+             o.tga                      {o}\n  d.tga                      1 of 2, 50 points, 1 missing\n\
              ********************************************\n"
         )
     };
     let run = grade(&folder);
     assert_eq!(run.stderr, "");
-    assert_eq!(run.stdout, block("0 levels, 0 pixels\n  pictures that pass         2 of 4", "1", "0"));
+    assert_eq!(
+        run.stdout,
+        block(
+            "0 levels, 0 pixels\n  pictures that pass         2 of 4, 50 points, 1 failed, 1 missing",
+            "1 of 2, 50 points, 1 failed",
+            "0 of 2, 0 points, 1 failed, 1 missing"
+        )
+    );
     let run = folder.run("-grade class -commands commands.txt -tolerance 1 0");
     assert_eq!(run.status, Some(3), "one is missing");
-    assert_eq!(run.stdout, block("1 levels, 0 pixels\n  pictures that pass         3 of 4", "2", "1"));
+    assert_eq!(
+        run.stdout,
+        block(
+            "1 levels, 0 pixels\n  pictures that pass         3 of 4, 75 points, 1 missing",
+            "2 of 2, 100 points",
+            "1 of 2, 50 points, 1 missing"
+        )
+    );
 }
 
 #[test]
@@ -129,7 +143,66 @@ fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
     }
     folder.run("-grade class -reference ref -report page.html").ok();
     assert!(result(&folder, "over", "o.tga").ends_with("\"upside down\""));
-    assert!(result(&folder, "light", "o.tga").ends_with("\"unknown (4 causes tried)\""));
+    assert!(result(&folder, "light", "o.tga").ends_with("\"unknown (7 causes tried)\""));
+}
+
+#[test]
+fn a_picture_under_another_name_is_found_and_said() {
+    let folder = folder();
+    let right = picture(&folder, "o.tga");
+    folder.run("-input s.txt -size 24 18 -output ref/o.png").ok();
+    let png = folder.read("ref/o.png");
+    fs::remove_file(folder.path().join("ref/o.png")).unwrap();
+    for (who, name, bytes) in [
+        ("case", "O.TGA", &right),
+        ("ending", "o.png", &png),
+        ("deep", "sub/deeper/o.tga", &right),
+        ("all", "sub/O.PNG", &png),
+        // What is nearer is taken.
+        ("two", "sub/o.tga", &darkened(&right, 9)),
+        ("two", "o.png", &png),
+        // The name itself comes first, right or wrong.
+        ("own", "o.tga", &darkened(&right, 9)),
+        ("own", "o.png", &png),
+        ("other", "oo.tga", &right),
+    ] {
+        make(&folder, &format!("class/{who}/sub/deeper"));
+        hand_in(&folder, who, name, bytes);
+    }
+    symlink(folder.path().join("ref"), folder.path().join("class/other/linked")).unwrap();
+    let run = grade(&folder);
+    for (who, file) in [
+        ("case", "O.TGA"),
+        ("ending", "o.png"),
+        ("deep", "sub/deeper/o.tga"),
+        ("all", "sub/O.PNG"),
+        ("two", "o.png"),
+    ] {
+        assert_eq!(result(&folder, who, "o.tga"), format!("passed,0,0,0,0,\"found as {file}\""));
+        let note = format!("note: {who}: {file} is taken for o.tga\n");
+        assert!(run.stderr.contains(&note), "{}", run.stderr);
+    }
+    assert!(result(&folder, "own", "o.tga").starts_with("failed,"));
+    assert!(result(&folder, "other", "o.tga").starts_with("missing"));
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    assert!(page.contains("own: no reference for o.png") && !page.contains("ending: no reference"));
+}
+
+#[test]
+fn causes_of_depths_and_normals_and_of_small_windows_are_found() {
+    let folder = Folder::with_scene(&sphere().replace("0 0 0 radius .7", ".3 .2 0 radius .5"));
+    let lines = "rt -input s.txt -size 90 90 -output o.tga -depth 8 9 d.tga -normals n.tga\n";
+    folder.write("commands.txt", lines);
+    let wide = String::from_utf8(folder.read("s.txt")).unwrap().replace("up 0 1 0", "up 0 -1 0");
+    folder.write("turned.txt", wide);
+    make(&folder, "class/turned");
+    let turned = "-input turned.txt -size 90 90 -output class/turned/o.tga -depth 8 9 class/turned/d.tga -normals class/turned/n.tga";
+    folder.run(turned).ok();
+    grade(&folder);
+    for name in ["o.tga", "d.tga", "n.tga"] {
+        let end = "\"by a camera of the other handedness (turned by 180 degrees)\"";
+        assert!(result(&folder, "turned", name).ends_with(end), "{}", result(&folder, "turned", name));
+    }
 }
 
 #[test]
@@ -238,7 +311,7 @@ fn the_last_of_the_lines_that_write_a_picture_counts() {
         "commands.txt",
         "rt -input s.txt -size 9 9 -output o.tga\nrt -input s.txt -size 24 18 -output o.tga",
     );
-    assert!(grade(&folder).stdout.contains("pictures that pass         1 of 1\n"));
+    assert!(grade(&folder).stdout.contains("pictures that pass         1 of 1, 100 points\n"));
 }
 
 #[test]
@@ -266,7 +339,7 @@ fn grids_and_normals_are_graded_too() {
         "rt -input s.txt -size 24 18 -grid 4 4 4 -visualize_grid -output g.tga -normals n.tga",
     );
     folder.run("-input s.txt -size 24 18 -grid 4 4 4 -visualize_grid -output class/anna/g.tga -normals class/anna/n.tga").ok();
-    assert!(grade(&folder).stdout.contains("pictures that pass         2 of 2\n"));
+    assert!(grade(&folder).stdout.contains("pictures that pass         2 of 2, 100 points\n"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::causes::{self, FLAGS, with_original};
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ};
 use crate::support::{Folder, finish, program, scene};
-use raytracer::tools::causes::{Cause, Rule};
+use raytracer::tools::causes::{Cause, PixelChange, Rule, SelfHitting};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -141,7 +141,11 @@ fn of_pixels(documents: &mut Vec<Value>) {
 fn of_comparisons(documents: &mut Vec<Value>) {
     let folder = causes::folder();
     let compare = |more: &str| document(&folder, &format!("-input s.txt {FLAGS} -compare a.png {more}"));
-    let rules = [Rule::Shifted { half_pixels: [1, 0] }, Rule::Epsilon { distance: 0.3 }];
+    let rules = [
+        Rule::Shifted { half_pixels: [1, 0] },
+        Rule::Epsilon { distance: 0.3 },
+        Rule::NoEpsilon { rays: SelfHitting::All },
+    ];
     for rule in rules {
         let wrong = with_original(&folder, FLAGS, |original| original.picture(Cause::Rule(rule)));
         causes::write(&folder, &wrong.expect("a wrong picture"));
@@ -160,6 +164,17 @@ fn of_comparisons(documents: &mut Vec<Value>) {
     folder.run("-input s.txt -size 48 36 -output b.png").ok();
     documents.push(compare("-reference b.png"));
     documents.push(document(&folder, "-compare a.png -reference b.png"));
+    // Here and there a plain floor does not get the light.
+    let text = causes::SCENE.replace("MaterialIndex 4 Plane", "MaterialIndex 3 Plane");
+    folder.write("s.txt", &text);
+    let own = folder.render("-size 100 75 -shadows");
+    folder.write("s.txt", text.replace("color 2.2 2 1.8", "color 0 0 0"));
+    let dark = folder.render("-size 100 75 -shadows");
+    folder.write("s.txt", &text);
+    let at = |x: usize, y: usize| x % 4 == 1 && y % 5 == 2;
+    let speckled = causes::transformed(&own, |x, y| if at(x, y) { dark.at(x, y) } else { own.at(x, y) });
+    causes::write(&folder, &speckled);
+    documents.push(document(&folder, "-input s.txt -size 100 75 -shadows -compare a.png"));
 }
 
 /// A document of each other kind.
@@ -230,5 +245,7 @@ fn the_names_of_all_mistakes_are_listed() {
         let text = |member: &str| mistake[member].as_str().map(str::to_owned);
         Some((text("kind")?, text("name")?))
     };
-    assert_eq!(listed.collect::<BTreeSet<_>>(), Cause::all().filter_map(name).collect::<BTreeSet<_>>());
+    // A finished picture can be turned, too, where no camera is known.
+    let all = Cause::all().chain([Cause::Pixels(PixelChange::Turned)]);
+    assert_eq!(listed.collect::<BTreeSet<_>>(), all.filter_map(name).collect::<BTreeSet<_>>());
 }

@@ -1,8 +1,9 @@
 //! Differences that no cause explains, or only in part.
 
-use crate::causes::{FLAGS, SCENE, cause, folder, transformed, write};
+use crate::causes::{FLAGS, SCENE, cause, equal, folder, transformed, write};
 use crate::support::Folder;
 use raytracer::picture::Picture;
+use std::fs;
 
 #[test]
 fn equal_pictures_have_no_cause() {
@@ -11,6 +12,7 @@ fn equal_pictures_have_no_cause() {
     assert_eq!(cause(&folder, FLAGS), "");
     // Nor has a difference without a scene, or one of the rendered picture.
     folder.run("-input s.txt -size 48 36 -output b.png").ok();
+    // Shadows are not known from pictures alone.
     for line in ["-compare a.png -reference b.png", &format!("-input s.txt {FLAGS} -reference b.png")] {
         let run = folder.run(line).ok();
         assert!(
@@ -18,6 +20,42 @@ fn equal_pictures_have_no_cause() {
             "{}",
             run.stdout
         );
+    }
+}
+
+#[test]
+fn what_became_of_a_file_is_known_without_a_scene() {
+    let folder = folder();
+    let tga = folder.render(FLAGS);
+    write(&folder, &transformed(&tga, |x, y| tga.at(x, y)));
+    fs::rename(folder.path().join("a.png"), folder.path().join("b.png")).unwrap();
+    let (right, bottom) = (tga.width - 1, tga.height - 1);
+    for (picture, words) in [
+        (transformed(&tga, |x, y| tga.at(x, bottom - y)), "upside down"),
+        (transformed(&tga, |x, y| tga.at(right - x, bottom - y)), "turned by 180 degrees"),
+        (
+            transformed(&tga, |x, y| tga.at(x, y).map(|byte| byte.saturating_add(1))),
+            "one level brighter everywhere",
+        ),
+    ] {
+        write(&folder, &picture);
+        let run = folder.run("-compare a.png -reference b.png").ok();
+        assert!(
+            run.stdout.contains(&format!("  cause                      {}\n", equal(words))),
+            "{}",
+            run.stdout
+        );
+    }
+}
+
+#[test]
+fn the_hint_for_another_size_names_it() {
+    let folder = folder();
+    folder.run("-input s.txt -size 48 36 -output a.png").ok();
+    let hint = "; -size 48 36 renders that size\n";
+    for line in ["-input s.txt -compare a.png", "-input s.txt -reference a.png"] {
+        let run = folder.run(line);
+        assert!(run.stderr.ends_with(hint), "{}", run.stderr);
     }
 }
 
@@ -72,9 +110,10 @@ fn a_mistake_among_others_is_named_with_its_share() {
         ),
     );
     let found = cause(&folder, FLAGS);
-    let share = found.strip_prefix("explains ").and_then(|rest| rest.split_once("% of the error: "));
-    let (percent, words) = share.unwrap_or_else(|| panic!("{found}"));
-    assert_eq!(words, "this program's picture without -shadows");
+    let share = found
+        .strip_prefix("at least this program's picture without -shadows, which explains ")
+        .and_then(|rest| rest.strip_suffix("% of the error"));
+    let percent = share.unwrap_or_else(|| panic!("{found}"));
     assert!((50..100).contains(&percent.parse::<u32>().unwrap()), "{found}");
     // A larger corner, in white, is most of the error.
     write(&folder, &transformed(&wrong, |x, y| if x < 24 && y < 9 { [255; 3] } else { wrong.at(x, y) }));

@@ -12,9 +12,10 @@ use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use raytracer::scene_io;
 use raytracer::stats::Counts;
-use raytracer::tools::explain::{Explainer, PixelTree};
+use raytracer::tools::explain::{ExplainError, Explainer, PixelTree, Stop};
 use raytracer::trace::{Effects, Shadows};
 use std::collections::HashSet;
+use std::time::{Duration, Instant};
 
 const SIZE: [usize; 2] = [24, 17];
 
@@ -75,6 +76,11 @@ fn cases() -> Vec<Case> {
     ]
 }
 
+/// Nobody waits so long.
+fn far_off() -> Stop {
+    Stop::at(Instant::now() + Duration::from_secs(3600))
+}
+
 /// The whole picture by the program, its statistics, and the trees of its pixels, row by row from the top.
 fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let folder = Folder::with_scene(case.text);
@@ -87,9 +93,10 @@ fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let rays = SIZE[0] * SIZE[1] * case.request.sampler.count() as usize;
     let prepared = renderer.prepare(case.grid, rays, Tracing::Counted).expect("a grid");
     let explainer = Explainer::new(&prepared).expect("objects");
+    let stop = far_off();
     let places = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
     let trees: Vec<PixelTree> =
-        places.map(|place| explainer.pixel(&case.request, place).expect("a pixel")).collect();
+        places.map(|place| explainer.pixel(&case.request, place, &stop).expect("a pixel")).collect();
     let rendered = prepared.render(&case.request).expect("a picture");
     let sums: Vec<Color> = trees.iter().map(|tree| tree.color).collect();
     assert!(rendered[0].colors == sums, "{}: the sums are not the rendered colours", case.flags);
@@ -160,6 +167,91 @@ fn the_work_of_all_pixels_is_that_of_the_statistics() {
                 assert_eq!(counted, Some(count), "{label} {}", case.flags);
             }
         }
+    }
+}
+
+/// Spheres of glass and mirrors within each other: every ray becomes two.
+const HALL: &str = "
+    PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
+    Lights { numLights 1 DirectionalLight { direction -1 -1 -1 color 1 1 1 } }
+    Materials { numMaterials 1 Material {
+        diffuseColor 1 0 0 reflectiveColor .7 .7 .7 transparentColor .7 .7 .7 indexOfRefraction 1.5 } }
+    Group { numObjects 3 MaterialIndex 0
+        Sphere { center 0 0 0 radius 10 } Sphere { center 0 0 0 radius 5.5 } Sphere { center 1 0 0 radius 1 } }";
+
+fn explained_hall<T>(bounces: u32, samples: u32, work: impl FnOnce(&Explainer, &Request) -> T) -> T {
+    let folder = Folder::with_scene(HALL);
+    let renderer =
+        Renderer::new(scene_io::load(&folder.path().join("s.txt")).expect("a scene"), Meshes::Kept);
+    let renderer = renderer.expect("a world");
+    let sampler = Sampler::new(Pattern::Random, samples, Drand48::UNSEEDED);
+    let request = Request { sampler, ..request(shadows(Shadows::Opaque, bounces)) };
+    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
+    work(&Explainer::new(&prepared).expect("objects"), &request)
+}
+
+#[test]
+fn a_tree_of_many_rays_is_bounded_and_says_what_it_left_out() {
+    let folder = Folder::with_scene(HALL);
+    let flags = "-input s.txt -size 24 17 -shadows -bounces 9 -random_samples 16";
+    folder.run(&format!("{flags} -output o.tga")).ok();
+    let picture = folder.tga("o.tga");
+    let tree = explained_hall(9, 16, |explainer, request| explainer.pixel(request, [12, 8], &far_off()));
+    let tree = tree.expect("a pixel");
+    assert_eq!(tree.bytes, picture.at(12, 8));
+    let kept: usize = tree.samples.iter().map(|sample| sample.rays.len()).sum();
+    assert!(kept <= 4096 && tree.left_out.rays > 1000, "{kept} {:?}", tree.left_out);
+    // What is counted is the work of all rays, kept or not.
+    assert_eq!(tree.counts().non_shadow_rays, kept as u64 + tree.left_out.rays);
+    let text = folder.run(&format!("{flags} -pixel 12 8")).ok().stdout;
+    assert!(text.lines().count() < 10_000, "{}", text.lines().count());
+    assert_eq!(text.matches("camera ray\n").count(), 1, "the first sample is whole");
+    assert_eq!(text.lines().filter(|line| line.starts_with("  sample ")).count(), 16);
+    let more =
+        text.lines().find_map(|line| line.trim_start().strip_prefix("and ")?.strip_suffix(" more rays"));
+    let shown =
+        text.lines().filter(|line| line.contains(" ray, bounce ") || line.ends_with("camera ray")).count();
+    let more: usize = more.expect("rays are left out").replace(',', "").parse().expect("a number");
+    let first = &tree.samples[0];
+    assert_eq!(shown + more, first.rays.len() + first.left_out.rays as usize);
+}
+
+#[test]
+fn samples_beyond_those_that_are_kept_are_counted() {
+    let tree = explained_hall(1, 5000, |explainer, request| explainer.pixel(request, [12, 8], &far_off()));
+    let tree = tree.expect("a pixel");
+    assert_eq!((tree.samples.len(), tree.more_samples), (4096, 904));
+    assert!(tree.to_string().contains("  and 3,975 more samples\n"), "{tree}");
+}
+
+#[test]
+fn an_explanation_ends_at_its_deadline() {
+    let begun = Instant::now();
+    let stop = Stop::at(begun + Duration::from_millis(200));
+    let found = explained_hall(60, 1, |explainer, request| explainer.pixel(request, [12, 8], &stop));
+    assert!(matches!(found, Err(ExplainError::Stopped)), "{found:?}");
+    assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+}
+
+#[test]
+fn a_mixed_texture_shows_its_materials_and_what_they_make() {
+    let folder = Folder::with_scene(
+        "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+         Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }
+         Materials { numMaterials 3
+            Material { diffuseColor .8 0 0 specularColor .5 .5 .5 exponent 10 }
+            Material { diffuseColor 0 .4 0 specularColor 0 0 1 exponent 30 }
+            Noise { materialIndex 0 materialIndex 1 octaves 0 } }
+         Group { numObjects 1 MaterialIndex 2 Plane { normal 0 0 1 offset 0 } }",
+    );
+    // Without octaves the noise is 0, and both weigh a half.
+    let text = folder.run("-input s.txt -pixel 50 50").ok().stdout;
+    for line in [
+        "material 0 in line 4 weighs 0.5: diffuse (0.8, 0, 0), specular (0.5, 0.5, 0.5) with exponent 10, ",
+        "material 1 in line 5 weighs 0.5: diffuse (0, 0.4, 0), specular (0, 0, 1) with exponent 30, ",
+        "material 2 in line 6, mixed: diffuse (0.4, 0.2, 0), specular (0.25, 0.25, 0.75), reflective ",
+    ] {
+        assert!(text.lines().any(|shown| shown.trim_start().starts_with(line)), "{line}\n{text}");
     }
 }
 

@@ -16,7 +16,7 @@ use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
-use raytracer::tools::causes::{Finding, Original};
+use raytracer::tools::causes::{Finding, FinishedPicture, Original};
 use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
 use std::cell::RefCell;
 use std::ffi::OsString;
@@ -56,6 +56,8 @@ pub fn run(
     if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
         files.before_waiting(signals)?;
     }
+    let settled = rendered.as_ref().map_or_else(|| options.clone(), |rendered| rendered.options.clone());
+    let options = &settled;
     let finish = |compared: Compared| compared.finish(options, rendered.as_ref(), &crew, &files);
     let verdict = compared.map(finish).transpose()?.flatten();
 
@@ -103,7 +105,7 @@ impl<'o> Compared<'o> {
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
         let size = |picture: &Option<Picture>| {
-            let rendered = options.size.map(|n| n as u32);
+            let rendered = options.picture_size().map(|n| n as u32);
             picture.as_ref().map_or(rendered, |picture| [picture.width(), picture.height()])
         };
         match (size(&picture), size(&reference)) {
@@ -129,6 +131,7 @@ impl<'o> Compared<'o> {
         let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
+        let cause = cause.or_else(|| if differs { cause_of_pictures(a, b) } else { None });
         if let Some(file) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
             files.add(file.complete(&shown.picture).map_err(failed)?)?;
@@ -145,7 +148,7 @@ const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
 /// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
-    let fits = [a.width(), a.height()] == options.size.map(|n| n as u32);
+    let fits = [a.width(), a.height()] == options.picture_size().map(|n| n as u32);
     // Where samples depend on what they show, a wrong picture differs by its samples too.
     if options.visualize_grid || options.adaptive.is_some() || !fits {
         return None;
@@ -156,7 +159,24 @@ fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Op
     Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }
 
+/// Why a picture differs from another of which no scene can be rendered, if that is known. Only what became of the
+/// finished picture is tried.
+fn cause_of_pictures(a: &Picture, b: &Picture) -> Option<Finding> {
+    let pixels = u64::from(a.width()) * u64::from(a.height());
+    memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
+    let found = FinishedPicture::of_picture(b).explain(std::slice::from_ref(a)).pop()?;
+    (!matches!(found, Finding::Unknown { .. })).then_some(found)
+}
+
 fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
-    failed(format!("cannot compare {} with {}: {error}", name(&wanted.picture), name(&wanted.reference)))
+    let hint = match (&error, &wanted.picture, &wanted.reference) {
+        (CompareError::Sizes { a: [width, height], .. }, Some(_), None)
+        | (CompareError::Sizes { b: [width, height], .. }, None, Some(_)) => {
+            format!("; -size {width} {height} renders that size")
+        }
+        _ => String::new(),
+    };
+    let (one, other) = (name(&wanted.picture), name(&wanted.reference));
+    failed(format!("cannot compare {one} with {other}: {error}{hint}"))
 }

@@ -4,6 +4,7 @@ use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{self, PoolPlace};
+use crate::app::warned;
 use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
@@ -30,7 +31,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     streams::check_input(options)?;
 
     let start = Instant::now();
-    let renderer = open(options, &written, &many, tell)?;
+    let (renderer, settled) = open(options, &written, &many, tell)?;
+    let options = &settled;
     let reading = start.elapsed();
     let request = options.request();
     let clock = || ProcessTime::now().as_duration();
@@ -83,16 +85,22 @@ fn open(
     written: &WrittenFiles,
     threads: &ThreadPool,
     tell: &dyn Fn(&str),
-) -> Result<Renderer, End> {
+) -> Result<(Renderer, Options), End> {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| scene_io::load(input)).map_err(|error| error.to_string())?;
+    let loaded = threads
+        .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
+        .map_err(|error| error.to_string())?;
     loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
     }
+    if let Some(note) = warned::about_edition(&loaded.choice) {
+        tell(&note);
+    }
+    let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
     let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok(renderer.map_err(|error| error.to_string())?)
+    Ok((renderer.map_err(|error| error.to_string())?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -85,7 +85,9 @@ impl Materials {
             )
         };
         Self {
-            phong: count(&scene.materials, |material| matches!(material, Material::Phong(_))),
+            phong: count(&scene.materials, |material| {
+                matches!(material, Material::Phong(_) | Material::Painted(..))
+            }),
             checkerboard: textures(|pattern| matches!(pattern, Pattern::Checkerboard)),
             noise: textures(|pattern| matches!(pattern, Pattern::Noise { .. })),
             marble: textures(|pattern| matches!(pattern, Pattern::Marble { .. })),

@@ -4,6 +4,7 @@ use super::{Painter, RenderSetting};
 use crate::render::layer::Layer;
 use crate::sampling::sample_packet::Sample;
 use crate::scene::Color;
+use crate::scene::model::{Depths, Model, NormalColors};
 use glam::DVec3;
 
 impl Painter<'_> {
@@ -15,17 +16,27 @@ impl Painter<'_> {
         let RenderSetting { caster, request, .. } = self.setting;
         let t = |center: &Sample| Some(caster.world.hit(&center.ray, center.visible?).t);
         let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
+        let Model { depths, normal_colors, .. } = caster.world.model;
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
-                    let grey = |t: f64| (far - t.clamp(near, far)) / (far - near);
+                    let grey = |t: f64| match depths {
+                        Depths::NearWhite => (far - t.clamp(near, far)) / (far - near),
+                        Depths::NearBlack => (t - near) / (far - near),
+                    };
                     colors.extend(shown.iter().map(|center| Color::splat(t(center).map_or(0.0, grey))));
                 }
                 Layer::Distance => {
                     colors
                         .extend(shown.iter().map(|center| Color::splat(t(center).unwrap_or(f64::INFINITY))));
                 }
-                Layer::Normals => colors.extend(shown.iter().map(|center| normal(center).abs())),
+                Layer::Normals => {
+                    let color = |normal: DVec3| match normal_colors {
+                        NormalColors::Absolute => normal.abs(),
+                        NormalColors::Shifted => 0.5 * normal + 0.5,
+                    };
+                    colors.extend(shown.iter().map(|center| color(normal(center))));
+                }
                 Layer::SignedNormals => colors.extend(shown.iter().map(normal)),
                 Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
             }

@@ -118,7 +118,7 @@ fn each_mesh_is_named_once() {
         mesh("a")
     ));
     let at = |column| Position { line: 2, column };
-    let named = |name: &str, column| MeshFile { name: name.into(), at: at(column) };
+    let named = |name: &str, column| MeshFile { name: name.into(), at: at(column), ..MeshFile::default() };
     assert_eq!(scene.meshes, [named("a.obj", 25), named("b.obj", 57)]);
     assert_eq!(scene.objects[2], Object::Mesh { mesh: 0, material: 0 });
 }

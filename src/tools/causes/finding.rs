@@ -1,8 +1,8 @@
 //! The search for the causes of differences, and what it finds.
 
-use super::speckles::{Speckles, can_show};
+use super::speckles::{Speckles, can_show, speckles};
 use super::window::{part, telling_windows};
-use super::{Cause, Original};
+use super::{Cause, Original, Rule, SelfHitting};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference, sum_of_squares};
 use serde::Serialize;
@@ -28,10 +28,12 @@ pub enum Finding {
         /// The share of the squared error that it explains.
         share: f64,
     },
-    /// Shadow rays hit the surface that they leave.
+    /// Here and there rays hit the surface that they leave.
     Speckles {
-        /// How many pixels lie in a shadow of their own.
+        /// How many pixels show it.
         pixels: usize,
+        /// Which rays do.
+        rays: SelfHitting,
     },
     /// None of the causes.
     Unknown {
@@ -42,9 +44,27 @@ pub enum Finding {
 
 /// The share of the squared error that a partial cause explains at least.
 const MIN_SHARE: f64 = 0.5;
+/// The same where nothing differs by more than one level, since many changes move colours by less than that.
+const MIN_SHARE_OF_LEVELS: f64 = 0.9;
 /// The share of the differing pixels that a partial cause makes right at least. A change that merely comes closer on
 /// the average, as a brighter picture does to a random one, makes none right.
-const MIN_PIXELS: f64 = 0.25;
+const MIN_PIXELS: f64 = 0.1;
+/// The share of the pixels that a cause changes which may be right in the picture in question. A mistake that was made
+/// shows wherever it can.
+const MAX_CONTRADICTED: f64 = 0.03;
+/// The same of rays that hit what they leave: some do not, by their roundings.
+const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
+/// The share of the pixels that a cause changes which it makes right at least. What is only similar to the mistake leaves
+/// its error in the same place.
+const MIN_PRECISION: f64 = 0.75;
+/// The share of all pixels that may differ by one level from the picture of the one mistake that was made. Of more pixels
+/// something else is wrong, too, as where colours are rounded.
+const MAX_LEVELS: f64 = 0.2;
+/// A cause of another kind leaves so many times the error at least.
+const MIN_LEAD: f64 = 2.0;
+
+/// Upper bounds on the camera rays of the windows that are looked at one after the other.
+const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 18];
 
 /// How far two pictures are from each other.
 #[derive(Clone, Copy, Debug)]
@@ -73,46 +93,118 @@ impl Distance {
         1.0 - rest.squares as f64 / self.squares as f64
     }
 
-    /// Whether so much is gone where `rest` is left that it is no accident.
-    fn is_explained(&self, rest: &Self) -> bool {
-        let (before, after) =
-            if self.visibly > 0 { (self.visibly, rest.visibly) } else { (self.differing, rest.differing) };
-        self.share_gone(rest) >= MIN_SHARE && after as f64 <= (1.0 - MIN_PIXELS) * before as f64
+    /// The pixels that count: those that differ by more than `levels`, which is 0 or 1.
+    fn beyond(&self, levels: u8) -> f64 {
+        (if levels > 0 { self.visibly } else { self.differing }) as f64
     }
+}
+
+/// What a cause does to the pixels that it changes by more than so many levels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Effect {
+    changed: f64,
+    /// Those that are made as they are in the picture in question.
+    right: f64,
+    /// Those that are as in the reference there.
+    contradicted: f64,
+}
+
+impl Effect {
+    fn of(made: &Picture, picture: &Picture, reference: &Picture, levels: u8) -> Self {
+        let differs = |a, b| largest_channel_difference(a, b) > levels;
+        let mut effect = Self::default();
+        for ((&seen, &made), &right) in colors(picture).iter().zip(colors(made)).zip(colors(reference)) {
+            if differs(made, right) {
+                effect.changed += 1.0;
+                effect.right += f64::from(!differs(seen, made));
+                effect.contradicted += f64::from(!differs(seen, right) && differs(seen, made));
+            }
+        }
+        effect
+    }
+}
+
+fn max_contradicted(cause: Cause) -> f64 {
+    match cause {
+        Cause::Rule(Rule::NoEpsilon { .. }) => MAX_CONTRADICTED_BY_ROUNDING,
+        _ => MAX_CONTRADICTED,
+    }
+}
+
+/// A cause that explains a part of the difference at least, and what its picture leaves of it.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    cause: Cause,
+    rest: Distance,
 }
 
 /// The search for what makes one picture.
 struct Search<'p> {
     picture: &'p Picture,
+    reference: &'p Picture,
     whole: Distance,
-    /// The cause that leaves the least error of those that explain any, with the distance to its picture.
-    best: Option<(Cause, Distance)>,
+    candidates: Vec<Candidate>,
     tried: usize,
     is_over: bool,
 }
 
 impl<'p> Search<'p> {
-    fn new(picture: &'p Picture, reference: &Picture) -> Self {
+    fn new(picture: &'p Picture, reference: &'p Picture) -> Self {
         let whole = Distance::between(picture, reference);
-        Self { picture, whole, best: None, tried: 0, is_over: false }
+        Self { picture, reference, whole, candidates: vec![], tried: 0, is_over: false }
     }
 
     fn try_cause(&mut self, cause: Cause, made: &Picture) {
         self.tried += 1;
         let rest = Distance::between(self.picture, made);
-        let is_better = self.best.is_none_or(|(_, best)| rest.squares < best.squares);
-        if is_better && self.whole.is_explained(&rest) {
-            self.best = Some((cause, rest));
-        }
         self.is_over = rest.differing == 0;
+        if self.is_over || self.is_part(cause, made, &rest) {
+            self.candidates.push(Candidate { cause, rest });
+        }
+    }
+
+    /// Whether a cause explains so much that it is no accident, where it leaves `rest`.
+    fn is_part(&self, cause: Cause, made: &Picture, rest: &Distance) -> bool {
+        let is_visible = self.whole.visibly > 0;
+        let (levels, share) = if is_visible { (1, MIN_SHARE) } else { (0, MIN_SHARE_OF_LEVELS) };
+        let (before, after) = (self.whole.beyond(levels), rest.beyond(levels));
+        if self.whole.share_gone(rest) < share || after > (1.0 - MIN_PIXELS) * before {
+            return false;
+        }
+        let effect = Effect::of(made, self.picture, self.reference, levels);
+        effect.changed > 0.0
+            && effect.contradicted <= max_contradicted(cause) * effect.changed
+            && effect.right >= MIN_PRECISION * effect.changed
+    }
+
+    fn pixels(&self) -> f64 {
+        colors(self.picture).len() as f64
     }
 
     fn finding(&self) -> Finding {
         let Self { whole, tried, .. } = *self;
-        self.best.map_or(Finding::Unknown { tried }, |(cause, rest)| match rest.visibly {
-            0 if whole.visibly > 0 || rest.differing == 0 => Finding::Equal { cause, pixels: rest.differing },
+        // Of equally good ones the first is taken.
+        let Some(best) = self.candidates.iter().min_by_key(|candidate| candidate.rest.squares) else {
+            return Finding::Unknown { tried };
+        };
+        let &Candidate { cause, rest } = best;
+        let is_equal = rest.visibly == 0 && rest.differing as f64 <= MAX_LEVELS * self.pixels();
+        match rest.differing {
+            0 => Finding::Equal { cause, pixels: 0 },
+            pixels if is_equal && whole.visibly > 0 => Finding::Equal { cause, pixels },
+            _ if !self.leads(best) => Finding::Unknown { tried },
             _ => Finding::Part { cause, share: whole.share_gone(&rest) },
-        })
+        }
+    }
+
+    /// Whether no cause of another kind explains about as much.
+    fn leads(&self, best: &Candidate) -> bool {
+        // What leaves just the same is the same picture.
+        let is_other =
+            |other: &&Candidate| !other.cause.is_akin(best.cause) && other.rest.squares != best.rest.squares;
+        let others = self.candidates.iter().filter(is_other);
+        let bound = MIN_LEAD * best.rest.squares as f64;
+        others.map(|other| other.rest.squares as f64).all(|squares| squares >= bound)
     }
 }
 
@@ -147,37 +239,76 @@ pub fn find_causes(
 impl Original<'_> {
     /// Why picture `a` differs from the reference `b`, where it does. Both are of the original's size.
     pub fn explain(&self, a: &Picture, b: &Picture) -> Finding {
-        let picture = |cause| self.picture(cause);
-        let found = find_causes(Cause::all(), picture, std::slice::from_ref(a), b);
-        let unknown = Finding::Unknown { tried: 0 };
-        self.or_speckles(found.first().copied().unwrap_or(unknown), &Speckles::new(self), a, b)
+        let found = self.explain_all(std::slice::from_ref(a), b);
+        found.first().copied().unwrap_or(Finding::Unknown { tried: 0 })
     }
 
-    /// Why each wrong picture differs from the reference `b`, as judged by a small part of it where many pixels
-    /// differ: a window of some two thousand camera rays. All are of the original's size. None of a picture whose
-    /// difference lies elsewhere than that of the others.
-    pub fn explain_parts(&mut self, wrong: &[Picture], b: &Picture) -> Vec<Option<Finding>> {
-        let mut findings = vec![None; wrong.len()];
-        for telling in telling_windows(wrong, b, self.request.sampler) {
+    /// Why each wrong picture differs from the reference `b`. All are of the original's size.
+    pub fn explain_all(&self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
+        let found = find_causes(Cause::all(), |cause| self.picture(cause), wrong, b);
+        found.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, a, b)).collect()
+    }
+
+    /// Why each wrong picture differs from the reference `b`. All are of the original's size.
+    ///
+    /// Causes are looked for in a window of some two thousand camera rays where many pixels differ, and each that is
+    /// found is judged by the whole picture. What remains is looked for in a larger window, up to the whole picture.
+    pub fn explain_parts(&mut self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
+        if self.request.is_reduced {
+            // A window would need the pixels around it.
+            return self.explain_all(wrong, b);
+        }
+        let mut findings = vec![Finding::Unknown { tried: 0 }; wrong.len()];
+        for rays in RAYS_OF_WINDOWS {
+            let unknown: Vec<usize> =
+                (0..wrong.len()).filter(|&at| matches!(findings[at], Finding::Unknown { .. })).collect();
+            let pictures: Vec<Picture> = unknown.iter().map(|&at| wrong[at].clone()).collect();
+            let found = self.explain_in_windows(&pictures, b, rays);
+            unknown.into_iter().zip(found).for_each(|(at, found)| findings[at] = found);
+            if self.request.camera_rays() <= rays {
+                break;
+            }
+        }
+        findings.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, a, b)).collect()
+    }
+
+    /// The same in windows of so many camera rays.
+    fn explain_in_windows(&mut self, wrong: &[Picture], b: &Picture, rays: usize) -> Vec<Finding> {
+        let mut findings = vec![Finding::Unknown { tried: 0 }; wrong.len()];
+        for telling in telling_windows(wrong, b, self.request.sampler, rays) {
             let parts: Vec<Picture> =
                 telling.pictures.iter().map(|&picture| part(&wrong[picture], telling.window)).collect();
             self.request.window = Some(telling.window);
             let picture = |cause| self.picture(cause);
             let found = find_causes(Cause::all(), picture, &parts, &part(b, telling.window));
-            let speckles = Speckles::new(self);
-            for (&picture, found) in telling.pictures.iter().zip(found) {
-                findings[picture] = Some(self.or_speckles(found, &speckles, &wrong[picture], b));
+            self.request.window = None;
+            let is_whole = [telling.window.width, telling.window.height] == self.request.size;
+            for (&at, found) in telling.pictures.iter().zip(found) {
+                findings[at] = if is_whole { found } else { self.confirmed(found, &wrong[at], b) };
             }
         }
-        self.request.window = None;
         findings
     }
 
+    /// What is left of a finding where the whole picture is looked at.
+    fn confirmed(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
+        match found {
+            Finding::Equal { cause, .. } | Finding::Part { cause, .. } => {
+                let picture = |cause| self.picture(cause);
+                let found = find_causes(std::iter::once(cause), picture, std::slice::from_ref(a), b);
+                found.first().copied().unwrap_or(Finding::Unknown { tried: 1 })
+            }
+            Finding::Speckles { .. } | Finding::Unknown { .. } => found,
+        }
+    }
+
     /// What is found, or speckles if that is nothing. The pictures are whole.
-    fn or_speckles(&self, found: Finding, speckles: &Speckles, a: &Picture, b: &Picture) -> Finding {
+    pub(super) fn or_speckles(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
         let Finding::Unknown { tried } = found else { return found };
         let tried = tried + usize::from(can_show(self));
-        speckles.count(a, b).map_or(Finding::Unknown { tried }, |pixels| Finding::Speckles { pixels })
+        speckles(self, a, b).map_or(Finding::Unknown { tried }, |Speckles { pixels, rays }| {
+            Finding::Speckles { pixels, rays }
+        })
     }
 }
 
@@ -195,13 +326,17 @@ impl fmt::Display for Finding {
             }
             Self::Part { cause, share } => {
                 let percent = (100.0 * share).floor();
-                write!(f, "explains {percent:.0}% of the error: this program's picture{cause}")
+                write!(f, "at least this program's picture{cause}, which explains {percent:.0}% of the error")
             }
-            Self::Speckles { pixels } => {
-                write!(
-                    f,
-                    "{pixels} scattered pixels lie in a shadow of their own: epsilon is too small for shadow rays"
-                )
+            Self::Speckles { pixels, rays } => {
+                let (seen, meant) = match rays {
+                    SelfHitting::Shadow => ("lie in a shadow of their own", "shadow rays"),
+                    SelfHitting::Secondary => {
+                        ("mirror or refract themselves", "reflected and refracted rays")
+                    }
+                    SelfHitting::All => ("shadow, mirror or refract themselves", "all secondary rays"),
+                };
+                write!(f, "{pixels} scattered pixels {seen}: epsilon is too small for {meant}")
             }
             Self::Unknown { tried } => write!(f, "none of {tried} tried"),
         }

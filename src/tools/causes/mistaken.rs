@@ -5,12 +5,16 @@ use super::rules::Rule;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::unit;
-use crate::scene::material::{Material, Pattern, Texture};
-use crate::scene::{Color, MaterialId};
+use crate::math::rounded_point::RoundedPoint;
+use crate::scene::material::{Material, Pattern, Phong, Texture};
+use crate::scene::model::Model;
+use crate::scene::{Color, Light, MaterialId};
+use crate::shading::light::Incident;
+use crate::shading::perlin::turbulence;
 use crate::shading::phong::{Mixture, PointMaterial};
-use crate::shading::texture::material_at;
+use crate::shading::texture::first_weight;
 use crate::stats::{Probe, Quiet};
-use crate::trace::{Departure, Path, Rules, Secondary, SecondaryRay, Tracer, reflected};
+use crate::trace::{Departure, Path, Rules, Secondary, SecondaryRay, Tracer, View, reflected};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
@@ -19,6 +23,8 @@ pub struct Mistaken<'a, R> {
     pub right: &'a R,
     pub rule: Option<Rule>,
     pub spaces: &'a ObjectSpaces<'a>,
+    /// The lights as the scene has them.
+    pub lights: &'a [Light],
 }
 
 impl<R: Rules> Mistaken<'_, R> {
@@ -29,6 +35,67 @@ impl<R: Rules> Mistaken<'_, R> {
     fn clamped_by(&self, rule: Rule, color: Color) -> Color {
         if self.breaks(rule) { color.clamp(Color::ZERO, Color::ONE) } else { color }
     }
+
+    /// The weight of a texture's first child at a point.
+    fn first_weight(&self, texture: &Texture, point: &RoundedPoint) -> f64 {
+        let in_texture = || texture.world_to_texture.map.transform_point3(point.position);
+        match (self.rule, texture.pattern) {
+            (Some(Rule::CheckerboardCut), Pattern::Checkerboard) => {
+                // The coordinates are cut to whole numbers, towards zero.
+                let cells = in_texture().to_array().map(|q| q as i64);
+                f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
+            }
+            (Some(Rule::NoiseHalved), Pattern::Noise { octaves }) => {
+                (0.5 * turbulence(in_texture(), octaves, Instructions::Portable) + 0.5).clamp(0.0, 1.0)
+            }
+            _ => first_weight(texture, point, Instructions::Portable),
+        }
+    }
+
+    /// The mixture of a material's parts at a point. A texture passes its weight on to its children, which come before
+    /// it.
+    fn mix(&self, id: MaterialId, point: &RoundedPoint, mixture: &mut Mixture) {
+        let mut weights = vec![0.0; id + 1];
+        weights[id] = 1.0;
+        let mut is_empty = true;
+        for (id, material) in self.world().materials[..=id].iter().enumerate().rev() {
+            match (material, weights[id]) {
+                (_, 0.0) => {}
+                (Material::Phong(phong) | Material::Painted(phong, _), weight) if is_empty => {
+                    mixture.start(phong, weight);
+                    is_empty = false;
+                }
+                (Material::Phong(phong) | Material::Painted(phong, _), weight) => mixture.add(phong, weight),
+                (Material::Texture(texture), weight) => {
+                    let first = self.first_weight(texture, point);
+                    weights[texture.children[0]] += weight * first;
+                    weights[texture.children[1]] += weight * (1.0 - first);
+                }
+            }
+        }
+    }
+
+    /// How long the vector to a light is that has not been divided by its length.
+    fn length_to(&self, light: &Incident, index: usize) -> f64 {
+        match (self.rule, self.lights.get(index)) {
+            (Some(Rule::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
+                direction.length()
+            }
+            (Some(Rule::PointDirectionsNotNormalised), Some(Light::Point { .. })) => light.distance,
+            _ => 1.0,
+        }
+    }
+}
+
+/// A ray that starts on the other side of the surface, and so meets it at once.
+pub fn from_other_side<R: Rules>(
+    right: &R,
+    why: Departure,
+    surface: &SurfacePoint,
+    direction: DVec3,
+) -> (Ray, Option<u32>) {
+    let (ray, _) = right.departing(why, surface, -direction);
+    (Ray::new(ray.origin, direction), None)
 }
 
 /// The colour along a camera ray.
@@ -76,23 +143,27 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
     }
 
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
-        let world = self.world();
-        match &world.materials[surface.material] {
-            Material::Texture(texture)
-                if texture.pattern == Pattern::Checkerboard && self.breaks(Rule::CheckerboardCut) =>
-            {
-                let child = child_by_cutting(texture, surface.position);
-                world.with_rounded_point(surface, |point| {
-                    material_at(&world.materials, child, point, Instructions::Portable, mixture)
-                })
+        let is_textured = matches!(self.world().materials[surface.material], Material::Texture(_));
+        match self.rule {
+            Some(Rule::CheckerboardCut | Rule::NoiseHalved) if is_textured => {
+                self.world().with_rounded_point(surface, |point| self.mix(surface.material, point, mixture));
+                mixture.material()
             }
             _ => self.right.material(surface, mixture),
         }
     }
 
-    fn background(&self, bounces: u32) -> Color {
+    fn model(&self) -> Model {
+        self.right.model()
+    }
+
+    fn background(&self, direction: DVec3, bounces: u32) -> Color {
         let is_missing = bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly);
-        if is_missing { Color::ZERO } else { self.sum(Color::ZERO, self.right.background(bounces)) }
+        if is_missing {
+            Color::ZERO
+        } else {
+            self.sum(Color::ZERO, self.right.background(direction, bounces))
+        }
     }
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
@@ -101,8 +172,10 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
                 (Ray { t_min, ..Ray::new(surface.position, direction) }, surface.triangle)
             }
             (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected)) => {
-                let (from_below, _) = self.right.departing(why, surface, -direction);
-                (Ray::new(from_below.origin, direction), None)
+                from_other_side(self.right, why, surface, direction)
+            }
+            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => {
+                from_other_side(self.right, why, surface, direction)
             }
             _ => self.right.departing(why, surface, direction),
         }
@@ -122,6 +195,83 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
         }
     }
 
+    fn mirrored(&self, part: f64) -> f64 {
+        // All is mirrored at what is opaque, and where nothing is refracted.
+        if self.breaks(Rule::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
+    }
+
+    fn filter(&self, kind: Secondary, color: Color) -> Color {
+        match (self.rule, kind) {
+            (Some(Rule::ReflectionWithoutColor), Secondary::Reflected)
+            | (Some(Rule::RefractionWithoutColor), Secondary::Refracted) => Color::ONE,
+            _ => color,
+        }
+    }
+
+    fn indices(&self, around: f64, material: &Phong, is_entering: bool) -> [f64; 2] {
+        if !is_entering && self.breaks(Rule::IndexNotInverted) {
+            return [1.0, material.index_of_refraction];
+        }
+        self.right.indices(around, material, is_entering)
+    }
+
+    fn totally_reflected(&self, direction: DVec3, normal: DVec3) -> Option<DVec3> {
+        self.breaks(Rule::TotalReflectionAdded).then(|| reflected(direction, normal))
+    }
+
+    fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
+        let (mut ray, mut leaves) = (*ray, leaves);
+        let mut mixture = Mixture::default();
+        while let Some(visible) = self.nearest(&ray, leaves, probe) {
+            if !self.breaks(Rule::GlassWithoutShadows) {
+                return true;
+            }
+            let (hit, surface) = (self.hit(&ray, visible), self.surface(&ray, visible));
+            if self.material(&surface, &mut mixture).phong.transparent == Color::ZERO {
+                return true;
+            }
+            let t_max = ray.t_max - hit.t;
+            (ray, leaves) = self.departing(Departure::Onwards, &surface, ray.direction);
+            ray.t_max = t_max;
+        }
+        false
+    }
+
+    fn transmittance(&self, tint: Color, way: f64) -> Color {
+        if self.breaks(Rule::GlassWithoutShadows) { Color::ONE } else { self.right.transmittance(tint, way) }
+    }
+
+    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+        self.right.shading_normal(normal, is_inside && !self.breaks(Rule::NormalsNotFlipped))
+    }
+
+    fn ambient(&self, surface: &SurfacePoint, material: &Phong) -> Color {
+        if self.breaks(Rule::AmbientWithoutDiffuse) {
+            self.world().ambient
+        } else {
+            self.right.ambient(surface, material)
+        }
+    }
+
+    fn reflect(&self, material: &PointMaterial, (light, index): (&Incident, usize), view: &View) -> Color {
+        let View { cosine, normal, to_viewer } = *view;
+        let to_light = light.direction * self.length_to(light, index);
+        let half = (to_light + to_viewer).normalize_or_zero();
+        let (cosine, alignment, strength) = match self.rule {
+            Some(Rule::HighlightsByReflection) => {
+                let mirrored = 2.0 * cosine * normal - light.direction;
+                (cosine, mirrored.dot(to_viewer), 1.0)
+            }
+            Some(Rule::HighlightsTimesCosine) => (cosine, normal.dot(half), cosine),
+            Some(Rule::DirectionsNotNormalised | Rule::PointDirectionsNotNormalised) => {
+                (normal.dot(to_light), normal.dot(half), 1.0)
+            }
+            _ => return self.right.reflect(material, (light, index), view),
+        };
+        let highlights = strength * material.highlights(alignment.max(0.0));
+        light.color * (cosine * material.phong.diffuse + highlights)
+    }
+
     fn light(&self, color: Color) -> Color {
         self.clamped_by(Rule::LightsClamped, color)
     }
@@ -132,11 +282,4 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
             _ => one + other,
         }
     }
-}
-
-/// The child of a checkerboard where coordinates are cut to whole numbers, towards zero.
-fn child_by_cutting(texture: &Texture, point: DVec3) -> MaterialId {
-    let cells = texture.world_to_texture.map.transform_point3(point).to_array().map(|q| q as i64);
-    let is_odd = cells.iter().fold(false, |is_odd, cell| is_odd ^ (cell % 2 != 0));
-    texture.children[usize::from(is_odd)]
 }

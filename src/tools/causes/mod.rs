@@ -4,6 +4,8 @@
 //! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
 //! or by the tracer with a rule broken. The one that makes the picture in question is the cause.
 
+#[cfg(test)]
+mod confusion;
 mod finding;
 mod finished;
 mod mistaken;
@@ -11,6 +13,7 @@ mod object_space;
 mod paint;
 mod pixels;
 mod requests;
+mod rotations;
 mod rules;
 mod scenes;
 mod speckles;
@@ -22,8 +25,8 @@ pub use finished::FinishedPicture;
 pub use pixels::PixelChange;
 pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;
-pub use rules::Rule;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
+pub use rules::{Rule, SelfHitting};
 pub use scenes::SceneChange;
 
 use crate::caster::choose::{Rays, Structure};
@@ -57,8 +60,31 @@ impl Cause {
         std::iter::once(Self::Unchanged)
             .chain(PixelChange::ALL.map(Self::Pixels))
             .chain(RequestChange::ALL.map(Self::Request))
+            // Where nothing casts a shadow on another, reversed lights look the same, which are less common.
+            .chain([Self::Rule(Rule::NoEpsilon { rays: SelfHitting::Shadow })])
             .chain(SceneChange::ALL.map(Self::Scene))
             .chain(Rule::all().map(Self::Rule))
+    }
+}
+
+impl Cause {
+    /// Whether both are one mistake to another degree.
+    fn is_akin(self, other: Self) -> bool {
+        use Rule::{Epsilon, NoEpsilon, Shifted};
+        let is_gamma = |change| matches!(change, PixelChange::GammaEncoded | PixelChange::BytesGammaEncoded);
+        match (self, other) {
+            (Self::Pixels(one), Self::Pixels(other)) => one == other || is_gamma(one) && is_gamma(other),
+            (Self::Rule(one), Self::Rule(other)) => {
+                one == other
+                    || matches!(
+                        (one, other),
+                        (Epsilon { .. }, Epsilon { .. })
+                            | (NoEpsilon { .. }, NoEpsilon { .. })
+                            | (Shifted { .. }, Shifted { .. })
+                    )
+            }
+            _ => self == other,
+        }
     }
 }
 
@@ -74,7 +100,7 @@ impl fmt::Display for Cause {
     }
 }
 
-/// This program's colour picture, and what it was rendered from.
+/// This program's picture, and what it was rendered from.
 #[derive(Debug)]
 pub struct Original<'a> {
     prepared: Prepared<'a>,
@@ -86,10 +112,11 @@ pub struct Original<'a> {
 }
 
 impl<'a> Original<'a> {
-    /// Renders the request's colours with this structure; none where there is no memory for it. The renderer must have
-    /// kept the meshes.
+    /// Renders the request's first layer, or else its colours, with this structure; none where there is no memory for it.
+    /// The renderer must have kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
-        let request = Request { layers: vec![Layer::Color], window: None, ..request.clone() };
+        let layer = request.layers.first().copied().unwrap_or(Layer::Color);
+        let request = Request { layers: vec![layer], window: None, ..request.clone() };
         // The tracer casts all rays, also those that the renderer need not cast.
         let rays = request.camera_rays();
         let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
@@ -106,12 +133,15 @@ impl<'a> Original<'a> {
             Cause::Unchanged => Some(self.colors_in_window().to_picture()),
             Cause::Pixels(change) if change.moves() => Some(self.in_window(change.apply(&self.colors))),
             Cause::Pixels(change) => Some(change.apply(&self.colors_in_window())),
+            Cause::Request(change) if self.layer() != Layer::Color && !change.is_camera() => None,
             Cause::Request(change) => {
                 let request = change.apply(scene, request)?;
                 Some(prepared.render(&request).ok()?.pop()?.to_picture())
             }
             Cause::Scene(change) => self.picture_of(change.apply(scene, &source.text)?, request),
-            Cause::Rule(rule) if rule.applies(scene, request) => rules::picture(self, Some(rule)),
+            Cause::Rule(rule) if rule.applies(scene, request) && rule.shows_in(self.layer()) => {
+                rules::picture(self, Some(rule))
+            }
             Cause::Rule(_) => None,
         }
     }
@@ -121,6 +151,10 @@ impl<'a> Original<'a> {
         let renderer = self.renderer().with_scene(scene).ok()?;
         let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
         Some(prepared.render(request).ok()?.pop()?.to_picture())
+    }
+
+    fn layer(&self) -> Layer {
+        self.request.layers.first().copied().unwrap_or(Layer::Color)
     }
 
     fn renderer(&self) -> &Renderer {

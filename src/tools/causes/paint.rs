@@ -6,6 +6,7 @@ use crate::math::ray::Ray;
 use crate::memory;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::Request;
+use crate::sampling::blur::{Blur, reduced};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
 use crate::scene::Color;
@@ -32,10 +33,16 @@ pub fn paint(
     let instructions = Instructions::available()[0];
     let row = |j: usize| {
         let mut spread = Spread::new(filter, instructions, j, size);
+        let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
         for i in traced_columns.clone() {
-            for offset in sampler.offsets((i * height + j) as u64) {
-                let ray = camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
-                spread.add(i, offset, color(&ray), 1.0);
+            let ray = |offset| camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
+            match &mut c_rand {
+                Some(c_rand) => spread.add(i, DVec2::ZERO, color(&ray(c_rand.next_offset())), 1.0),
+                None => {
+                    for offset in sampler.offsets((i * height + j) as u64) {
+                        spread.add(i, offset, color(&ray(offset)), 1.0);
+                    }
+                }
             }
         }
         spread
@@ -56,7 +63,18 @@ pub fn paint(
         }
     }
     turn_over(&mut picture.colors, columns.len());
-    Ok(picture)
+    Ok(if request.is_reduced { blurred(&picture) } else { picture })
+}
+
+/// A picture, blurred and reduced.
+fn blurred(picture: &FloatPicture) -> FloatPicture {
+    let [width, height] = picture.size;
+    let (mut blur, mut colors) = (Blur::new(height), vec![]);
+    for row in picture.colors.chunks_exact(width) {
+        colors.extend(blur.add(row).unwrap_or_default());
+    }
+    colors.extend(blur.end().unwrap_or_default());
+    FloatPicture { size: reduced(picture.size), colors }
 }
 
 /// The range with the pixels around it whose samples contribute to it.

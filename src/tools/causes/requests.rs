@@ -15,6 +15,10 @@ pub enum RequestChange {
     OtherHandedness,
     /// The camera's angle or size is taken for the shorter side of the picture.
     AngleOfShorterSide,
+    /// The tangent of the camera's whole angle is taken instead of that of half of it.
+    AngleNotHalved,
+    /// The degrees of the camera's angle are taken for radians.
+    AngleInRadians,
     /// Nothing casts shadows.
     NoShadows,
     /// Shadows that were not asked for.
@@ -36,9 +40,11 @@ pub enum RequestChange {
 }
 
 impl RequestChange {
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 13] = [
         Self::OtherHandedness,
         Self::AngleOfShorterSide,
+        Self::AngleNotHalved,
+        Self::AngleInRadians,
         Self::NoShadows,
         Self::Shadows,
         Self::OpaqueShadows,
@@ -50,6 +56,14 @@ impl RequestChange {
         Self::WeightIgnored,
     ];
 
+    /// Whether it is the camera that changes.
+    pub(super) fn is_camera(self) -> bool {
+        matches!(
+            self,
+            Self::OtherHandedness | Self::AngleOfShorterSide | Self::AngleNotHalved | Self::AngleInRadians
+        )
+    }
+
     /// The changed request; none where the change cannot show.
     pub(super) fn apply(self, scene: &Scene, request: &Request) -> Option<Request> {
         let effects = request.effects;
@@ -57,6 +71,14 @@ impl RequestChange {
             Self::OtherHandedness => return Some(with_camera(turned(scene.camera), request)),
             Self::AngleOfShorterSide => {
                 return Some(with_camera(widened(scene.camera, request.size)?, request));
+            }
+            Self::AngleNotHalved => {
+                let camera = with_half_angle(scene.camera, f64::to_radians)?;
+                return Some(with_camera(camera, request));
+            }
+            Self::AngleInRadians => {
+                let camera = with_half_angle(scene.camera, |angle| angle / 2.0)?;
+                return Some(with_camera(camera, request));
             }
             _ => {}
         }
@@ -99,7 +121,7 @@ pub fn has_secondary_rays(scene: &Scene) -> bool {
 /// Whether any material has a colour of this kind that is not black.
 pub fn has(scene: &Scene, color: impl Fn(&Phong) -> Color) -> bool {
     scene.materials.iter().any(|material| match material {
-        Material::Phong(phong) => color(phong) != Color::ZERO,
+        Material::Phong(phong) | Material::Painted(phong, _) => color(phong) != Color::ZERO,
         Material::Texture(_) => false,
     })
 }
@@ -130,11 +152,21 @@ fn widened(camera: Camera, size: [usize; 2]) -> Option<Camera> {
     })
 }
 
+/// The camera whose screen spans the tangent of another half angle, which may be negative; none of a camera without an
+/// angle.
+fn with_half_angle(camera: Camera, radians: impl Fn(f64) -> f64) -> Option<Camera> {
+    let Camera::Perspective { center, direction, up, angle } = camera else { return None };
+    let half = libm::atan(libm::tan(radians(angle)));
+    Some(Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() })
+}
+
 impl fmt::Display for RequestChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::OtherHandedness => "by a camera of the other handedness (turned by 180 degrees)",
             Self::AngleOfShorterSide => "with the camera's angle or size over the shorter side",
+            Self::AngleNotHalved => "with the tangent of the camera's whole angle instead of half of it",
+            Self::AngleInRadians => "with the degrees of the camera's angle taken for radians",
             Self::NoShadows => "without -shadows",
             Self::Shadows => "with -shadows",
             Self::OpaqueShadows => "with -shadows in place of -transparent_shadows",

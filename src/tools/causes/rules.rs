@@ -5,12 +5,17 @@ use super::mistaken::{self, Mistaken};
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
+use crate::math::ray::Ray;
 use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
-use crate::render::Request;
+use crate::render::{Layer, Request};
 use crate::renderer::Renderer;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Sampler;
 use crate::scene::material::{Material, Pattern};
+use crate::scene::model::Split;
 use crate::scene::{Color, Light, Object, Scene};
-use crate::trace::{Rules, Shadows, Tracer};
+use crate::stats::Quiet;
+use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -51,8 +56,62 @@ pub enum Rule {
         /// The distance that is overlooked.
         distance: f64,
     },
+    /// Rays hit the surface that they leave.
+    NoEpsilon {
+        /// Which rays.
+        rays: SelfHitting,
+    },
+    /// Surfaces seen from behind are lit by their outward normal.
+    NormalsNotFlipped,
+    /// The cosine of a highlight is that between the mirrored light and the viewer, R.V, instead of N.H.
+    HighlightsByReflection,
+    /// Highlights are multiplied by the cosine of the light, N.L.
+    HighlightsTimesCosine,
+    /// The vector to a directional light keeps its length.
+    DirectionsNotNormalised,
+    /// The vector to a point light keeps its length.
+    PointDirectionsNotNormalised,
+    /// The ambient light is added without the surface's colour.
+    AmbientWithoutDiffuse,
+    /// The ratio of the indices of refraction is the same where a ray enters and where it leaves.
+    IndexNotInverted,
+    /// At total internal reflection the refracted ray is mirrored.
+    TotalReflectionAdded,
+    /// Transparent things cast no shadow.
+    GlassWithoutShadows,
+    /// The weight of noise N is (N + 1) / 2.
+    NoiseHalved,
+    /// Reflected rays are added without the material's reflective colour.
+    ReflectionWithoutColor,
+    /// Refracted rays are added without the material's transparent colour.
+    RefractionWithoutColor,
+    /// The parts of the light that are mirrored at glass and that go through it are swapped.
+    SchlickSwapped,
     /// Colours are computed in single precision.
     SinglePrecision,
+}
+
+/// Which rays hit the surface that they leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SelfHitting {
+    /// Those to the lights.
+    Shadow,
+    /// Reflected and refracted ones.
+    Secondary,
+    /// All.
+    All,
+}
+
+impl SelfHitting {
+    /// Whether a ray that leaves a surface for this reason is one of them.
+    pub(super) fn includes(self, why: Departure) -> bool {
+        match why {
+            Departure::Shadow => self != Self::Secondary,
+            Departure::Secondary(_) => self != Self::Shadow,
+            Departure::Onwards => false,
+        }
+    }
 }
 
 /// Deeper recursion is not tried, for the sake of the stack.
@@ -62,6 +121,7 @@ pub(crate) const MAX_BOUNCES: u32 = 100;
 const EPSILONS: [f64; 7] = [0.0001, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
 
 impl Rule {
+    /// All but that of shadow rays without an epsilon.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let shifts = [1, 2].into_iter().flat_map(|n| {
             let sides = [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, 0], [1, 0], [0, 1], [0, -1]];
@@ -80,9 +140,26 @@ impl Rule {
                 Self::NormalsByMatrix,
                 Self::NormalsOfObjectSpace,
                 Self::CheckerboardCut,
+                Self::SchlickSwapped,
             ])
             .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
-            .chain([Self::SinglePrecision])
+            .chain([
+                Self::NoEpsilon { rays: SelfHitting::Secondary },
+                Self::NoEpsilon { rays: SelfHitting::All },
+                Self::NormalsNotFlipped,
+                Self::HighlightsByReflection,
+                Self::HighlightsTimesCosine,
+                Self::DirectionsNotNormalised,
+                Self::PointDirectionsNotNormalised,
+                Self::AmbientWithoutDiffuse,
+                Self::IndexNotInverted,
+                Self::TotalReflectionAdded,
+                Self::GlassWithoutShadows,
+                Self::NoiseHalved,
+                Self::ReflectionWithoutColor,
+                Self::RefractionWithoutColor,
+                Self::SinglePrecision,
+            ])
     }
 
     /// Whether the scene and the request can show that the rule is broken.
@@ -90,25 +167,53 @@ impl Rule {
         let effects = request.effects;
         let bounces = if has_secondary_rays(scene) { effects.bounces } else { 0 };
         let has_shadows = effects.shadows != Shadows::None && !scene.lights.is_empty();
-        bounces <= MAX_BOUNCES
-            && match self {
-                Self::Shifted { .. } | Self::SinglePrecision => true,
-                Self::ShadowsFromBehindLight => {
-                    has_shadows && scene.lights.iter().any(|light| matches!(light, Light::Point { .. }))
-                }
-                Self::NormalFlippedInReflection | Self::ReflectionReversed | Self::ReflectionFromBelow => {
-                    bounces > 0 && has(scene, |phong| phong.reflective)
-                }
-                Self::SamplesClamped => request.sampler.count() > 1 || request.filter.support() > 0,
-                Self::RaysClamped => bounces > 0,
-                Self::LightsClamped => !scene.lights.is_empty(),
-                Self::BackgroundForCameraOnly => bounces > 0 && scene.background.color != Color::ZERO,
-                Self::NormalsByMatrix | Self::NormalsOfObjectSpace => {
-                    scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
-                }
-                Self::CheckerboardCut => scene.materials.iter().any(is_checkerboard),
-                Self::Epsilon { .. } => has_shadows || bounces > 0,
+        bounces <= MAX_BOUNCES && match self {
+            Self::Shifted { .. } | Self::SinglePrecision => true,
+            Self::ShadowsFromBehindLight => has_shadows && scene.lights.iter().any(is_point),
+            Self::NormalFlippedInReflection | Self::ReflectionReversed | Self::ReflectionFromBelow => {
+                bounces > 0 && has(scene, |phong| phong.reflective)
             }
+            Self::SamplesClamped => request.sampler.count() > 1 || request.filter.support() > 0,
+            Self::RaysClamped => bounces > 0,
+            Self::LightsClamped => !scene.lights.is_empty(),
+            Self::BackgroundForCameraOnly => bounces > 0 && scene.background.color != Color::ZERO,
+            Self::NormalsByMatrix | Self::NormalsOfObjectSpace => {
+                scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
+            }
+            Self::SchlickSwapped => {
+                bounces > 0 && scene.model.split == Split::Schlick && has(scene, |phong| phong.transparent)
+            }
+            Self::CheckerboardCut => has_pattern(scene, |pattern| pattern == Pattern::Checkerboard),
+            Self::Epsilon { .. } => has_shadows || bounces > 0,
+            Self::NoEpsilon { rays: SelfHitting::Shadow } => has_shadows,
+            Self::NoEpsilon { rays: SelfHitting::Secondary } => bounces > 0,
+            Self::NoEpsilon { rays: SelfHitting::All } => has_shadows && bounces > 0,
+            Self::NormalsNotFlipped => effects.shade_back && !scene.lights.is_empty(),
+            Self::HighlightsByReflection | Self::HighlightsTimesCosine => {
+                !scene.lights.is_empty() && has(scene, |phong| phong.specular)
+            }
+            Self::DirectionsNotNormalised => scene.lights.iter().any(
+                |light| matches!(light, Light::Directional { direction, .. } if !direction.is_normalized()),
+            ),
+            Self::PointDirectionsNotNormalised => scene.lights.iter().any(is_point),
+            Self::AmbientWithoutDiffuse => scene.background.ambient != Color::ZERO,
+            Self::IndexNotInverted | Self::TotalReflectionAdded | Self::RefractionWithoutColor => {
+                bounces > 0 && has(scene, |phong| phong.transparent)
+            }
+            Self::GlassWithoutShadows => has_shadows && has(scene, |phong| phong.transparent),
+            Self::NoiseHalved => has_pattern(scene, |pattern| matches!(pattern, Pattern::Noise { .. })),
+            Self::ReflectionWithoutColor => bounces > 0 && has(scene, |phong| phong.reflective),
+        }
+    }
+
+    /// Whether what it changes shows in a layer at all.
+    pub(super) fn shows_in(self, layer: Layer) -> bool {
+        matches!(
+            (layer, self),
+            (Layer::Color, _)
+                | (Layer::Depth { .. } | Layer::Normals, Self::Shifted { .. })
+                | (Layer::Normals, Self::NormalsByMatrix | Self::NormalsOfObjectSpace)
+        )
     }
 
     fn shift(self) -> DVec2 {
@@ -119,11 +224,17 @@ impl Rule {
     }
 }
 
-fn is_checkerboard(material: &Material) -> bool {
-    matches!(material, Material::Texture(texture) if texture.pattern == Pattern::Checkerboard)
+fn is_point(light: &Light) -> bool {
+    matches!(light, Light::Point { .. })
 }
 
-/// The colours by the tracer with these rules, of which one is broken or none. The
+fn has_pattern(scene: &Scene, is_meant: impl Fn(Pattern) -> bool) -> bool {
+    let is_meant =
+        |material: &Material| matches!(material, Material::Texture(texture) if is_meant(texture.pattern));
+    scene.materials.iter().any(is_meant)
+}
+
+/// The colours of the first layer by the tracer with these rules, of which one is broken or none. The
 /// renderer must have kept the meshes.
 pub fn colors(
     renderer: &Renderer,
@@ -132,17 +243,35 @@ pub fn colors(
     rule: Option<Rule>,
 ) -> Result<FloatPicture, BadSize> {
     let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-    let rules = Mistaken { right, rule, spaces: &spaces };
+    let rules = Mistaken { right, rule, spaces: &spaces, lights: &renderer.scene.lights };
     let tracer = Tracer { rules: &rules, effects: request.effects };
     let shift = rule.map_or(DVec2::ZERO, Rule::shift);
-    paint(&renderer.camera(request), request, shift, &|ray| mistaken::color(&tracer, ray))
+    let camera = renderer.camera(request);
+    let seen = |ray: &Ray| {
+        let visible = rules.nearest(ray, None, &mut Quiet);
+        visible.map(|visible| (rules.hit(ray, visible).t, rules.surface(ray, visible)))
+    };
+    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
+    match request.layers.first() {
+        Some(&Layer::Depth { near, far }) => paint(&camera, &centers(), shift, &|ray| {
+            seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat((far - t.clamp(near, far)) / (far - near)))
+        }),
+        Some(Layer::Normals) => paint(&camera, &centers(), shift, &|ray| {
+            seen(ray).map_or(Color::ZERO, |(_, surface)| surface.normal.abs())
+        }),
+        _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray)),
+    }
 }
 
 /// The picture by a tracer that breaks the rule, or none; none where there is no memory for it.
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
-    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), rule).ok())?;
+    let caster = prepared.caster();
+    let colors = renderer.on_own_threads(|| match caster.world.is_of_course() {
+        true => colors(renderer, request, caster, rule).ok(),
+        false => colors(renderer, request, &ByModel(caster), rule).ok(),
+    })?;
     Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 
@@ -158,6 +287,7 @@ fn cut_singles(colors: &FloatPicture) -> Picture {
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::SchlickSwapped => "with the mirrored and the refracted part of light at glass swapped",
             Self::Shifted { half_pixels } => return shifted(*half_pixels, f),
             Self::Epsilon { distance } => {
                 return write!(f, "with an epsilon of {distance} for secondary rays, which is too large");
@@ -175,6 +305,25 @@ impl fmt::Display for Rule {
             }
             Self::NormalsOfObjectSpace => "with normals that are not transformed",
             Self::CheckerboardCut => "with checkerboards whose coordinates are cut instead of floored",
+            Self::NoEpsilon { rays } => match rays {
+                SelfHitting::Shadow => "where every surface shadows itself, as without an epsilon",
+                SelfHitting::Secondary => {
+                    "where reflected and refracted rays hit the surface that they leave, as without an epsilon"
+                }
+                SelfHitting::All => "where all rays hit the surface that they leave, as without an epsilon",
+            },
+            Self::NormalsNotFlipped => "with normals that are not flipped on back faces",
+            Self::HighlightsByReflection => "with highlights by R.V instead of N.H",
+            Self::HighlightsTimesCosine => "with highlights multiplied by N.L",
+            Self::DirectionsNotNormalised => "with directions of directional lights that are not normalised",
+            Self::PointDirectionsNotNormalised => "with directions to point lights that are not normalised",
+            Self::AmbientWithoutDiffuse => "with ambient light that is not multiplied by the diffuse colour",
+            Self::IndexNotInverted => "with the same ratio of indices where rays enter and where they leave",
+            Self::TotalReflectionAdded => "with rays that are mirrored at total internal reflection",
+            Self::GlassWithoutShadows => "without shadows of transparent things",
+            Self::NoiseHalved => "with the noise N as (N + 1) / 2 instead of N + 1/2",
+            Self::ReflectionWithoutColor => "with reflections that are not multiplied by the reflective colour",
+            Self::RefractionWithoutColor => "with refracted light that is not multiplied by the transparent colour",
             Self::SinglePrecision => "seen through single precision (f32)",
         })
     }

@@ -1,7 +1,9 @@
 //! Mistakes in what a scene means: its lights, its materials, its transformations.
 
-use super::transform_order;
+use super::requests::has;
+use super::{rotations, transform_order};
 use crate::scene::material::{Material, Pattern, Phong};
+use crate::scene::model::{FaceWeights, Highlight, MeshNormals, Model, Screen};
 use crate::scene::{Color, Light, Scene};
 use serde::Serialize;
 use std::fmt;
@@ -18,12 +20,30 @@ pub enum SceneChange {
     NotAttenuated,
     /// The direction of a directional light is taken for the one towards it.
     LightsReversed,
+    /// The ambient light is added once for each light.
+    AmbientPerLight,
+    /// Exponents of highlights are twice as large.
+    ExponentDoubled,
+    /// Exponents of highlights are half as large.
+    ExponentHalved,
+    /// The angles of rotations are taken for radians.
+    RotationsInRadians,
     /// There are no highlights.
     NoHighlights,
     /// One over the index of refraction is taken for it.
     IndexInverted,
     /// The two materials of a checkerboard are swapped.
     CheckerboardSwapped,
+    /// Highlights by the half-way vector in place of the mirrored direction.
+    BlinnHighlights,
+    /// The view is not stretched: its angle spans the longer side, to the edges of the pixels.
+    AspectKept,
+    /// Meshes have the normals of their faces.
+    FlatMeshes,
+    /// The faces around a vertex count alike in place of by their areas, or the other way round.
+    OtherFaceWeights,
+    /// The faces of the cube map on opposite sides are swapped.
+    CubeFacesSwapped,
     /// The transformations in a list are multiplied in the opposite order.
     ListsReversed,
     /// The matrices of nested transforms are multiplied in the opposite order.
@@ -31,7 +51,7 @@ pub enum SceneChange {
 }
 
 impl SceneChange {
-    pub(super) const ALL: [Self; 9] = [
+    pub(super) const ALL: [Self; 18] = [
         Self::NoAmbient,
         Self::BlackBackground,
         Self::NotAttenuated,
@@ -39,8 +59,17 @@ impl SceneChange {
         Self::NoHighlights,
         Self::IndexInverted,
         Self::CheckerboardSwapped,
+        Self::BlinnHighlights,
+        Self::AspectKept,
+        Self::FlatMeshes,
+        Self::OtherFaceWeights,
+        Self::CubeFacesSwapped,
         Self::ListsReversed,
         Self::NestingReversed,
+        Self::AmbientPerLight,
+        Self::ExponentDoubled,
+        Self::ExponentHalved,
+        Self::RotationsInRadians,
     ];
 
     /// The changed scene, whose text this is; none where the change cannot show.
@@ -48,7 +77,9 @@ impl SceneChange {
         let mut changed = scene.clone();
         let changes = match self {
             Self::NoAmbient => put_out_ambient(&mut changed),
-            Self::BlackBackground => replaced(&mut changed.background.color, Color::ZERO),
+            Self::BlackBackground => {
+                replaced(&mut changed.background.color, Color::ZERO) | changed.cube_map.take().is_some()
+            }
             Self::NotAttenuated => any(&mut changed.lights, not_attenuated),
             Self::LightsReversed => any(&mut changed.lights, reversed),
             Self::NoHighlights => any_phong(&mut changed, |phong| replaced(&mut phong.specular, Color::ZERO)),
@@ -57,6 +88,32 @@ impl SceneChange {
                 phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
             }),
             Self::CheckerboardSwapped => any(&mut changed.materials, swapped),
+            // In the editions of 2003 and 2004 nothing else is usual.
+            Self::BlinnHighlights | Self::AspectKept | Self::FlatMeshes | Self::OtherFaceWeights
+                if scene.model == Model::COURSE =>
+            {
+                false
+            }
+            Self::BlinnHighlights => {
+                has(scene, |phong| phong.specular) && replaced(&mut changed.model.highlight, Highlight::Blinn)
+            }
+            Self::AspectKept => replaced(&mut changed.model.screen, Screen::LongerSide),
+            Self::FlatMeshes => {
+                !scene.meshes.is_empty() && replaced(&mut changed.model.normals, MeshNormals::Flat)
+            }
+            Self::OtherFaceWeights => !scene.meshes.is_empty() && other_weights(&mut changed.model.normals),
+            Self::CubeFacesSwapped => changed.cube_map.as_mut().is_some_and(|faces| {
+                faces.as_chunks_mut::<2>().0.iter_mut().for_each(|opposite| opposite.swap(0, 1));
+                true
+            }),
+            Self::AmbientPerLight => {
+                let count = changed.lights.len().max(1) as f64;
+                let ambient = count * changed.background.ambient;
+                replaced(&mut changed.background.ambient, ambient)
+            }
+            Self::ExponentDoubled => any_phong(&mut changed, |phong| scale_exponent(phong, 2.0)),
+            Self::ExponentHalved => any_phong(&mut changed, |phong| scale_exponent(phong, 0.5)),
+            Self::RotationsInRadians => return rotations::in_radians(text),
             Self::ListsReversed => return transform_order::with_lists_reversed(text),
             Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
         };
@@ -74,9 +131,14 @@ fn put_out_ambient(scene: &mut Scene) -> bool {
     replaced(&mut scene.background.ambient, Color::ZERO)
 }
 
+fn scale_exponent(phong: &mut Phong, factor: f64) -> bool {
+    let exponent = factor * phong.exponent;
+    phong.specular != Color::ZERO && replaced(&mut phong.exponent, exponent)
+}
+
 fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
     any(&mut scene.materials, |material| match material {
-        Material::Phong(phong) => change(phong),
+        Material::Phong(phong) | Material::Painted(phong, _) => change(phong),
         Material::Texture(_) => false,
     })
 }
@@ -107,6 +169,15 @@ fn reversed(light: &mut Light) -> bool {
     }
 }
 
+fn other_weights(normals: &mut MeshNormals) -> bool {
+    let MeshNormals::Smooth { weights, .. } = normals else { return false };
+    *weights = match weights {
+        FaceWeights::Area => FaceWeights::Equal,
+        FaceWeights::Equal => FaceWeights::Area,
+    };
+    true
+}
+
 fn swapped(material: &mut Material) -> bool {
     match material {
         Material::Texture(texture) if texture.pattern == Pattern::Checkerboard => {
@@ -127,7 +198,16 @@ impl fmt::Display for SceneChange {
             Self::NoHighlights => "without highlights",
             Self::IndexInverted => "with the index of refraction inverted",
             Self::CheckerboardSwapped => "with the other parity of checkerboards",
+            Self::BlinnHighlights => "with highlights by the half-way vector",
+            Self::AspectKept => "with the view of 2004, which is not stretched",
+            Self::FlatMeshes => "with the normals of the faces",
+            Self::OtherFaceWeights => "with other weights of the faces around a vertex",
+            Self::CubeFacesSwapped => "with opposite faces of the cube map swapped",
             Self::ListsReversed => "with the transformations of a list multiplied in the other order",
+            Self::AmbientPerLight => "with the ambient light once for each light",
+            Self::ExponentDoubled => "with the exponents of highlights doubled",
+            Self::ExponentHalved => "with the exponents of highlights halved",
+            Self::RotationsInRadians => "with the degrees of rotations taken for radians",
             Self::NestingReversed => "with nested transforms multiplied in the other order",
         })
     }

@@ -1,139 +1,206 @@
-//! Speckles: where a shadow ray hits the very surface that it leaves, the point lies in its own shadow.
+//! Speckles: where a ray hits the very surface that it leaves, a point lies in its own shadow, or mirrors itself.
 //!
-//! Which points do depends on every rounding, so that no picture of them can be made. But each is as dark as if a light
-//! did not reach it, and most of them lie scattered, away from the edges where shadows differ for other reasons.
+//! Which points do depends on every rounding, so that no picture of them can be made. But a pixel has few colours that
+//! come about this way, one for each choice of the rays that hit what they leave. The pixels that have one of them are
+//! strewn among others that are right, whereas those of another mistake make regions.
 
-use super::Original;
+use super::mistaken::from_other_side;
+use super::requests::has_secondary_rays;
+use super::{Original, SelfHitting};
+use crate::camera::Camera;
+use crate::math::instructions::Instructions;
+use crate::math::ray::{Ray, Visible};
 use crate::picture::Picture;
-use crate::render::Request;
-use crate::scene::{Color, Light};
+use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
+use crate::render::{Layer, Request};
+use crate::stats::{Probe, Quiet};
 use crate::tools::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
-use crate::trace::Shadows;
-use std::cell::OnceCell;
+use crate::trace::{Departure, Rules, Shadows, Tracer};
+use crate::world::{SurfacePoint, World};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Fewer pixels may be in a shadow of their own by chance.
+/// Fewer pixels may look like it by chance.
 const MIN_PIXELS: f64 = 3.0;
 /// The share of the differing pixels away from edges that must be speckles.
 const MIN_SHARE: f64 = 0.6;
-/// The share of all differing pixels that must be speckles away from edges.
-const MIN_SHARE_OF_ALL: f64 = 0.25;
-/// A pixel counts as scattered if no more of the eight pixels around it differ. At the border of a shadow that is a
-/// region it is five, and inside eight.
-const MAX_NEIGHBOURS: usize = 4;
-/// Pictures are made for all combinations of so many lights that do not reach a point.
-const MAX_LIGHTS: usize = 4;
+/// The same where most pixels show it, so that they are less mixed with others.
+const MIN_SHARE_OF_DENSE: f64 = 0.95;
+/// The share of all differing pixels that must be away from edges.
+const MIN_SHARE_OF_ALL: f64 = 0.1;
+/// Of the pairs of neighbours of which one differs at least, the share whose differences are unlike. Among pixels that
+/// differ at random with probability p it is 2 (1 - p) / (2 - p); in a region of any size it is small.
+const MIXED: f64 = 0.3;
+/// The same where nearly all of them are speckles.
+const MIN_MIXED: f64 = 0.1;
+/// So many pixels are looked at, evenly spread over those that differ.
+const MAX_PIXELS: usize = 1 << 12;
+/// So many choices of rays are tried for a pixel.
+const MAX_CHOICES: usize = 256;
+/// The rays of a pixel for which there is a choice.
+const MAX_RAYS: u32 = 32;
+/// With more bounces a pixel has so many rays that speckles are not looked for.
+const MAX_BOUNCES: u32 = 6;
+/// The share of the speckles that rays of one kind make, where they alone are named.
+const MOST: f64 = 0.9;
 
-/// The search for speckles.
-pub struct Speckles<'o> {
-    original: &'o Original<'o>,
-    /// The whole picture with each combination of lights that reach nothing, once it is needed.
-    shadowed: OnceCell<Vec<Picture>>,
+/// The speckles of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Speckles {
+    /// How many pixels they are.
+    pub pixels: usize,
+    /// The rays that hit what they leave.
+    pub rays: SelfHitting,
 }
 
-impl<'o> Speckles<'o> {
-    pub fn new(original: &'o Original<'o>) -> Self {
-        Self { original, shadowed: OnceCell::new() }
-    }
-
-    /// How many of the pixels in which `a` differs from `b` are speckles, if that is what distinguishes `a`. Both are
-    /// whole pictures.
-    pub fn count(&self, a: &Picture, b: &Picture) -> Option<usize> {
-        if !can_show(self.original) {
-            return None;
-        }
-        count(self.original, || self.shadowed.get_or_init(|| shadowed(self.original)), a, b)
-    }
-}
-
-fn count<'p>(
-    original: &Original,
-    shadowed: impl FnOnce() -> &'p Vec<Picture>,
-    a: &Picture,
-    b: &Picture,
-) -> Option<usize> {
-    let Differing { all, away_from_edges, scattered } = Differing::new(original, a, b);
-    let is_enough = |count: usize| {
-        let count = count as f64;
-        count >= (MIN_SHARE * away_from_edges as f64).max(MIN_SHARE_OF_ALL * all as f64).max(MIN_PIXELS)
-    };
-    if !is_enough(scattered.len()) {
+/// The speckles in which `a` differs from `b`, if they are what distinguishes `a`. Both are whole pictures.
+pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckles> {
+    if !can_show(original) {
         return None;
     }
-    let shadowed = shadowed();
-    let is_shadowed =
-        |&&at: &&usize| shadowed.iter().any(|picture| nearly(colors(picture)[at], colors(a)[at]));
-    let speckles = scattered.iter().filter(is_shadowed).count();
-    is_enough(speckles).then_some(speckles)
+    let differing = Differing::new(original, a, b);
+    let Differing { all, away_from_edges, .. } = &differing;
+    let share_of_all = away_from_edges.len() as f64 / (*all).max(1) as f64;
+    if share_of_all < MIN_SHARE_OF_ALL || differing.mixed < MIN_MIXED {
+        return None;
+    }
+    let step = away_from_edges.len().div_ceil(MAX_PIXELS).max(1);
+    let looked_at: Vec<usize> = away_from_edges.iter().copied().step_by(step).collect();
+    let camera = original.renderer().camera(&original.request);
+    let count = |rays: SelfHitting| {
+        let is_made = |&&at: &&usize| is_made(original, &camera, at, colors(a)[at], rays);
+        original.renderer().on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
+    };
+    let found = count(SelfHitting::All);
+    let min_share = if differing.mixed < MIXED { MIN_SHARE_OF_DENSE } else { MIN_SHARE };
+    if found < MIN_PIXELS || found < min_share * looked_at.len() as f64 {
+        return None;
+    }
+    let one_kind = [SelfHitting::Shadow, SelfHitting::Secondary];
+    let rays = one_kind.into_iter().find(|&rays| count(rays) >= MOST * found).unwrap_or(SelfHitting::All);
+    let share = found / looked_at.len() as f64;
+    Some(Speckles { pixels: (share * away_from_edges.len() as f64) as usize, rays })
 }
 
-/// Whether speckles would be found. Where several samples share a pixel, it is darkened only in part.
+/// Whether speckles would be found. Where several samples share a pixel, it is a mixture of many colours.
 pub fn can_show(original: &Original) -> bool {
-    let request = &original.request;
-    let lights = original.renderer().scene.lights.len();
-    request.effects.shadows != Shadows::None
-        && (1..=MAX_LIGHTS).contains(&lights)
+    let Original { request, .. } = original;
+    let scene = &original.renderer().scene;
+    let effects = request.effects;
+    let has_shadows = effects.shadows != Shadows::None && !scene.lights.is_empty();
+    let bounces = if has_secondary_rays(scene) { effects.bounces } else { 0 };
+    original.layer() == Layer::Color
+        && (has_shadows || bounces > 0)
+        && bounces <= MAX_BOUNCES
         && request.sampler.is_center()
         && request.filter.support() == 0
+}
+
+/// Whether some of the rays behind a pixel, counted from the top left, give it this colour if they hit what they leave.
+fn is_made(original: &Original, camera: &Camera, at: usize, color: Rgb, rays: SelfHitting) -> bool {
+    let Original { prepared, request, .. } = original;
+    let [width, height] = request.size;
+    let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
+    let ray = camera.ray(pixel, DVec2::ZERO);
+    let mut chosen = 0;
+    for _ in 0..MAX_CHOICES {
+        let rules = SelfHits { right: prepared.caster(), rays, chosen, passed: AtomicU32::new(0) };
+        let tracer = Tracer { rules: &rules, effects: request.effects };
+        let mut bytes = [0; CHANNELS];
+        truncate_to_bytes::<RED_FIRST>(&[tracer.color(&ray, &mut Quiet)], &mut bytes);
+        if chosen != 0 && nearly(bytes, color) {
+            return true;
+        }
+        // The next choice is that of the last ray that was not chosen, without those after it.
+        let passed = rules.passed.into_inner().min(MAX_RAYS);
+        let Some(last) = (0..passed).rev().find(|ray| chosen >> ray & 1 == 0) else { return false };
+        chosen = chosen & ((1 << last) - 1) | 1 << last;
+    }
+    false
+}
+
+/// The right rules, but for chosen rays, which hit what they leave.
+struct SelfHits<'a, R> {
+    right: &'a R,
+    /// Those among which is chosen.
+    rays: SelfHitting,
+    /// A bit for each ray, in the order in which they start.
+    chosen: u32,
+    /// How many have started.
+    passed: AtomicU32,
+}
+
+impl<R: Rules> Rules for SelfHits<'_, R> {
+    fn world(&self) -> &World {
+        self.right.world()
+    }
+
+    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
+        self.right.nearest(ray, leaves, probe)
+    }
+
+    fn instructions(&self) -> Instructions {
+        self.right.instructions()
+    }
+
+    fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
+        if !self.rays.includes(why) {
+            return self.right.departing(why, surface, direction);
+        }
+        let number = self.passed.fetch_add(1, Ordering::Relaxed);
+        match number < MAX_RAYS && self.chosen >> number & 1 != 0 {
+            true => from_other_side(self.right, why, surface, direction),
+            false => self.right.departing(why, surface, direction),
+        }
+    }
 }
 
 /// The pixels that differ by more than one level.
 struct Differing {
     all: usize,
-    away_from_edges: usize,
-    /// Those away from edges that are darker in A and scattered, as indices from the top left.
-    scattered: Vec<usize>,
+    /// As indices from the top left.
+    away_from_edges: Vec<usize>,
+    /// Of the pairs of neighbours away from edges of which one differs at least, the share whose differences are unlike.
+    mixed: f64,
 }
 
 impl Differing {
     fn new(original: &Original, a: &Picture, b: &Picture) -> Self {
-        let [width, height] = original.request.size;
+        let Request { size: [width, height], .. } = original.request;
         let (a, b, edges) = (colors(a), colors(b), EdgeMap::new(b));
         let differs = |at: usize| !nearly(a[at], b[at]);
-        let neighbours = |x: usize, y: usize| {
-            let columns = x.saturating_sub(1)..(x + 2).min(width);
-            let rows = y.saturating_sub(1)..(y + 2).min(height);
-            // The pixel itself is among them.
-            rows.flat_map(|row| columns.clone().map(move |column| row * width + column))
-                .filter(|&at| differs(at))
-                .count()
-                - 1
-        };
-        let mut found = Self { all: 0, away_from_edges: 0, scattered: vec![] };
-        for at in (0..width * height).filter(|&at| differs(at)) {
-            let [x, y] = [at % width, at / width];
-            found.all += 1;
-            if !edges.is_near_edge(x, y) {
-                found.away_from_edges += 1;
-                let is_scattered = is_darker(a[at], b[at]) && neighbours(x, y) <= MAX_NEIGHBOURS;
-                if is_scattered {
-                    found.scattered.push(at);
-                }
+        let difference = |at: usize| [0, 1, 2].map(|i| i32::from(a[at][i]) - i32::from(b[at][i]));
+        let is_away = |at: usize| !edges.is_near_edge(at % width, at / width);
+        let mut found = Self { all: 0, away_from_edges: vec![], mixed: 0.0 };
+        let (mut pairs, mut mixed) = (0, 0);
+        for at in 0..width * height {
+            found.all += usize::from(differs(at));
+            if !is_away(at) {
+                continue;
+            }
+            if differs(at) {
+                found.away_from_edges.push(at);
+            }
+            let right = (at % width + 1 < width).then_some(at + 1);
+            let below = (at / width + 1 < height).then_some(at + width);
+            for neighbour in [right, below].into_iter().flatten().filter(|&neighbour| is_away(neighbour)) {
+                pairs += usize::from(differs(at) || differs(neighbour));
+                mixed += usize::from(are_unlike(difference(at), difference(neighbour)));
             }
         }
+        found.mixed = f64::from(mixed as u32) / pairs.max(1) as f64;
         found
     }
 }
 
+/// Whether two differences differ by more than half of the larger one, and more than by roundings.
+fn are_unlike(one: [i32; 3], other: [i32; 3]) -> bool {
+    let largest = |all: [i32; 3]| all.into_iter().map(i32::abs).max().unwrap_or(0);
+    let apart = largest([0, 1, 2].map(|i| one[i] - other[i]));
+    apart > 1 && 2 * apart > largest(one).max(largest(other))
+}
+
 fn nearly(a: Rgb, b: Rgb) -> bool {
     largest_channel_difference(a, b) <= 1
-}
-
-fn is_darker(a: Rgb, b: Rgb) -> bool {
-    a.iter().zip(b).all(|(&a, b)| a <= b)
-}
-
-/// The scene with each combination of lights that reach nothing.
-fn shadowed(original: &Original) -> Vec<Picture> {
-    let scene = &original.renderer().scene;
-    let whole = Request { window: None, ..original.request.clone() };
-    let combinations = 1..1_usize << scene.lights.len();
-    let without = combinations.filter_map(|combination| {
-        let mut scene = scene.clone();
-        for (_, light) in scene.lights.iter_mut().enumerate().filter(|(n, _)| combination >> n & 1 != 0) {
-            let (Light::Directional { color, .. } | Light::Point { color, .. }) = light;
-            *color = Color::ZERO;
-        }
-        original.picture_of(scene, &whole)
-    });
-    without.collect()
 }

@@ -23,7 +23,7 @@ pub fn with_lists_reversed(text: &str) -> Option<Scene> {
     if changes { parse(&reversed.join(" ")).ok() } else { None }
 }
 
-fn words(text: &str) -> Vec<&str> {
+pub(super) fn words(text: &str) -> Vec<&str> {
     let mut lexer = Lexer::new(text);
     std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()))
         .map(|word| word.text)

@@ -5,8 +5,6 @@ use crate::render::Window;
 use crate::sampling::sampler::Sampler;
 use crate::tools::compare::{Rgb, colors};
 
-/// Upper bound on the camera rays of a window.
-const RAYS: usize = 2048;
 /// The shortest side of a window, in pixels.
 const MIN_SIDE: usize = 8;
 /// How many windows of a picture are looked at.
@@ -20,11 +18,19 @@ pub struct TellingWindow {
     pub pictures: Vec<usize>,
 }
 
-/// The windows in which wrong pictures are judged. A picture belongs to a window that holds at least half as many of
-/// its differing pixels as any other does. A few pictures may belong to none.
-pub fn telling_windows(wrong: &[Picture], reference: &Picture, sampler: Sampler) -> Vec<TellingWindow> {
-    let side = ((RAYS / sampler.count() as usize).isqrt()).max(MIN_SIDE);
-    let lattice = Lattice { side, size: [reference.width() as usize, reference.height() as usize] };
+/// The windows of so many camera rays at most in which wrong pictures are judged. A picture belongs to a window that
+/// holds at least half as many of its differing pixels as any other does. A few pictures may belong to none.
+pub fn telling_windows(
+    wrong: &[Picture],
+    reference: &Picture,
+    sampler: Sampler,
+    rays: usize,
+) -> Vec<TellingWindow> {
+    let size = [reference.width() as usize, reference.height() as usize];
+    let pixels = rays / sampler.count() as usize;
+    let is_whole = size[0] * size[1] <= pixels;
+    let side = if is_whole { size[0].max(size[1]) } else { pixels.isqrt().max(MIN_SIDE) };
+    let lattice = Lattice { side, size };
     let counts: Vec<Vec<usize>> = wrong.iter().map(|picture| lattice.differing(picture, reference)).collect();
     let shows = |picture: usize, tile: usize| {
         let counts: &[usize] = &counts[picture];
@@ -115,7 +121,7 @@ mod tests {
             picture(&[[89, 49]]),
             picture(&[[46, 0], [46, 1], [46, 2], [0, 0]]),
         ];
-        let windows = telling_windows(&wrong, &picture(&[]), Sampler::CENTER);
+        let windows = telling_windows(&wrong, &picture(&[]), Sampler::CENTER, 2048);
         let expected = [
             (Window { x: 45, y: 0, width: 45, height: 45 }, vec![0, 2]),
             (Window { x: 45, y: 45, width: 45, height: 5 }, vec![1]),

@@ -104,7 +104,7 @@ fn octaves_of(material: &Material) -> Option<u32> {
             | TexturePattern::Wood { octaves, .. } => Some(octaves),
             TexturePattern::Checkerboard => None,
         },
-        Material::Phong(_) => None,
+        Material::Phong(_) | Material::Painted(..) => None,
     }
 }
 

@@ -109,7 +109,7 @@ impl Setting {
     /// How its samples are placed.
     pub fn kind(&self) -> SamplingKind {
         match self.samples {
-            Samples::Fixed(Pattern::Random, _) => SamplingKind::Random,
+            Samples::Fixed(Pattern::Random | Pattern::Displaced, _) => SamplingKind::Random,
             Samples::Fixed(Pattern::Uniform, _) => SamplingKind::Uniform,
             Samples::Fixed(Pattern::Jittered, _) => SamplingKind::Jittered,
             Samples::Adaptive(_) => SamplingKind::Adaptive,

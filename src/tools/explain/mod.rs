@@ -10,10 +10,12 @@ mod pixel;
 mod pixel_text;
 mod ray_tree;
 mod short;
+mod stoppable;
 
 pub use close_call::{CloseCall, CloseCallKind};
 pub use cost_map::CostMap;
 pub use cost_report::CostReport;
-pub use objects::{ObjectPart, Objects, TextureWeight};
+pub use objects::{MaterialPart, ObjectPart, Objects, TextureWeight};
 pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
-pub use ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
+pub use ray_tree::{Crossing, LeftOut, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
+pub use stoppable::Stop;

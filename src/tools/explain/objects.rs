@@ -5,7 +5,7 @@ use crate::math::instructions::Instructions;
 use crate::math::rounded_point::RoundedPoint;
 use crate::renderer::Renderer;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, Pattern};
+use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::first_weight;
 use crate::world::World;
@@ -37,6 +37,28 @@ pub struct TextureWeight {
     pub children: [MaterialId; 2],
     /// The weight of the first; the second has the rest.
     pub first: f64,
+}
+
+/// A material that has no parts itself, as a part of a mixture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialPart {
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// Where it stands.
+    pub at: Option<Position>,
+    /// Its share of the mixture. All shares add up to 1.
+    pub weight: f64,
+    /// The material by itself.
+    pub phong: Phong,
+}
+
+/// How a surface's material comes about at a point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mixing {
+    /// The textures that have weight, the outermost first.
+    pub textures: Vec<TextureWeight>,
+    /// The materials that have weight, the first in the scene first.
+    pub parts: Vec<MaterialPart>,
 }
 
 /// Looks objects up.
@@ -80,24 +102,29 @@ impl<'r> Objects<'r> {
         self.scene.material_positions.get(material).copied()
     }
 
-    /// The textures that have weight in a material at a point, the outermost first.
-    pub fn textures(&self, material: MaterialId, point: &RoundedPoint) -> Vec<TextureWeight> {
+    /// The textures and materials that have weight in a material at a point.
+    pub fn mixing(&self, material: MaterialId, point: &RoundedPoint) -> Mixing {
         let mut weights = vec![0.0; material + 1];
         weights[material] = 1.0;
-        let mut textures = vec![];
+        let mut mixing = Mixing::default();
         for id in (0..=material).rev() {
-            let Some(Material::Texture(texture)) = self.scene.materials.get(id) else { continue };
-            if weights[id] == 0.0 {
-                continue;
-            }
+            let (weight, at) = (weights[id], self.material_position(id));
+            let texture = match self.scene.materials.get(id) {
+                Some(Material::Texture(texture)) if weight != 0.0 => texture,
+                Some(&Material::Phong(phong)) if weight != 0.0 => {
+                    mixing.parts.push(MaterialPart { material: id, at, weight, phong });
+                    continue;
+                }
+                _ => continue,
+            };
             let first = first_weight(texture, point, Instructions::Portable);
             weights[texture.children[0]] += weights[id] * first;
             weights[texture.children[1]] += weights[id] * (1.0 - first);
             let name = pattern_name(texture.pattern);
-            let at = self.material_position(id);
-            textures.push(TextureWeight { name, material: id, at, children: texture.children, first });
+            mixing.textures.push(TextureWeight { name, material: id, at, children: texture.children, first });
         }
-        textures
+        mixing.parts.reverse();
+        mixing
     }
 }
 

@@ -1,9 +1,9 @@
 //! Everything behind one pixel: its samples, each traced by itself, and the sum that becomes the picture's bytes.
 
 use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_about_zero};
-use super::objects::Objects;
-use super::ray_tree::{LightBlocker, RayNode, Recorder, Shadow, Surface};
-use crate::camera::Camera;
+use super::objects::{MaterialPart, Objects};
+use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
+use super::stoppable::{Stop, Stoppable};
 use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -38,6 +38,10 @@ pub enum ExplainError {
     NoMeshes,
     /// The objects do not fit into a world.
     Scene(Box<SceneError>),
+    /// The picture has no such pixel.
+    Outside,
+    /// It takes too long, or was cancelled.
+    Stopped,
 }
 
 /// A pixel with all that contributes to it. `Display` prints it.
@@ -47,8 +51,12 @@ pub struct PixelTree {
     pub pixel: [usize; 2],
     /// Whether there is a grid, whose cells are counted.
     pub has_grid: bool,
-    /// The samples that have weight.
+    /// The first of the samples that have weight.
     pub samples: Vec<SampleTree>,
+    /// How many more there are.
+    pub more_samples: u64,
+    /// The rays that are not kept, of all samples.
+    pub left_out: LeftOut,
     /// The pixel's colour: the sum of the weighted colours over the sum of the weights.
     pub color: Color,
     /// The bytes of the picture.
@@ -68,9 +76,17 @@ pub struct SampleTree {
     pub weight: f64,
     /// Its colour.
     pub color: Color,
-    /// The camera's ray and all that follow from it, each after the one that it left.
+    /// The camera's ray and all that follow from it, each after the one that it left; the first of them where there are
+    /// too many.
     pub rays: Vec<RayNode>,
+    /// The rays that are not kept.
+    pub left_out: LeftOut,
 }
+
+/// How many rays of a pixel are kept.
+const MAX_RAYS: usize = 1 << 12;
+/// How many samples of a pixel are kept.
+const MAX_SAMPLES: usize = 1 << 12;
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// For a scene whose renderer has kept its meshes.
@@ -87,14 +103,20 @@ impl<'p, 'r> Explainer<'p, 'r> {
         Ok(Self { prepared, objects })
     }
 
-    /// Explains a pixel, by column and row from the top left, of the colours that a request shows; none where the
-    /// picture has no such pixel.
+    /// Explains a pixel, by column and row from the top left, of the colours that a request shows. An error where the
+    /// picture has no such pixel, or where it is time to stop.
     ///
-    /// Samples are added up in the film's order, so that the colour is the rendered one to the last bit.
-    pub fn pixel(&self, request: &Request, [x, y]: [usize; 2]) -> Option<PixelTree> {
+    /// Samples are added up in the film's order, so that the colour is the rendered one to the last bit. The first rays
+    /// and samples are kept, and the others counted.
+    pub fn pixel(
+        &self,
+        request: &Request,
+        [x, y]: [usize; 2],
+        stop: &Stop,
+    ) -> Result<PixelTree, ExplainError> {
         let [width, height] = request.size;
         if x >= width || y >= height {
-            return None;
+            return Err(ExplainError::Outside);
         }
         let target = [x, height - 1 - y];
         let camera = self.prepared.camera(request);
@@ -103,13 +125,30 @@ impl<'p, 'r> Explainer<'p, 'r> {
             middle.saturating_sub(support)..=(middle + support).min(count - 1)
         };
         let mut samples = vec![];
+        let (mut more_samples, mut left_out) = (0, LeftOut::default());
+        let mut room = MAX_RAYS;
         let mut sum: Option<Sum> = None;
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
-                for (sample, weight, part) in self.samples(request, &camera, [column, row], target) {
-                    row_sum.add_for(weight, sample.color, part);
-                    samples.push(sample);
+                for (number, offset, weight, part) in self.samples(request, [column, row], target) {
+                    let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
+                    let is_kept = samples.len() < MAX_SAMPLES;
+                    let (color, rays, rest) = self.trace(request, &ray, if is_kept { room } else { 0 }, stop);
+                    if stop.is_over() {
+                        return Err(ExplainError::Stopped);
+                    }
+                    row_sum.add_for(weight, color, part);
+                    room -= rays.len();
+                    left_out.rays += rest.rays;
+                    left_out.counts = left_out.counts.merge(rest.counts);
+                    if is_kept {
+                        let pixel = [column, height - 1 - row];
+                        let (left_out, weight) = (rest, weight * part);
+                        samples.push(SampleTree { pixel, number, offset, weight, color, rays, left_out });
+                    } else {
+                        more_samples += 1;
+                    }
                 }
             }
             match &mut sum {
@@ -121,49 +160,51 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let mut bytes = [0; CHANNELS];
         truncate_to_bytes::<RED_FIRST>(&[color], &mut bytes);
         let has_grid = self.prepared.cells().is_some();
-        Some(PixelTree { pixel: [x, y], has_grid, samples, color, bytes })
+        Ok(PixelTree { pixel: [x, y], has_grid, samples, more_samples, left_out, color, bytes })
     }
 
-    /// The samples of the pixel `own` that have weight for `target`, with the filter's weight and the part of the pixel
-    /// that they stand for; rows count from the bottom.
+    /// The samples of the pixel `own` that have weight for `target`: number, offset, the filter's weight, and the part of
+    /// the pixel that they stand for. Rows count from the bottom.
     fn samples(
         &self,
         request: &Request,
-        camera: &Camera,
         own: [usize; 2],
         target: [usize; 2],
-    ) -> impl Iterator<Item = (SampleTree, f64, f64)> {
-        let [column, row] = own;
-        let height = request.size[1];
+    ) -> impl Iterator<Item = (usize, DVec2, f64, f64)> {
+        let filter = request.filter;
         let samples = self.prepared.samples(request, own).into_iter();
         samples.enumerate().filter_map(move |(number, (offset, part))| {
-            let of_filter = weight_for(target, request.filter, own, offset);
-            (of_filter != 0.0).then(|| {
-                let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
-                let (color, rays) = self.trace(request, &ray);
-                let (pixel, weight) = ([column, height - 1 - row], of_filter * part);
-                (SampleTree { pixel, number, offset, weight, color, rays }, of_filter, part)
-            })
+            let weight = weight_for(target, filter, own, offset);
+            (weight != 0.0).then_some((number, offset, weight, part))
         })
     }
 
-    /// Traces a camera ray and notes everything about it.
-    fn trace(&self, request: &Request, ray: &Ray) -> (Color, Vec<RayNode>) {
-        let caster = self.prepared.caster();
-        let mut recorder = Recorder::of(*ray);
+    /// Traces a camera ray and notes everything about the rays for which there is room.
+    fn trace(
+        &self,
+        request: &Request,
+        ray: &Ray,
+        room: usize,
+        stop: &Stop,
+    ) -> (Color, Vec<RayNode>, LeftOut) {
+        let rules = Stoppable { caster: self.prepared.caster(), stop };
+        let mut recorder = Recorder::of(*ray, room);
         recorder.non_shadow_ray();
-        let tracer = Tracer { rules: caster, effects: request.effects };
+        let tracer = Tracer { rules: &rules, effects: request.effects };
         let color = tracer.color(ray, &mut recorder);
-        let mut rays = recorder.finish();
+        let (mut rays, left_out) = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];
         for place in 0..rays.len() {
+            if stop.is_over() {
+                break;
+            }
             for &child in &rays[place].children {
                 left[child] = rays[place].hit.map(|hit| hit.primitive);
             }
             self.annotate(&mut rays[place], left[place]);
         }
-        (color, rays)
+        (color, rays, left_out)
     }
 
     /// Finds out what the tracer itself does not need to know.
@@ -175,8 +216,15 @@ impl<'p, 'r> Explainer<'p, 'r> {
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
         surface.material_at = self.objects.material_position(surface.point.material);
-        surface.textures = world
-            .with_rounded_point(&surface.point, |point| self.objects.textures(surface.point.material, point));
+        let mixing = world
+            .with_rounded_point(&surface.point, |point| self.objects.mixing(surface.point.material, point));
+        surface.textures = mixing.textures;
+        if mixing.parts.len() > 1 {
+            // The tracer keeps highlights apart, since they have exponents of their own.
+            let specular = |part: &MaterialPart| part.weight * part.phong.specular;
+            surface.material.specular = mixing.parts.iter().map(specular).sum();
+            surface.parts = mixing.parts;
+        }
         if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
             node.close_calls.push(CloseCall { kind: CloseCallKind::Cosine, object: None });
         }
@@ -238,7 +286,7 @@ impl PixelTree {
     /// The work for all samples.
     pub fn counts(&self) -> Counts {
         let rays = self.samples.iter().flat_map(|sample| &sample.rays);
-        rays.fold(Counts::default(), |sum, node| sum.merge(node.all_counts()))
+        rays.fold(self.left_out.counts, |sum, node| sum.merge(node.all_counts()))
     }
 
     /// The names of the channels whose byte a few roundings could change.
@@ -260,6 +308,8 @@ impl fmt::Display for ExplainError {
         match self {
             Self::NoMeshes => f.write_str("the meshes were not kept"),
             Self::Scene(error) => error.fmt(f),
+            Self::Outside => f.write_str("outside the picture"),
+            Self::Stopped => f.write_str("the rays behind the pixel take too long"),
         }
     }
 }

@@ -1,9 +1,10 @@
 //! The tree of rays behind a pixel in words.
 
-use super::objects::ObjectPart;
+use super::objects::{MaterialPart, ObjectPart};
 use super::pixel::{PixelTree, SampleTree};
 use super::ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
 use super::short::{Short, Triple};
+use crate::scene::material::Phong;
 use crate::scene::{Color, MaterialId, Position};
 use crate::stats::{Counts, RULE};
 use crate::trace::{PathEnd, Secondary};
@@ -11,6 +12,11 @@ use std::fmt::{Display, Formatter, Result};
 
 /// From this depth on, lines are not indented any further: a mirror hall may be thousands of rays deep.
 const DEEPEST: usize = 20;
+
+/// How many rays of the first sample are shown.
+const SHOWN_RAYS: usize = 512;
+/// How many of the other samples are shown, in a line each.
+const SHOWN_SAMPLES: usize = 1024;
 
 /// Lines that are indented alike.
 struct Lines<'f, 'g> {
@@ -32,13 +38,17 @@ impl Display for PixelTree {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let [x, y] = self.pixel;
         writeln!(f, "{RULE}\nPIXEL ({x}, {y})")?;
-        for sample in &self.samples {
-            write_sample(sample, self.has_grid, &mut Lines { f: &mut *f, indent: 2 })?;
+        let mut lines = Lines { f: &mut *f, indent: 2 };
+        if let Some((first, others)) = self.samples.split_first() {
+            write_sample(first, self.has_grid, &mut lines)?;
+            others.iter().take(SHOWN_SAMPLES).try_for_each(|sample| write_briefly(sample, &mut lines))?;
+            let more = others.len().saturating_sub(SHOWN_SAMPLES) as u64 + self.more_samples;
+            write_more(more, "samples", &mut lines)?;
         }
         let [red, green, blue] = self.bytes;
         let [r, g, b] = self.color.to_array();
         let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
-        line("samples", self.samples.len().to_string())?;
+        line("samples", (self.samples.len() as u64 + self.more_samples).to_string())?;
         line("counted", counted(self.counts(), self.has_grid))?;
         // All digits, since the bytes are cut from them.
         line("sum", format!("({r}, {g}, {b})"))?;
@@ -51,20 +61,55 @@ impl Display for PixelTree {
 }
 
 fn write_sample(sample: &SampleTree, has_grid: bool, lines: &mut Lines) -> Result {
-    let SampleTree { pixel: [x, y], number, offset, weight, color, rays } = sample;
-    let place = format!("({}, {})", Short(offset.x), Short(offset.y));
-    lines.line(format_args!(
-        "sample {number} of pixel ({x}, {y}) at {place} from its centre, weight {}",
-        Short(*weight)
-    ))?;
+    let SampleTree { color, rays, left_out, .. } = sample;
+    lines.line(Head(sample))?;
     let mut waiting = if rays.is_empty() { vec![] } else { vec![0] };
-    while let Some(place) = waiting.pop() {
+    let mut shown = 0;
+    while let Some(place) = waiting.pop().filter(|_| shown < SHOWN_RAYS) {
+        shown += 1;
         let node = &rays[place];
         let indent = 4 + 2 * node.bounces.min(DEEPEST);
         write_ray(node, has_grid, &mut Lines { f: &mut *lines.f, indent })?;
         waiting.extend(node.children.iter().rev());
     }
-    lines.deeper().line(format_args!("the sample's colour {}", Triple(*color)))
+    let mut lines = lines.deeper();
+    write_more((rays.len() - shown) as u64 + left_out.rays, "rays", &mut lines)?;
+    lines.line(format_args!("the sample's colour {}", Triple(*color)))
+}
+
+/// A sample in one line.
+fn write_briefly(sample: &SampleTree, lines: &mut Lines) -> Result {
+    let rays = sample.rays.len() as u64 + sample.left_out.rays;
+    lines.line(format_args!("{}: colour {}, rays {}", Head(sample), Triple(sample.color), Grouped(rays)))
+}
+
+fn write_more(count: u64, what: &str, lines: &mut Lines) -> Result {
+    if count == 0 { Ok(()) } else { lines.line(format_args!("and {} more {what}", Grouped(count))) }
+}
+
+/// Which sample it is.
+struct Head<'s>(&'s SampleTree);
+
+impl Display for Head<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let SampleTree { pixel: [x, y], number, offset, weight, .. } = self.0;
+        let place = format!("({}, {})", Short(offset.x), Short(offset.y));
+        let weight = Short(*weight);
+        write!(f, "sample {number} of pixel ({x}, {y}) at {place} from its centre, weight {weight}")
+    }
+}
+
+/// A number with its digits in groups of three.
+struct Grouped(u64);
+
+impl Display for Grouped {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let digits = self.0.to_string();
+        digits.char_indices().try_for_each(|(at, digit)| {
+            let is_group = at > 0 && (digits.len() - at).is_multiple_of(3);
+            if is_group { write!(f, ",{digit}") } else { write!(f, "{digit}") }
+        })
+    }
 }
 
 fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
@@ -97,7 +142,7 @@ fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
 }
 
 fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
-    let Surface { object, t, point, material_at, material, textures, .. } = surface;
+    let Surface { object, t, point, material_at, material, textures, parts, .. } = surface;
     lines.line(format_args!("sees {} at t {}", Named(object), Short(*t)))?;
     lines.line(format_args!("point {}, normal {}", Triple(point.position), Triple(point.normal)))?;
     for texture in textures {
@@ -110,16 +155,37 @@ fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
             Short(1.0 - first)
         ))?;
     }
-    lines.line(format_args!(
-        "{}: diffuse {}, specular {}{}, reflective {}, transparent {}{}",
-        NamedMaterial(point.material, *material_at),
-        Triple(material.diffuse),
-        Triple(material.specular),
-        Power("exponent", material.specular, material.exponent),
-        Triple(material.reflective),
-        Triple(material.transparent),
-        Power("index of refraction", material.transparent, material.index_of_refraction)
-    ))
+    for MaterialPart { material, at, weight, phong } in parts {
+        let (named, weight) = (NamedMaterial(*material, *at), Short(*weight));
+        lines.line(format_args!("{named} weighs {weight}: {}", Colors { phong, has_exponent: true }))?;
+    }
+    // Highlights keep the exponents of their own materials.
+    let (named, mixed) =
+        (NamedMaterial(point.material, *material_at), if parts.is_empty() { "" } else { ", mixed" });
+    lines.line(format_args!("{named}{mixed}: {}", Colors { phong: material, has_exponent: parts.is_empty() }))
+}
+
+/// The colours of a material.
+struct Colors<'p> {
+    phong: &'p Phong,
+    has_exponent: bool,
+}
+
+impl Display for Colors<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Phong { diffuse, specular, exponent, reflective, transparent, index_of_refraction } = *self.phong;
+        let shown = if self.has_exponent { specular } else { Color::ZERO };
+        write!(
+            f,
+            "diffuse {}, specular {}{}, reflective {}, transparent {}{}",
+            Triple(diffuse),
+            Triple(specular),
+            Power("exponent", shown, exponent),
+            Triple(reflective),
+            Triple(transparent),
+            Power("index of refraction", transparent, index_of_refraction)
+        )
+    }
 }
 
 /// A material with the line where it stands.

@@ -1,7 +1,7 @@
 //! The tree of rays behind one sample, recorded while the tracer follows them.
 
 use super::close_call::{CloseCall, CloseCallKind};
-use super::objects::{ObjectPart, TextureWeight};
+use super::objects::{MaterialPart, ObjectPart, TextureWeight};
 use crate::math::ray::{Hit, Ray};
 use crate::scene::material::Phong;
 use crate::scene::{Color, Position};
@@ -69,6 +69,8 @@ pub struct Surface {
     pub material: Phong,
     /// The textures of the material, each with the weight of its first child.
     pub textures: Vec<TextureWeight>,
+    /// The materials that the textures mix; none where there is only one.
+    pub parts: Vec<MaterialPart>,
     /// The ambient part of the colour; none where the surface is seen from within and black there.
     pub ambient: Option<Color>,
     /// The lights, in the order of the scene.
@@ -128,17 +130,30 @@ pub struct Crossing {
     pub leaves: bool,
 }
 
-/// Records what becomes of one camera ray.
+/// Records what becomes of one camera ray, as far as there is room.
 #[derive(Debug, Default)]
 pub struct Recorder {
     rays: Vec<RayNode>,
-    /// The places of the rays that wait, in step with those that wait in the tracer.
-    waiting: Vec<usize>,
-    current: usize,
+    /// How many rays are kept.
+    room: usize,
+    /// Those that are not.
+    left_out: LeftOut,
+    /// The places of the rays that wait, in step with those that wait in the tracer. A ray that is left out has none.
+    waiting: Vec<Option<usize>>,
+    current: Option<usize>,
     /// What has been counted since the last ray was finished.
     counts: Counts,
     /// The last ray towards a light, until the light's contribution is known.
     shadow: Option<Shadow>,
+}
+
+/// What is counted, but not kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// Reflected and refracted rays.
+    pub rays: u64,
+    /// The work for them and their rays towards the lights.
+    pub counts: Counts,
 }
 
 impl RayNode {
@@ -169,28 +184,61 @@ impl RayNode {
 }
 
 impl Recorder {
-    /// Starts with a camera ray.
-    pub fn of(ray: Ray) -> Self {
-        Self { rays: vec![RayNode::new(None, 0, ray)], ..Self::default() }
+    /// Starts with a camera ray, and keeps as many rays as there is room for.
+    pub fn of(ray: Ray, room: usize) -> Self {
+        let rays = if room > 0 { vec![RayNode::new(None, 0, ray)] } else { vec![] };
+        let current = (room > 0).then_some(0);
+        Self { rays, room, current, ..Self::default() }
     }
 
-    /// The rays, the camera's first and every other after the one that it left.
-    pub fn finish(self) -> Vec<RayNode> {
-        self.rays
+    /// The rays, the camera's first and every other after the one that it left, and what was left out.
+    pub fn finish(mut self) -> (Vec<RayNode>, LeftOut) {
+        if self.rays.is_empty() {
+            self.left_out.rays += 1;
+        }
+        self.leave_out();
+        (self.rays, self.left_out)
     }
 
-    fn push(&mut self, node: RayNode) {
+    /// Counts the work for a ray that is left out.
+    fn leave_out(&mut self) {
+        if self.current.is_none() {
+            self.left_out.counts = self.left_out.counts.merge(std::mem::take(&mut self.counts));
+        }
+    }
+
+    fn node(&mut self) -> Option<&mut RayNode> {
+        self.rays.get_mut(self.current?)
+    }
+
+    /// A ray that follows, with the bounces of the current one.
+    fn push(&mut self, follow: impl FnOnce(usize) -> RayNode) {
         let place = self.rays.len();
-        self.rays[self.current].children.push(place);
-        self.rays.push(node);
-        self.waiting.push(place);
+        let has_room = place < self.room;
+        let bounces = self.node().filter(|_| has_room).map(|node| {
+            node.children.push(place);
+            node.bounces
+        });
+        match bounces {
+            Some(bounces) => {
+                self.rays.push(follow(bounces + 1));
+                self.waiting.push(Some(place));
+            }
+            None => {
+                self.left_out.rays += 1;
+                self.waiting.push(None);
+            }
+        }
     }
 
     fn surface(&mut self) -> Option<&mut Surface> {
-        self.rays[self.current].surface.as_mut()
+        self.node()?.surface.as_mut()
     }
 
     fn light(&mut self, light: Lighting) {
+        if self.current.is_none() {
+            return;
+        }
         let counts = std::mem::take(&mut self.counts);
         let shadow = self.shadow.take().map(|shadow| Shadow { counts, ..shadow });
         if let Some(surface) = self.surface() {
@@ -221,25 +269,28 @@ impl Observer for Recorder {
     }
 
     fn observe<'e>(&mut self, event: impl FnOnce() -> Event<'e>) {
-        if self.rays.is_empty() {
-            return;
-        }
-        let bounces = self.rays[self.current].bounces;
         match event() {
             Event::Surface { point, material } => {
-                self.rays[self.current].surface = Some(Surface::new(point, material));
+                if let Some(node) = self.node() {
+                    node.surface = Some(Surface::new(point, material));
+                }
             }
-            Event::Pushed { kind, ray, exclude, filter, weight } => {
-                let node = RayNode::new(Some(kind), bounces + 1, ray);
-                self.push(RayNode { exclude, filter, weight, ..node });
-            }
+            Event::Pushed { kind, ray, exclude, filter, weight } => self.push(|bounces| RayNode {
+                exclude,
+                filter,
+                weight,
+                ..RayNode::new(Some(kind), bounces, ray)
+            }),
             Event::NotFollowed { kind, end } => {
-                self.rays[self.current].ends.push(NotFollowed { kind, end });
+                if let Some(node) = self.node() {
+                    node.ends.push(NotFollowed { kind, end });
+                }
             }
             Event::Refracting { direction, normal, indices } => {
-                if is_critical(direction, normal, indices) {
-                    let call = CloseCall { kind: CloseCallKind::Critical, object: None };
-                    self.rays[self.current].close_calls.push(call);
+                if is_critical(direction, normal, indices)
+                    && let Some(node) = self.node()
+                {
+                    node.close_calls.push(CloseCall { kind: CloseCallKind::Critical, object: None });
                 }
             }
             Event::Ambient(color) => {
@@ -247,7 +298,7 @@ impl Observer for Recorder {
                     surface.ambient = Some(color);
                 }
             }
-            Event::ShadowRay(ray) => self.shadow = Some(Shadow::new(ray)),
+            Event::ShadowRay(ray) => self.shadow = self.current.map(|_| Shadow::new(ray)),
             Event::Crossed { hit, tint, leaves } => {
                 if let Some(shadow) = &mut self.shadow {
                     shadow.crossed.push(Crossing { object: None, hit, tint, leaves });
@@ -256,12 +307,23 @@ impl Observer for Recorder {
             Event::Light { incident, cosine, passed, parts } => {
                 self.light(Lighting { incident, cosine, passed, parts, shadow: None });
             }
-            Event::Shaded(color) => self.rays[self.current].color = color,
-            Event::Popped => self.current = self.waiting.pop().unwrap_or(0),
+            Event::Shaded(color) => {
+                if let Some(node) = self.node() {
+                    node.color = color;
+                }
+            }
+            Event::Popped => {
+                self.leave_out();
+                self.current = self.waiting.pop().flatten();
+            }
             Event::Met(hit) => {
+                if self.current.is_none() {
+                    return;
+                }
                 let counts = std::mem::take(&mut self.counts);
-                let node = &mut self.rays[self.current];
-                (node.hit, node.counts) = (hit, counts);
+                if let Some(node) = self.node() {
+                    (node.hit, node.counts) = (hit, counts);
+                }
             }
         }
     }
@@ -276,6 +338,7 @@ impl Surface {
             material_at: None,
             material: *material,
             textures: vec![],
+            parts: vec![],
             ambient: None,
             lights: vec![],
         }

@@ -25,6 +25,8 @@ pub struct Column {
     pub problem: Option<String>,
     /// One for each name.
     pub cells: Vec<Cell>,
+    /// For each name, the path of the file that was taken, if it is not the picture's name.
+    pub found_as: Vec<Option<String>>,
 }
 
 /// One picture of one name.
@@ -108,9 +110,14 @@ fn words(finding: &Finding) -> String {
     let _ = match finding {
         Finding::Equal { cause, .. } => write!(words, "{}", cause.to_string().trim_start()),
         Finding::Part { cause, share } => {
-            write!(words, "{:.0}% of the error: {}", (100.0 * share).floor(), cause.to_string().trim_start())
+            write!(
+                words,
+                "at least {}, {:.0}% of the error",
+                cause.to_string().trim_start(),
+                (100.0 * share).floor()
+            )
         }
-        Finding::Speckles { pixels } => write!(words, "epsilon too small: {pixels} scattered dark pixels"),
+        Finding::Speckles { pixels, .. } => write!(words, "epsilon too small: {pixels} scattered pixels"),
         Finding::Unknown { tried } => write!(words, "unknown ({tried} causes tried)"),
     };
     words
@@ -119,7 +126,21 @@ fn words(finding: &Finding) -> String {
 impl Column {
     /// A picture that nothing can be compared with, and why.
     pub fn ungraded(picture: String, problem: String, names: usize) -> Self {
-        Self { picture, problem: Some(problem), cells: vec![Cell::Ungraded; names] }
+        Self {
+            picture,
+            problem: Some(problem),
+            cells: vec![Cell::Ungraded; names],
+            found_as: vec![None; names],
+        }
+    }
+
+    /// What is to be said of the cell in a row: under which other name it was found, and why it is not the reference.
+    pub fn reason(&self, row: usize) -> Option<String> {
+        let found_as = self.found_as.get(row).and_then(Option::as_ref);
+        match (found_as.map(|file| format!("found as {file}")), self.cells[row].reason()) {
+            (Some(found), Some(reason)) => Some(format!("{found}: {reason}")),
+            (found, reason) => found.or(reason),
+        }
     }
 
     /// Compares what was handed in with the reference.
@@ -148,8 +169,9 @@ impl Column {
                 picture,
             },
         };
-        let cells = places.into_iter().map(cell).collect();
-        (Self { picture, problem: None, cells }, wrong)
+        let cells: Vec<Cell> = places.into_iter().map(cell).collect();
+        let found_as = vec![None; cells.len()];
+        (Self { picture, problem: None, cells, found_as }, wrong)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A table of results as comma-separated values (RFC 4180), a line for each picture of each name.
 
-use super::{Cell, Table};
+use super::{Cell, Column, Table};
 use crate::escape::csv_field;
 
 const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
@@ -9,13 +9,12 @@ const HEAD: &str = "name,picture,result,pixels that differ,by more than one leve
 /// The table's lines, name by name.
 pub fn csv(table: &Table) -> String {
     let rows = table.names.iter().enumerate();
-    let lines = rows.flat_map(|(row, name)| {
-        table.columns.iter().map(move |column| line(name, &column.picture, &column.cells[row]))
-    });
+    let lines = rows.flat_map(|(row, name)| table.columns.iter().map(move |column| line(name, column, row)));
     std::iter::once(HEAD.to_owned()).chain(lines).collect()
 }
 
-fn line(name: &str, picture: &str, cell: &Cell) -> String {
+fn line(name: &str, column: &Column, row: usize) -> String {
+    let cell = &column.cells[row];
     let numbers = match cell {
         Cell::Equal => ["0", "0", "0", "0"].map(str::to_owned),
         Cell::Different { comparison, .. } => [
@@ -26,7 +25,7 @@ fn line(name: &str, picture: &str, cell: &Cell) -> String {
         ],
         Cell::Missing | Cell::Unusable(_) | Cell::Ungraded => Default::default(),
     };
-    let reason = cell.reason().unwrap_or_default();
-    let (name, picture) = (csv_field(name), csv_field(picture));
+    let reason = column.reason(row).unwrap_or_default();
+    let (name, picture) = (csv_field(name), csv_field(&column.picture));
     format!("{name},{picture},{},{},{}\r\n", cell.verdict().word(), numbers.join(","), csv_field(&reason))
 }

@@ -14,6 +14,7 @@ pub use page::Page;
 pub use summary::summary;
 
 use crate::tools::compare::Tolerance;
+use std::fmt;
 
 /// The results of a grading.
 #[derive(Clone, Debug)]
@@ -28,23 +29,53 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// How many of some pictures pass.
+/// How many of some pictures pass, and what became of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Score {
     /// Those that pass.
     pub passed: usize,
-    /// Those that have a reference.
-    pub graded: usize,
+    /// Those that are wrong.
+    pub failed: usize,
+    /// Those that nobody has handed in.
+    pub missing: usize,
+    /// Those that cannot be read or compared.
+    pub unusable: usize,
 }
 
 impl Score {
     /// The score of these cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
-        cells.into_iter().fold(Self::default(), |score, cell| match cell.verdict() {
-            CellWord::Passed => Self { passed: score.passed + 1, graded: score.graded + 1 },
-            CellWord::Ungraded => score,
-            _ => Self { graded: score.graded + 1, ..score },
-        })
+        let mut score = Self::default();
+        for cell in cells {
+            match cell.verdict() {
+                CellWord::Passed => score.passed += 1,
+                CellWord::Failed => score.failed += 1,
+                CellWord::Missing => score.missing += 1,
+                CellWord::Unusable => score.unusable += 1,
+                CellWord::Ungraded => {}
+            }
+        }
+        score
+    }
+
+    /// Those that have a reference.
+    pub fn graded(&self) -> usize {
+        self.passed + self.failed + self.missing + self.unusable
+    }
+
+    /// The share of those that pass, in hundredths, cut to a whole number; 0 where nothing has a reference.
+    pub fn points(&self) -> usize {
+        100 * self.passed / self.graded().max(1)
+    }
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}, {} points", self.passed, self.graded(), self.points())?;
+        let rest = [(self.failed, "failed"), (self.missing, "missing"), (self.unusable, "unusable")];
+        rest.iter()
+            .filter(|(count, _)| *count > 0)
+            .try_for_each(|(count, word)| write!(f, ", {count} {word}"))
     }
 }
 
@@ -61,7 +92,6 @@ impl Table {
 
     /// Whether all pictures have a reference and pass.
     pub fn passes(&self) -> bool {
-        let Score { passed, .. } = self.score();
-        passed == self.names.len() * self.columns.len()
+        self.score().passed == self.names.len() * self.columns.len()
     }
 }

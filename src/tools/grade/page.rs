@@ -83,7 +83,7 @@ impl Page {
             .map(|(column, shown)| {
                 let name = html(&column.picture);
                 let result = match &column.problem {
-                    None => score(Score::of(&column.cells)),
+                    None => Score::of(&column.cells).to_string(),
                     Some(problem) => format!("<em>no reference: {}</em>", html(problem)),
                 };
                 format!(
@@ -98,9 +98,8 @@ impl Page {
     fn rows(&self, table: &Table) -> String {
         let row = |(row, name): (usize, &String)| {
             let columns = table.columns.iter().zip(&self.columns);
-            let cells: String =
-                columns.map(|(column, shown)| cell(column, &column.cells[row], shown)).collect();
-            let (name, score) = (html(name), score(table.score_of_row(row)));
+            let cells: String = columns.map(|(column, shown)| cell(column, row, shown)).collect();
+            let (name, score) = (html(name), table.score_of_row(row));
             format!("<tr><th scope=\"row\">{name}<small>{score}</small></th>\n{cells}</tr>\n")
         };
         table.names.iter().enumerate().map(row).collect()
@@ -116,7 +115,8 @@ const DIALOG: &str = "<dialog><form method=\"dialog\"><button>Close</button></fo
     </div></dialog>\n";
 
 fn summary(table: &Table) -> String {
-    let Score { passed, graded } = table.score();
+    let score = table.score();
+    let (passed, graded) = (score.passed, score.graded());
     let (names, pictures) = (table.names.len(), table.columns.len());
     let condition = match table.tolerance {
         Tolerance { levels: 0, pixels: 0 } => "it equals the reference".to_owned(),
@@ -140,15 +140,12 @@ fn notes(table: &Table) -> String {
     format!("<details><summary>Not graded: {count}</summary><ul>\n{items}</ul></details>\n")
 }
 
-fn score(score: Score) -> String {
-    format!("{} of {}", score.passed, score.graded)
-}
-
 fn thumbnail(index: Option<usize>) -> String {
     index.map_or(String::new(), |index| format!("<i class=\"t{index}\"></i>"))
 }
 
-fn cell(column: &Column, cell: &Cell, shown: &Shown) -> String {
+fn cell(column: &Column, row: usize, shown: &Shown) -> String {
+    let cell = &column.cells[row];
     let (class, mark) = match cell.verdict() {
         CellWord::Passed => ("passed", "\u{2713}"),
         CellWord::Failed => ("failed", "\u{2717}"),
@@ -156,9 +153,12 @@ fn cell(column: &Column, cell: &Cell, shown: &Shown) -> String {
         CellWord::Unusable => ("unusable", "! unusable"),
         CellWord::Ungraded => ("ungraded", "?"),
     };
-    let reason = cell.reason().map_or(String::new(), |reason| format!("<small>{}</small>", html(&reason)));
+    let reason =
+        column.reason(row).map_or(String::new(), |reason| format!("<small>{}</small>", html(&reason)));
     match cell {
-        Cell::Equal => format!("<td class=\"{class}\">{}<b>{mark}</b></td>\n", thumbnail(shown.thumbnail)),
+        Cell::Equal => {
+            format!("<td class=\"{class}\">{}<b>{mark}</b>{reason}</td>\n", thumbnail(shown.thumbnail))
+        }
         Cell::Different { comparison, picture, .. } => {
             let [small, whole] = shown.different[*picture];
             let (count, reference) = (comparison.pixels_that_differ(), shown.reference.unwrap_or(whole));

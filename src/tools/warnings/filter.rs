@@ -54,6 +54,8 @@ pub fn too_narrow(request: &Request) -> Option<Warning> {
         Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
         Pattern::Jittered => (surely_within(&sampler), Lost::Some),
         // It reaches the corners of the pixel, and so all samples.
+        // Every pixel has its sample.
+        Pattern::Displaced => return None,
         Pattern::Random if reaches(filter, DVec2::splat(0.5)) => return None,
         Pattern::Random => farthest_of_random(request)?,
     };

@@ -69,6 +69,7 @@ pub fn colors_not_asked_for(request: &Request) -> Option<Warning> {
     let samples = match (adaptive, sampler.pattern()) {
         (Some(adaptive), _) => Some(format!("-adaptive_samples {} {}", adaptive.most, adaptive.error)),
         (None, Pattern::Random) => Some(format!("-random_samples {}", sampler.count())),
+        (None, Pattern::Displaced) => Some("-jitter".into()),
         (None, Pattern::Jittered) => Some(format!("-jittered_samples {}", sampler.count())),
         (None, Pattern::Uniform) if sampler.is_center() => None,
         (None, Pattern::Uniform) => Some(format!("-uniform_samples {}", sampler.count())),

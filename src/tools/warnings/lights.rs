@@ -89,7 +89,9 @@ fn is_too_far(position: DVec3, color: Color, attenuation: [f64; 3], world: &Worl
     let [a0, a1, a2] = attenuation;
     let factor = 1.0 / (a0 + a1 * distance + a2 * distance * distance);
     let brightness = |material: &Material| match material {
-        Material::Phong(phong) => (phong.diffuse.abs() + phong.specular.abs()).max_element(),
+        Material::Phong(phong) | Material::Painted(phong, _) => {
+            (phong.diffuse.abs() + phong.specular.abs()).max_element()
+        }
         Material::Texture(_) => 0.0,
     };
     let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
@@ -130,10 +132,10 @@ fn enclosing_sphere(position: DVec3, scene: &Scene, world: &World, effects: &Eff
 /// Whether no light passes through a material anywhere.
 fn is_opaque(material: MaterialId, materials: &[Material]) -> bool {
     match &materials[material] {
-        Material::Phong(phong) => phong.transparent == Color::ZERO,
+        Material::Phong(phong) | Material::Painted(phong, _) => phong.transparent == Color::ZERO,
         // A texture only mixes materials before it. One of many levels is taken to let light through.
         Material::Texture(texture) => texture.children.iter().all(|&child| match &materials[child] {
-            Material::Phong(phong) => phong.transparent == Color::ZERO,
+            Material::Phong(phong) | Material::Painted(phong, _) => phong.transparent == Color::ZERO,
             Material::Texture(_) => false,
         }),
     }

@@ -113,7 +113,7 @@ fn secondary_rays(materials: &[Material]) -> Vec<Secondary> {
     let mut all: Vec<Secondary> = Vec::with_capacity(materials.len());
     for material in materials {
         all.push(match material {
-            Material::Phong(phong) => {
+            Material::Phong(phong) | Material::Painted(phong, _) => {
                 let (reflected, refracted) = (phong.reflective.length(), phong.transparent.length());
                 Secondary { reflected, refracted, both: reflected > 0.0 && refracted > 0.0 }
             }

@@ -7,7 +7,8 @@ use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::Mesh;
-use raytracer::scene::{self, Background, Light, MeshFile, Object, Position, Scene};
+use raytracer::scene::model::Model;
+use raytracer::scene::{self, Background, Light, MeshFile, Object, Scene};
 use raytracer::trace::Effects;
 use raytracer::world::World;
 
@@ -30,7 +31,10 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
         root: objects.len() - 1,
         objects,
         positions: vec![],
-        meshes: vec![MeshFile { name: "mesh.obj".into(), at: Position { line: 1, column: 1 } }; named],
+        meshes: vec![MeshFile { name: "mesh.obj".into(), ..MeshFile::default() }; named],
+        images: vec![],
+        cube_map: None,
+        model: Model::COURSE,
     }
 }
 

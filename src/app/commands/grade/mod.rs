@@ -28,7 +28,7 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
     if written.may_be_read() {
-        let submitted = references.names().flat_map(|name| folder.files(name));
+        let submitted = references.names().flat_map(|name| folder.files(name, &references));
         references
             .reads()
             .chain(submitted.map(|file| (ReadAs::Picture, file)))
@@ -38,7 +38,12 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let files = options.report_files().map(prepare).transpose()?;
 
     let page = files.is_some().then(Page::default);
-    let mut grader = Grader { folder: &folder, tolerance: options.tolerance.unwrap_or_default(), page };
+    let mut grader = Grader {
+        folder: &folder,
+        references: &references,
+        tolerance: options.tolerance.unwrap_or_default(),
+        page,
+    };
     let progress = ProgressLine::new(options.progress);
     let mut columns = Vec::with_capacity(references.len());
     for (index, name) in references.names().enumerate() {
@@ -51,8 +56,9 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems
         .for_each(|(name, problem)| tell(&format!("warning: no reference for {}: {problem}", escape(name))));
-    let notes = folder.notes(&references);
+    let notes = folder.notes(&references, &columns);
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
+    tell_other_names(&table, tell);
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
         complete.add(page.complete(&shown.finish(&table)).map_err(failed)?)?;
@@ -61,6 +67,23 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     }
     let written = told_files(options.progress, options.report_files().into_iter().flatten());
     Ok(Outcome { text: summary(&table), written, passes: options.tolerance.is_none() || table.passes() })
+}
+
+/// Says whose pictures were found under other names, in a line for each name.
+fn tell_other_names(table: &Table, tell: &dyn Fn(&str)) {
+    for (row, name) in table.names.iter().enumerate() {
+        let others: Vec<(&str, &str)> = table
+            .columns
+            .iter()
+            .filter_map(|column| Some((column.found_as[row].as_deref()?, column.picture.as_str())))
+            .collect();
+        if let Some((file, picture)) = others.first() {
+            let (name, file, picture) = (escape(name), escape(file), escape(picture));
+            let more =
+                if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
+            tell(&format!("note: {name}: {file} is taken for {picture}{more}"));
+        }
+    }
 }
 
 /// The files of the page and of the table beside it.
@@ -72,6 +95,7 @@ fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], String> {
 /// Compares one picture of all names after the other.
 struct Grader<'f> {
     folder: &'f Folder,
+    references: &'f References,
     tolerance: Tolerance,
     /// If one is wanted.
     page: Option<Page>,
@@ -91,11 +115,14 @@ impl Grader<'_> {
 
     fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Column {
         let Reference { picture, source } = reference;
-        let submissions = self.folder.submissions(name, [picture.width(), picture.height()]);
+        let taken = self.folder.taken(name, self.references);
+        let submissions = self.folder.submissions(&taken, [picture.width(), picture.height()]);
         // Causes stand in the report alone.
         let is_wanted = self.page.is_some();
         let explain = |wrong: &[_]| if is_wanted { source.explain(wrong, &picture) } else { Vec::new() };
-        let (column, wrong) = Column::graded(shown, &picture, submissions, self.tolerance, explain);
+        let (mut column, wrong) = Column::graded(shown, &picture, submissions, self.tolerance, explain);
+        let found_as = |file: &PathBuf| (file != name).then(|| file.to_string_lossy().into_owned());
+        column.found_as = taken.iter().map(found_as).collect();
         if let Some(page) = &mut self.page {
             page.add(&picture, &wrong);
         }

@@ -49,7 +49,9 @@ impl Source<'_> {
     /// Why each wrong picture differs from the reference.
     pub fn explain(self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
         let finished = match self {
-            Self::Scene(mut original) => return original.explain_parts(wrong, reference),
+            Self::Scene(mut original) => {
+                return original.explain_parts(wrong, reference).into_iter().map(Some).collect();
+            }
             Self::Colors(colors) => FinishedPicture::of_colors(colors),
             Self::File => FinishedPicture::of_picture(reference),
         };
@@ -77,7 +79,7 @@ impl References {
             Origin::File(path) => vec![(ReadAs::Picture, path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
-                let meshes = scenes.clone().flat_map(|scene| scene_io::mesh_files(scene));
+                let meshes = scenes.clone().flat_map(|scene| scene_io::mesh_files(scene, &options.hints()));
                 let meshes = meshes.map(|mesh| (ReadAs::Mesh, mesh));
                 scenes.map(|scene| (ReadAs::Scene, scene.clone())).chain(meshes).collect()
             }
@@ -105,26 +107,31 @@ impl References {
                 work(picture.map(|picture| Reference { picture, source: Source::File }))
             }
             Origin::Rendered(options, layer) => match self.renderer(options) {
-                Ok(renderer) => work(render(&renderer, options, *layer)),
+                Ok((renderer, options)) => work(render(&renderer, &options, *layer)),
                 Err(error) => work(Err(error)),
             },
         }
     }
 
-    fn renderer(&self, options: &Options) -> Result<Renderer, String> {
+    /// The scene, and the options as its edition settles them.
+    fn renderer(&self, options: &Options) -> Result<(Renderer, Options), String> {
         let input = options.input.as_deref().ok_or("there is no scene")?;
-        let loaded = scene_io::load(input);
-        let renderer = loaded.and_then(|loaded| Renderer::new(loaded, Meshes::Kept));
+        let loaded = scene_io::load_announcing(input, &options.hints(), &|_| ());
+        let renderer = loaded.and_then(|loaded| {
+            let options = options.in_edition(loaded.choice.edition);
+            Ok((Renderer::new(loaded, Meshes::Kept)?, options))
+        });
         // The lines after the first show the place in the scene.
-        let renderer =
+        let (renderer, options) =
             renderer.map_err(|error| error.to_string().lines().next().unwrap_or_default().to_owned())?;
-        Ok(renderer.on_threads(self.threads.clone()))
+        Ok((renderer.on_threads(self.threads.clone()), options))
     }
 }
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
     let request = Request { layers: vec![layer], ..options.request() };
-    let source = if layer == Layer::Color && !options.visualize_grid {
+    let is_of_scene = matches!(layer, Layer::Color | Layer::Depth { .. } | Layer::Normals);
+    let source = if is_of_scene && !options.visualize_grid {
         let original = Original::new(renderer, Structure::Any, &request);
         Source::Scene(Box::new(original.ok_or("there is no memory for the picture")?))
     } else {

@@ -1,0 +1,107 @@
+//! What a scene means where the editions of the course differ: each edition is a value of [`Model`], and nothing
+//! behind the reader of scenes knows an edition by its name.
+
+/// How a scene is seen, lit and shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// How the view of a perspective camera is spread over the pixels.
+    pub screen: Screen,
+    /// How lights are reflected.
+    pub highlight: Highlight,
+    /// How the light is split that comes through a transparent surface and is mirrored there.
+    pub split: Split,
+    /// Rays that leave a surface overlook what is nearer than this. None is a few roundings, as the point asks for.
+    pub epsilon: Option<f64>,
+    /// The normals of meshes.
+    pub normals: MeshNormals,
+    /// The greys of distances.
+    pub depths: Depths,
+    /// The colours of normals.
+    pub normal_colors: NormalColors,
+}
+
+/// How the view of a perspective camera is spread over the pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Screen {
+    /// The angle spans the longer side, from the outer edge of one pixel to that of another.
+    LongerSide,
+    /// The angle spans either side, from the centre of the first pixel to that of the last.
+    BothSides {
+        /// Whether the camera's `up` is the way up as it is written, neither of unit length nor across the direction.
+        up_as_written: bool,
+    },
+}
+
+/// How lights are reflected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Highlight {
+    /// By the vector half way between light and viewer, and only where the surface faces the light. The side that is
+    /// seen is lit, if any is.
+    Blinn,
+    /// By the mirrored viewing direction, whether or not the surface faces the light. The outside is lit, whichever side
+    /// is seen.
+    Phong,
+}
+
+/// How the light is split that comes through a transparent surface and is mirrored there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// By the material's two colours. The medium around a ray is that which it is refracted into.
+    Colors,
+    /// By Schlick's approximation. The medium outside every object is empty.
+    Schlick,
+}
+
+/// The normals of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshNormals {
+    /// Those of the faces.
+    Flat,
+    /// Interpolated between the vertices.
+    Smooth {
+        /// How the faces around a vertex count.
+        weights: FaceWeights,
+        /// Meshes of at most so many vertices are flat.
+        flat_up_to: usize,
+    },
+}
+
+/// How the faces around a vertex count for its normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceWeights {
+    /// By their areas.
+    Area,
+    /// All alike.
+    Equal,
+}
+
+/// The greys of distances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depths {
+    /// What is near is white, and nothing is black.
+    NearWhite,
+    /// What is near is black, and so is nothing.
+    NearBlack,
+}
+
+/// The colours of normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalColors {
+    /// The absolute coordinates.
+    Absolute,
+    /// From -1, which is black, to 1.
+    Shifted,
+}
+
+impl Model {
+    /// That of the editions of 2003 and 2004.
+    pub const COURSE: Self = Self {
+        screen: Screen::LongerSide,
+        highlight: Highlight::Blinn,
+        split: Split::Colors,
+        epsilon: None,
+        normals: MeshNormals::Flat,
+        depths: Depths::NearWhite,
+        normal_colors: NormalColors::Absolute,
+    };
+}

@@ -1,0 +1,130 @@
+//! Pictures that a scene names: textures and the faces of a cube map.
+//!
+//! They are looked up in single precision, with the operations of the course's code. Many colours are those of a byte, so
+//! that roundings decide whether truncation keeps it.
+
+use super::{Color, Position};
+use glam::{DVec3, Vec3};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A picture that a scene names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImageFile {
+    /// The name as written, with the face's file behind that of a cube map's folder.
+    pub name: String,
+    /// The position where the scene first names it.
+    pub at: Position,
+    /// Its contents, once it has been read.
+    pub texels: Arc<Texels>,
+    /// Where it was found.
+    pub file: Option<PathBuf>,
+}
+
+/// A picture of bytes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Texels {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// Red, green and blue of each pixel, row by row from the top.
+    pub rgb: Vec<u8>,
+    /// Whether colours are interpolated as bytes and divided by 255 then, or the other way round.
+    pub divides_last: bool,
+}
+
+impl Texels {
+    /// The colour at coordinates from 0 to 1, to the right and up. It is interpolated between the four texels from the one
+    /// that holds the point on, without a shift by half a texel, as in the course's code.
+    pub fn color(&self, [s, t]: [f32; 2]) -> Color {
+        let [width, height] = self.size;
+        let (x, y) = (s * width as f32, (1.0 - t) * height as f32);
+        let (column, row) = (x.trunc(), y.trunc());
+        let (a, b) = (x - column, y - row);
+        let texel = |i, j| self.texel(column + i, row + j);
+        let color = texel(0.0, 0.0) * ((1.0 - a) * (1.0 - b))
+            + texel(1.0, 0.0) * (a * (1.0 - b))
+            + texel(0.0, 1.0) * ((1.0 - a) * b)
+            + texel(1.0, 1.0) * (a * b);
+        (if self.divides_last { color / 255.0 } else { color }).as_dvec3()
+    }
+
+    /// The nearest texel to this column and row.
+    fn texel(&self, column: f32, row: f32) -> Vec3 {
+        // The conversion maps negative numbers and NaN to 0.
+        let [i, j] = [(column, self.size[0]), (row, self.size[1])]
+            .map(|(place, count)| (place as usize).min(count.saturating_sub(1)));
+        match self.rgb.get(3 * (j * self.size[0] + i)..) {
+            Some([red, green, blue, ..]) => {
+                let bytes = Vec3::new((*red).into(), (*green).into(), (*blue).into());
+                if self.divides_last { bytes } else { bytes / 255.0 }
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+}
+
+/// The faces of a cube map, in the order of [`FACES`].
+pub type CubeFaces = [usize; 6];
+/// The names of the faces' files.
+pub const FACES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
+
+/// The face of a cube that a direction meets, and the coordinates there. Of equal coordinates x comes first, then y.
+pub fn face(direction: DVec3) -> (usize, [f32; 2]) {
+    let direction = direction.as_vec3();
+    let Vec3 { x, y, z } = direction;
+    let size = direction.abs();
+    let half = |ratio: f32| (ratio + 1.0) / 2.0;
+    if size.x >= size.y && size.x >= size.z {
+        let (s, t) = (half(z / x), half(y / x));
+        if x > 0.0 { (0, [s, t]) } else { (1, [s, 1.0 - t]) }
+    } else if size.y >= size.z {
+        let (s, t) = (half(x / y), half(z / y));
+        if y > 0.0 { (2, [s, t]) } else { (3, [1.0 - s, 1.0 - t]) }
+    } else {
+        let (s, t) = (half(x / z), half(y / z));
+        if z > 0.0 { (4, [1.0 - s, t]) } else { (5, [s, 1.0 - t]) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two texels beside each other, and two below.
+    fn texels() -> Texels {
+        let rgb = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255];
+        Texels { size: [2, 2], rgb, divides_last: false }
+    }
+
+    #[test]
+    fn texels_are_at_their_upper_left_corners() {
+        let color = |s, t| texels().color([s, t]).to_array();
+        assert_eq!(color(0.0, 1.0), [1.0, 0.0, 0.0]);
+        assert_eq!(color(0.5, 1.0), [0.0, 1.0, 0.0]);
+        assert_eq!(color(0.0, 0.5), [0.0, 0.0, 1.0]);
+        assert_eq!(color(0.25, 1.0), [0.5, 0.5, 0.0]);
+        assert_eq!(color(0.25, 0.75), [0.5, 0.5, 0.5]);
+        // Beyond the last texel it goes on.
+        assert_eq!(color(1.0, 0.0), [1.0, 1.0, 1.0]);
+        assert_eq!(color(9.0, 1.0), [0.0, 1.0, 0.0]);
+        assert_eq!(color(f32::NAN, 0.5).map(f64::is_nan), [true; 3]);
+        assert_eq!(Texels { divides_last: true, ..texels() }.color([0.25, 1.0]).to_array(), [0.5, 0.5, 0.0]);
+        assert_eq!(Texels::default().color([0.5, 0.5]), Color::ZERO);
+    }
+
+    #[test]
+    fn each_direction_meets_a_face() {
+        for (direction, name, place) in [
+            (DVec3::new(2.0, 1.0, 0.0), "right", [0.5, 0.75]),
+            (DVec3::new(-2.0, 1.0, 0.0), "left", [0.5, 0.75]),
+            (DVec3::new(1.0, 2.0, 1.0), "up", [0.75, 0.75]),
+            (DVec3::new(1.0, -2.0, 1.0), "down", [0.75, 0.75]),
+            (DVec3::new(1.0, 1.0, 2.0), "front", [0.25, 0.75]),
+            (DVec3::new(1.0, 1.0, -2.0), "back", [0.25, 0.75]),
+            (DVec3::ONE, "right", [1.0, 1.0]),
+        ] {
+            let (index, found) = face(direction);
+            assert_eq!((FACES[index], found), (name, place), "{direction}");
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Each mistake is made, alone and together with another, and must not be taken for a third. `docs/confusion.md` shows
+//! what is named.
+
+use super::{Case, cases, named};
+use crate::caster::choose::Structure;
+use crate::picture::Picture;
+use crate::render::{Request, Tracing};
+use crate::tools::causes::finding::find_causes;
+use crate::tools::causes::{
+    Cause, Finding, Original, PixelChange, RequestChange, Rule, SceneChange, SelfHitting, rules,
+};
+use crate::trace::{Effects, Shadows};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::Path;
+
+const PAGE: &str = "docs/confusion.md";
+
+const HEAD: &str = "# Which cause is named
+
+What `-compare` says of pictures whose mistakes are known, since this program has made them. A test makes this page, and
+compares: `BLESS=1 cargo test --lib confusion` writes it anew. A name is wrong if it is neither that of the mistake nor
+that of another which makes the same picture to the byte. There is none in the first table. The scene `everything` is in
+the test.
+
+";
+
+const ALONE: &str = "
+## One mistake
+
+In how many of these scenes the mistake shows and is named, and what is named in the others, where it makes the same
+picture.
+
+| the mistake that is made | named | the same picture |
+|---|---:|---|
+";
+
+const UNKNOWN: &str = "
+## A mistake that is not known
+
+Each mistake stands for one that nobody has thought of: it is made, and only the others are tried. Of most of these
+pictures nothing may be named. The table has those of which something is, which is much like the mistake.
+
+| the mistake that is made | named |
+|---|---|
+";
+
+const BOTH: &str = "
+## Two mistakes
+
+Two mistakes in one picture: one of them is named as `at least`, or nothing is. Where one hides the other, or both make
+what a third makes, that is the picture.
+
+| one mistake | the other | named |
+|---|---|---|
+";
+
+/// Combinations of two mistakes for each of the first two scenes.
+const PAIRS: usize = 15;
+
+/// A case with the pictures that its mistakes make.
+struct Made<'c> {
+    case: &'c Case,
+    original: Original<'c>,
+    right: Picture,
+    mistakes: Vec<(Cause, Picture)>,
+}
+
+impl<'c> Made<'c> {
+    fn new(case: &'c Case) -> Self {
+        let original = case.original();
+        let right = original.picture(Cause::Unchanged).unwrap();
+        let mistakes = Cause::all().filter_map(|cause| Some((cause, original.picture(cause)?)));
+        let mistakes = mistakes.filter(|(_, picture)| *picture != right).collect();
+        Self { case, original, right, mistakes }
+    }
+
+    /// What is found where only these causes are known.
+    fn explain(&self, is_known: impl Fn(Cause, &Picture) -> bool, wrong: &Picture) -> Finding {
+        let known = self.mistakes.iter().filter(|(cause, picture)| is_known(*cause, picture));
+        let picture = |asked: Cause| match asked {
+            Cause::Unchanged => Some(self.right.clone()),
+            _ => self.mistakes.iter().find(|(made, _)| *made == asked).map(|(_, picture)| picture.clone()),
+        };
+        let known = known.map(|(cause, _)| *cause);
+        let found = find_causes(known, picture, std::slice::from_ref(wrong), &self.right)[0];
+        self.original.or_speckles(found, wrong, &self.right)
+    }
+
+    /// Whether the mistake makes just this picture.
+    fn makes(&self, cause: Cause, picture: &Picture) -> bool {
+        self.mistakes.iter().any(|(made, same)| *made == cause && same == picture)
+    }
+}
+
+/// The picture with both mistakes; none where they cannot be made together.
+fn both(case: &Case, mistakes: [Cause; 2]) -> Option<Picture> {
+    let (renderer, request) = (&case.renderer, &case.request);
+    let mut scene = renderer.scene.clone();
+    let (mut changed, mut rule, mut pixels) = (request.clone(), None, None);
+    for cause in mistakes {
+        match cause {
+            Cause::Unchanged => {}
+            Cause::Pixels(change) => pixels = Some(change),
+            Cause::Request(change) => changed = change.apply(&scene, &changed)?,
+            Cause::Scene(change) => scene = change.apply(&scene, &renderer.source.text)?,
+            Cause::Rule(broken) if broken.applies(&scene, &changed) => rule = Some(broken),
+            Cause::Rule(_) => return None,
+        }
+    }
+    let renderer = renderer.with_scene(scene).ok()?;
+    let prepared = renderer.prepare_for(Structure::Any, &changed, Tracing::Fast).ok()?;
+    let colors = match rule {
+        Some(_) => rules::colors(&renderer, &changed, prepared.caster(), rule).ok()?,
+        None => prepared.render(&changed).ok()?.pop()?,
+    };
+    Some(pixels.map_or_else(|| colors.to_picture(), |change| change.apply(&colors)))
+}
+
+/// Whether one is so much like the other that it may be named where the other is not known.
+fn are_alike(one: Cause, other: Cause) -> bool {
+    let pairs = [
+        (Cause::Scene(SceneChange::NoHighlights), Cause::Rule(Rule::HighlightsByReflection)),
+        (Cause::Scene(SceneChange::NoAmbient), Cause::Request(RequestChange::NoShadeBack)),
+        (Cause::Request(RequestChange::AngleNotHalved), Cause::Request(RequestChange::AngleOfShorterSide)),
+        (Cause::Scene(SceneChange::BlackBackground), Cause::Rule(Rule::BackgroundForCameraOnly)),
+        (Cause::Request(RequestChange::NoShadows), Cause::Rule(Rule::Epsilon { distance: 0.3 })),
+        (Cause::Rule(Rule::RaysClamped), Cause::Rule(Rule::SamplesClamped)),
+        (Cause::Request(RequestChange::Shadows), Cause::Request(RequestChange::TransparentShadows)),
+        (Cause::Pixels(PixelChange::OneLevelBrighter), Cause::Pixels(PixelChange::RoundedUp)),
+        (
+            Cause::Rule(Rule::NoEpsilon { rays: SelfHitting::Secondary }),
+            Cause::Rule(Rule::ReflectionFromBelow),
+        ),
+    ];
+    pairs.iter().any(|&(a, b)| (a.is_akin(one) && b.is_akin(other)) || (a.is_akin(other) && b.is_akin(one)))
+}
+
+fn kind(cause: Cause) -> u8 {
+    match cause {
+        Cause::Unchanged => 0,
+        Cause::Pixels(_) => 1,
+        Cause::Request(_) => 2,
+        Cause::Scene(_) => 3,
+        Cause::Rule(_) => 4,
+    }
+}
+
+fn words(cause: Cause) -> String {
+    cause.to_string().trim_start().to_owned()
+}
+
+fn flags(request: &Request) -> String {
+    let Effects { shadows, shade_back, bounces, min_weight } = request.effects;
+    let mut flags = match shadows {
+        Shadows::None => String::new(),
+        Shadows::Opaque => " -shadows".to_owned(),
+        Shadows::Transparent => " -transparent_shadows".to_owned(),
+    };
+    if shade_back {
+        flags += " -shade_back";
+    }
+    let _ = write!(flags, " -bounces {bounces}");
+    if min_weight > 0.0 {
+        let _ = write!(flags, " -weight {min_weight}");
+    }
+    if request.sampler.count() > 1 {
+        let _ = write!(flags, " -jittered_samples {}", request.sampler.count());
+    }
+    flags
+}
+
+/// A mistake, in how many scenes it is named, and what is instead where that makes the same picture.
+struct Row {
+    made: Cause,
+    named: usize,
+    same: BTreeSet<String>,
+}
+
+fn add_alone(rows: &mut Vec<Row>, made: &Made) {
+    let wrong: Vec<Picture> = made.mistakes.iter().map(|(_, picture)| picture.clone()).collect();
+    let found = made.original.explain_all(&wrong, &made.right);
+    for ((cause, picture), found) in made.mistakes.iter().zip(found) {
+        assert!(matches!(found, Finding::Equal { pixels: 0, .. }), "{cause:?}: {found}");
+        let name = named(found).unwrap();
+        assert!(made.makes(name, picture), "{cause:?}: {found}");
+        let place = rows.iter().position(|row| row.made == *cause).unwrap_or_else(|| {
+            rows.push(Row { made: *cause, named: 0, same: BTreeSet::new() });
+            rows.len() - 1
+        });
+        if name == *cause {
+            rows[place].named += 1;
+        } else {
+            rows[place].same.insert(words(name));
+        }
+    }
+}
+
+fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_names: &mut Vec<String>) {
+    for (cause, wrong) in &made.mistakes {
+        let found = made.explain(|other, same| !other.is_akin(*cause) && same != wrong, wrong);
+        let name = match (named(found), found) {
+            (Some(name), _) => {
+                if !are_alike(name, *cause) {
+                    wrong_names.push(format!("{cause:?}: {found}"));
+                }
+                words(name)
+            }
+            (None, Finding::Speckles { .. }) => {
+                if !hits_itself(*cause) {
+                    wrong_names.push(format!("{cause:?}: {found}"));
+                }
+                "scattered pixels, since epsilon is too small".to_owned()
+            }
+            (None, _) => continue,
+        };
+        named_instead.insert([words(*cause), name]);
+    }
+}
+
+fn hits_itself(cause: Cause) -> bool {
+    matches!(cause, Cause::Rule(Rule::NoEpsilon { .. } | Rule::ReflectionFromBelow))
+}
+
+/// What is found of two mistakes, a line of the table each.
+fn pairs(made: &Made, wrong_names: &mut Vec<String>) -> Vec<String> {
+    let causes: Vec<Cause> = made.mistakes.iter().map(|(cause, _)| *cause).collect();
+    let all = causes.iter().flat_map(|&one| causes.iter().map(move |&other| [one, other]));
+    let all: Vec<[Cause; 2]> = all.filter(|&[one, other]| kind(one) < kind(other)).collect();
+    let chosen = all.iter().step_by(all.len() / (PAIRS + 1));
+    let both = chosen.filter_map(|&pair| Some((pair, both(made.case, pair)?))).take(PAIRS);
+    both.map(|([one, other], wrong)| {
+        let found = made.explain(|_, _| true, &wrong);
+        let shown = match (named(found), found) {
+            (None, _) => "nothing".to_owned(),
+            (Some(name), Finding::Part { .. }) => {
+                if !name.is_akin(one) && !name.is_akin(other) {
+                    wrong_names.push(format!("{one:?} {other:?}: {found}"));
+                }
+                format!("at least {}", words(name))
+            }
+            (Some(name), _) => {
+                if !made.makes(name, &wrong) {
+                    wrong_names.push(format!("{one:?} {other:?}: {found}"));
+                }
+                format!("the same picture: {}", words(name))
+            }
+        };
+        format!("| {} | {} | {shown} |\n", words(one), words(other))
+    })
+    .collect()
+}
+
+#[test]
+fn the_page_shows_what_is_named() {
+    let mut page = HEAD.to_owned();
+    let (mut alone, mut instead, mut both, mut wrong_names) = (vec![], BTreeSet::new(), vec![], vec![]);
+    for (place, case) in cases().iter().enumerate() {
+        let made = Made::new(case);
+        let _ = writeln!(page, "* `{}{}`", case.name, flags(&case.request));
+        add_alone(&mut alone, &made);
+        add_unknown(&mut instead, &made, &mut wrong_names);
+        if place < 2 {
+            both.extend(pairs(&made, &mut wrong_names));
+        }
+    }
+    assert!(wrong_names.is_empty(), "{wrong_names:#?}");
+    page += ALONE;
+    for Row { made, named, same } in &alone {
+        let same: Vec<&str> = same.iter().map(String::as_str).collect();
+        let _ = writeln!(page, "| {} | {named} | {} |", words(*made), same.join("; "));
+    }
+    page += UNKNOWN;
+    for [made, named] in &instead {
+        let _ = writeln!(page, "| {made} | {named} |");
+    }
+    page += BOTH;
+    page.extend(both.iter().map(String::as_str));
+    let nothing = both.iter().filter(|line| line.ends_with("| nothing |\n")).count();
+    let _ = writeln!(page, "\nOf {nothing} of these {} pictures nothing is named.", both.len());
+
+    // Nothing is so near to anything else in these scenes.
+    let small = [0.0001, 0.001].map(|distance| Cause::Rule(Rule::Epsilon { distance }));
+    let is_made = |cause: &Cause| alone.iter().any(|row| row.made == *cause && row.named > 0);
+    // Scenes of later editions show these; `tests/program/editions.rs` tries them.
+    let is_of_later = |cause: &Cause| {
+        matches!(
+            cause,
+            Cause::Scene(
+                SceneChange::BlinnHighlights
+                    | SceneChange::AspectKept
+                    | SceneChange::FlatMeshes
+                    | SceneChange::OtherFaceWeights
+                    | SceneChange::CubeFacesSwapped
+            ) | Cause::Rule(Rule::SchlickSwapped)
+        )
+    };
+    let expected = Cause::all().skip(1).filter(|cause| !is_of_later(cause));
+    let missing: Vec<Cause> = expected.filter(|cause| !is_made(cause)).collect();
+    assert_eq!(missing, small);
+    assert!(both.len() == 2 * PAIRS && 2 * nothing < both.len(), "{nothing} of {}", both.len());
+
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(PAGE);
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let shown = std::fs::read_to_string(&path).unwrap_or_default().replace("\r\n", "\n");
+    assert!(shown == page, "BLESS=1 cargo test --lib confusion writes {PAGE} anew");
+}

@@ -1,0 +1,141 @@
+//! What only some models have: smooth normals, textures, and a background of pictures.
+
+use super::{SurfacePoint, World};
+use crate::math::robust;
+use crate::scene::Color;
+use crate::scene::material::{Material, Paint};
+use crate::scene::mesh::Mesh;
+use crate::scene::model::{FaceWeights, MeshNormals, Model};
+use crate::scene::texels::face;
+use glam::{DMat3, DVec2, DVec3};
+
+impl World {
+    /// Whether the scene means what those of 2004 do, so that nothing of this file matters.
+    pub fn is_of_course(&self) -> bool {
+        self.model == Model::COURSE
+    }
+
+    /// The colour along a ray that hits nothing.
+    pub fn background_along(&self, direction: DVec3) -> Color {
+        let Some(faces) = self.cube_map else { return self.background };
+        let (index, place) = face(direction);
+        faces
+            .get(index)
+            .and_then(|&image| self.images.get(image))
+            .map_or(self.background, |image| image.color(place))
+    }
+
+    /// The normal on a smooth mesh, which is interpolated between the vertices; none on other surfaces.
+    pub fn smooth_normal(&self, surface: &SurfacePoint) -> Option<DVec3> {
+        let triangle = surface.triangle? as usize;
+        let normal =
+            |vertex: u32| self.vertex_normals.get(vertex as usize).copied().filter(|n| *n != DVec3::ZERO);
+        let [a, b, c] = self.triangles[triangle];
+        let normals = [normal(a)?, normal(b)?, normal(c)?];
+        let weights = self.weights_at(triangle, surface.position);
+        let sum = normals.into_iter().zip(weights).map(|(normal, weight)| normal * weight).sum::<DVec3>();
+        Some(robust::unit(sum)).filter(|normal| normal.is_finite())
+    }
+
+    /// The colour of the picture on a surface; none where it has no texture coordinates.
+    pub fn image_color(&self, image: usize, surface: &SurfacePoint) -> Option<Color> {
+        let triangle = surface.triangle? as usize;
+        let corners = (*self.texture_coordinates.get(triangle)?)?;
+        let weights = self.weights_at(triangle, surface.position);
+        let place = corners.into_iter().zip(weights).map(|(corner, weight)| corner * weight).sum::<DVec2>();
+        self.images.get(image).map(|image| image.color(place.as_vec2().to_array()))
+    }
+
+    /// The factor of ambient light at a surface whose diffuse colour there is `diffuse`.
+    pub fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
+        match self.materials[surface.material] {
+            Material::Painted(phong, Paint::Pattern(..)) => phong.diffuse,
+            _ => diffuse,
+        }
+    }
+
+    /// The barycentric weights of a point of a triangle.
+    fn weights_at(&self, triangle: usize, point: DVec3) -> [f64; 3] {
+        let [a, b, c] = self.corners(triangle);
+        let (p, q, r) = (b - a, c - a, point - a);
+        let normal = p.cross(q);
+        let square = normal.length_squared();
+        let (v, w) = (r.cross(q).dot(normal) / square, p.cross(r).dot(normal) / square);
+        [1.0 - v - w, v, w]
+    }
+}
+
+/// A vector along the normal of each vertex of a mesh under a linear map; none for a mesh that is flat.
+pub fn vertex_normals(mesh: &Mesh, linear: DMat3, normals: MeshNormals) -> Option<Vec<DVec3>> {
+    let MeshNormals::Smooth { weights, flat_up_to } = normals else { return None };
+    if mesh.vertices.len() <= flat_up_to {
+        return None;
+    }
+    let mut sums = vec![DVec3::ZERO; mesh.vertices.len()];
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|vertex| mesh.vertices[vertex as usize]);
+        let normal = (b - a).cross(c - a);
+        let normal = match weights {
+            FaceWeights::Area => normal,
+            FaceWeights::Equal => normal.normalize_or_zero(),
+        };
+        corners.iter().for_each(|&vertex| sums[vertex as usize] += normal);
+    }
+    // The cofactor matrix is the inverse transpose times the determinant, whose sign matters.
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * linear.determinant().signum();
+    Some(sums.into_iter().map(|sum| cofactor * sum.normalize_or_zero()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A large triangle that faces up, and a small one that faces x, with an edge in common.
+    fn folded() -> Mesh {
+        Mesh {
+            vertices: vec![DVec3::ZERO, DVec3::Z, DVec3::new(-4.0, 0.0, 0.0), DVec3::NEG_Y],
+            triangles: vec![[0, 2, 1], [0, 3, 1]].into_iter().map(|[a, b, c]| [a, c, b]).collect(),
+        }
+    }
+
+    fn normals(weights: FaceWeights, linear: DMat3) -> Vec<DVec3> {
+        vertex_normals(&folded(), linear, MeshNormals::Smooth { weights, flat_up_to: 3 }).unwrap()
+    }
+
+    #[test]
+    fn faces_count_by_their_area_or_alike() {
+        let mesh = folded();
+        let face = |k: usize| {
+            let [a, b, c] = mesh.triangles[k].map(|vertex| mesh.vertices[vertex as usize]);
+            (b - a).cross(c - a)
+        };
+        let [large, small] = [face(0), face(1)];
+        assert_eq!((large.length(), small.length()), (4.0, 1.0));
+        let of = |weights| normals(weights, DMat3::IDENTITY);
+        let area = of(FaceWeights::Area);
+        assert!((area[0] - (large + small).normalize()).length() < 1e-15 && area[0] == area[1]);
+        assert_eq!([area[2], area[3]], [large.normalize(), small]);
+        let equal = of(FaceWeights::Equal);
+        assert!((equal[0] - (large.normalize() + small).normalize()).length() < 1e-15);
+    }
+
+    #[test]
+    fn normals_are_transformed_by_the_inverse_transpose() {
+        let linear = DMat3::from_diagonal(DVec3::new(-2.0, 1.0, 1.0));
+        let (moved, still) =
+            (normals(FaceWeights::Area, linear), normals(FaceWeights::Area, DMat3::IDENTITY));
+        for (moved, still) in moved.into_iter().zip(still) {
+            let expected = (linear.inverse().transpose() * still).normalize();
+            assert!((moved.normalize() - expected).length() < 1e-15, "{moved}");
+        }
+    }
+
+    #[test]
+    fn a_small_mesh_is_flat() {
+        let smooth = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 4 };
+        for normals in [smooth, MeshNormals::Flat] {
+            assert_eq!(vertex_normals(&folded(), DMat3::IDENTITY, normals), None);
+        }
+    }
+}
