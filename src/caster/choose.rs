@@ -113,7 +113,10 @@ impl Layout {
         if work < MIN_TRIANGLES || rays.cast < MIN_RAYS {
             return Self::List;
         }
-        if count >= MANY_PRIMITIVES && rays.camera >= MANY_RAYS * count {
+        let is_for_tree = |(primitives, per_primitive): (usize, usize), rays| {
+            count >= primitives && rays >= count.saturating_mul(per_primitive)
+        };
+        if is_for_tree(LARGE, rays.camera) || is_for_tree(OFTEN_CAST, rays.cast) {
             return Self::Tree;
         }
         let wanted = wanted_cells(world, rays.camera);
@@ -126,11 +129,15 @@ impl Layout {
     }
 }
 
-/// From this number of primitives on, a tree is faster than a grid, which takes less time to build.
-const MANY_PRIMITIVES: usize = 100_000;
-
-/// From this number of rays per primitive on, the time per ray matters more than the time to build.
+/// From this number of camera rays per primitive on, the time per ray matters more than the time to build.
 const MANY_RAYS: usize = 8;
+
+/// From this number of primitives on, a tree is faster than a grid, which takes less time to build; and how many camera
+/// rays there must be for each of them.
+const LARGE: (usize, usize) = (100_000, MANY_RAYS);
+
+/// The same for fewer primitives, where the tree saves less and so must be searched by more rays of all kinds.
+const OFTEN_CAST: (usize, usize) = (20_000, 16);
 
 /// No tree pays if a primitive shares its cell with fewer than this on average: five times the mean of the occupied cells
 /// of an evenly tessellated mesh.
@@ -288,6 +295,16 @@ mod tests {
         let crowded = scattered(2000, 0.01, 0.0002);
         assert!(matches!(Layout::chosen(&crowded, Rays::cast(50)), Layout::Grid(_)));
         assert_eq!(Layout::chosen(&crowded, Rays::cast(1000)), Layout::Tree);
+    }
+
+    #[test]
+    fn a_tree_pays_for_middling_worlds_that_many_rays_are_cast_into() {
+        let chosen =
+            |world: &World, camera, cast| Layout::chosen(world, Rays { camera, cast }) == Layout::Tree;
+        let middling = scattered(20_000, 1.0, 0.005);
+        let many = 16 * middling.finite_count();
+        assert_eq!([many - 1, many].map(|cast| chosen(&middling, 0, cast)), [false, true]);
+        assert!(!chosen(&scattered(10_000, 1.0, 0.005), 0, many));
     }
 
     #[test]
