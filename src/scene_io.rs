@@ -1,22 +1,21 @@
 //! Reads a scene and its meshes from files.
 
 mod error;
+mod named_files;
 
-use crate::escape::escape;
-use crate::image_io::read_picture;
-use crate::memory;
-use crate::near_names::nearest_file;
 use crate::scene::edition::{Choice, Clues, Edition};
-use crate::scene::error::{Problem, SceneError};
+use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Paint};
-use crate::scene::mesh::{Mesh, memory_for, read_obj};
+use crate::scene::mesh::Mesh;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::texels::{ImageFile, Texels};
-use crate::scene::texture_coordinates::{self, Corners};
+use crate::scene::texture_coordinates::Corners;
 use crate::scene::warning::SceneWarning;
 use crate::scene::{MeshFile, Scene};
 pub use error::LoadError;
+pub use named_files::mesh_places;
+use named_files::{find_texels, hint_to_name, read_mesh};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -264,78 +263,8 @@ fn read_files(
     if errors.is_empty() { Ok(meshes) } else { Err(errors) }
 }
 
-/// Reads a picture that a scene names from the first place where there is one.
-fn find_texels(name: &str, (folder, edition): (&Path, Edition)) -> Result<(Arc<Texels>, PathBuf), Problem> {
-    let places = mesh_places(name, folder, edition);
-    let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
-    let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
-    Ok((Arc::new(read_texels(name, file, edition)?), file.to_owned()))
-}
-
-/// Reads the picture that a scene calls `name`.
-fn read_texels(name: &str, file: &Path, edition: Edition) -> Result<Texels, Problem> {
-    let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
-    let picture = read_picture(file).map_err(|error| unreadable(error.to_string()))?;
-    let size = [picture.width(), picture.height()].map(|n| n as usize);
-    Ok(Texels { size, rgb: picture.pixels().to_vec(), divides_last: edition.divides_texels_last() })
-}
-
-/// Advice on a mesh's name for which there is no file: the name of one that is there.
-fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
-    let Problem::MeshUnreadable { name, .. } = problem else { return None };
-    let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
-    let places = mesh_places(name, scene_directory, Edition::Y2004);
-    if places.iter().any(is_there) {
-        return None;
-    }
-    let near = places.iter().find_map(|place| nearest_file(place))?;
-    let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
-    Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
-}
-
-/// Reads the mesh that a scene names from the first place where it can be read.
-fn read_mesh(
-    MeshFile { name, at, .. }: &MeshFile,
-    (scene_directory, edition): (&Path, Edition),
-    is_textured: bool,
-    announce: &dyn Fn(usize),
-) -> Result<FoundMesh, Problem> {
-    let mut tried = Vec::new();
-    for place in mesh_places(name, scene_directory, edition) {
-        match read_mesh_file(&place)? {
-            Ok(bytes) => {
-                announce(bytes.len());
-                let (mesh, doubts) =
-                    read_obj(&bytes).map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
-                let warning = |doubt| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
-                let warnings = doubts.into_iter().map(warning).collect();
-                let texture_coordinates = match is_textured {
-                    true => texture_coordinates::read(&bytes, mesh.triangles.len()),
-                    false => vec![],
-                };
-                return Ok(FoundMesh { mesh, file: place, texture_coordinates, warnings });
-            }
-            Err(reason) => tried.push((lossy(&place), reason)),
-        }
-    }
-    Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
-}
-
-/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the
-/// program and a device may have no end. Too little memory for the mesh is an error.
-fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, Problem> {
-    let length = match fs::metadata(place) {
-        Ok(found) if found.is_file() => found.len(),
-        Ok(found) if found.is_dir() => return Ok(Err("it is a folder".into())),
-        Ok(_) => return Ok(Err("it is a pipe or a device, not a regular file".into())),
-        Err(error) => return Ok(Err(error.to_string())),
-    };
-    memory::ask(memory_for(length)).map_err(Problem::Memory)?;
-    Ok(fs::read(place).map_err(|error| error.to_string()))
-}
-
-/// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene that is no
-/// regular file or cannot be read.
+/// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene
+/// that is no regular file or cannot be read.
 pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
@@ -347,26 +276,6 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
         |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
     let images = named.images.iter().map(|image| &image.name);
     named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
-}
-
-/// Where to look for a mesh or a picture: relative to the working directory, as the course's program does, then beside the
-/// scene, unless that is the same; in some editions the other way round. In either folder, a file whose name has backslashes comes before a path that is written with
-/// them, as on Windows.
-pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<PathBuf> {
-    let with_slashes = name.replace('\\', "/");
-    let mut places = Vec::new();
-    let mut folders = [Path::new(""), scene_directory];
-    if edition.starts_beside_scene() {
-        folders.reverse();
-    }
-    for folder in folders {
-        for place in [name, &with_slashes].map(|name| folder.join(name)) {
-            if !places.contains(&place) {
-                places.push(place);
-            }
-        }
-    }
-    places
 }
 
 /// The text in a scene's bytes, without a byte order mark.
@@ -388,10 +297,6 @@ fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> LoadError {
         column: last_line.chars().count() + 1,
         is_utf16: bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff"),
     }
-}
-
-fn lossy(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
 }
 
 #[cfg(test)]
@@ -431,16 +336,6 @@ mod tests {
         let loaded = load(&path).unwrap();
         assert_eq!(loaded.meshes.iter().map(|mesh| mesh.triangles.len()).collect::<Vec<_>>(), [1, 2]);
         assert_eq!(loaded.source, Source { path, text });
-    }
-
-    #[test]
-    fn the_working_directory_comes_first() {
-        assert_eq!(
-            mesh_places("m.obj", Path::new("s"), Edition::Y2004),
-            [Path::new("m.obj"), Path::new("s/m.obj")]
-        );
-        assert_eq!(mesh_places("m.obj", Path::new(""), Edition::Y2004), [Path::new("m.obj")]);
-        assert_eq!(mesh_places("/m.obj", Path::new("s"), Edition::Y2004), [Path::new("/m.obj")]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::math::ray::{Ray, Visible};
 use crate::scene::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::incident;
-use crate::shading::phong::{Mixture, PointMaterial};
+use crate::shading::phong::{Mixture, PointMaterial, View};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 use serde::Serialize;
@@ -21,7 +21,7 @@ mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
-pub use rules::{ByModel, Departure, Rules, View};
+pub use rules::{ByModel, Departure, Rules};
 pub(crate) use secondary::{Path, SecondaryRay};
 
 /// Which objects cast shadows.
@@ -168,15 +168,15 @@ impl<R: Rules> Tracer<'_, R> {
         for (index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
+            let view = View { cosine, normal, to_viewer };
             // The course's program casts the shadow ray even where the light has no effect.
             let passed = self.light_passed(arrival, &light, index, observer);
             if material.shows(highlight, &light, cosine) && passed != Color::ZERO {
-                let view = View { cosine, normal, to_viewer };
                 let lit = passed * self.rules.reflect(material, (&light, index), &view);
                 color = self.rules.sum(color, self.rules.light(lit));
             }
             observer.observe(|| {
-                let parts = material.parts(highlight, &light, cosine, normal, to_viewer);
+                let parts = material.parts(highlight, &light, &view);
                 Event::Light { incident: light, cosine, passed, parts }
             });
         }

@@ -9,7 +9,7 @@ use crate::math::ray::Ray;
 use crate::scene::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::{Incident, incident};
-use crate::shading::phong::Mixture;
+use crate::shading::phong::{Mixture, View};
 use crate::stats::Quiet;
 use crate::trace::{Arrival, Path, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
@@ -112,7 +112,8 @@ impl Shading<'_> {
             if cosine > 0.0 && !is_black && light.color != Color::ZERO {
                 let passed = self.light_passed(arrival, (&light, light_index, is_inside), rays);
                 if passed != Color::ZERO {
-                    color += passed * material.reflect(Highlight::Blinn, &light, cosine, normal, to_viewer);
+                    color += passed
+                        * material.reflect(Highlight::Blinn, &light, &View { cosine, normal, to_viewer });
                 }
             }
         }

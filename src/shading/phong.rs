@@ -15,6 +15,17 @@ pub struct PointMaterial<'m> {
     further: &'m [Lobe],
 }
 
+/// From where a surface is lit and seen.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Between the normal and the direction to the light.
+    pub cosine: f64,
+    /// The normal on the side from which it is seen, a unit vector.
+    pub normal: DVec3,
+    /// The direction to the viewer, a unit vector.
+    pub to_viewer: DVec3,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lobe {
     color: Color,
@@ -72,21 +83,13 @@ impl<'m> From<&'m Phong> for PointMaterial<'m> {
 }
 
 impl PointMaterial<'_> {
-    /// The light reflected to the viewer: Lambert's diffuse and a specular term. `normal` and `to_viewer` are unit
-    /// vectors, and `cosine` is between the normal and the direction to the light. As in the course the specular term is
-    /// not multiplied by the cosine.
+    /// The light reflected to the viewer: Lambert's diffuse and a specular term. As in the course the specular term is not
+    /// multiplied by the cosine.
     #[inline(always)]
-    pub fn reflect(
-        &self,
-        highlight: Highlight,
-        light: &Incident,
-        cosine: f64,
-        normal: DVec3,
-        to_viewer: DVec3,
-    ) -> Color {
-        let mut reflected = self.phong.diffuse * diffuse_factor(highlight, cosine);
+    pub fn reflect(&self, highlight: Highlight, light: &Incident, view: &View) -> Color {
+        let mut reflected = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
         if self.is_specular() {
-            reflected += self.specular(highlight, light.direction, normal, to_viewer);
+            reflected += self.specular(highlight, light.direction, view);
         }
         light.color * reflected
     }
@@ -99,21 +102,15 @@ impl PointMaterial<'_> {
     }
 
     /// The diffuse and the specular part of what [`reflect`](Self::reflect) returns, for whoever wants to know.
-    pub fn parts(
-        &self,
-        highlight: Highlight,
-        light: &Incident,
-        cosine: f64,
-        normal: DVec3,
-        to_viewer: DVec3,
-    ) -> [Color; 2] {
-        let diffuse = self.phong.diffuse * diffuse_factor(highlight, cosine);
-        [diffuse, self.specular(highlight, light.direction, normal, to_viewer)].map(|part| light.color * part)
+    pub fn parts(&self, highlight: Highlight, light: &Incident, view: &View) -> [Color; 2] {
+        let diffuse = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
+        [diffuse, self.specular(highlight, light.direction, view)].map(|part| light.color * part)
     }
 
     /// The specular term, per unit of light.
     #[inline(always)]
-    fn specular(&self, highlight: Highlight, to_light: DVec3, normal: DVec3, to_viewer: DVec3) -> Color {
+    fn specular(&self, highlight: Highlight, to_light: DVec3, view: &View) -> Color {
+        let View { normal, to_viewer, .. } = *view;
         let alignment = match highlight {
             Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
             Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
@@ -193,11 +190,16 @@ mod tests {
         }
     }
 
+    fn seen(cosine: f64, normal: DVec3, to_viewer: DVec3) -> View {
+        View { cosine, normal, to_viewer }
+    }
+
     #[test]
     fn a_highlight_is_not_scaled_by_the_cosine() {
         let phong = Phong { diffuse: Color::ZERO, specular: Color::ONE, exponent: 1.0, ..Phong::default() };
         let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
-        let color = PointMaterial::from(&phong).reflect(Highlight::Blinn, &light, 1e-9, DVec3::Y, DVec3::Y);
+        let color =
+            PointMaterial::from(&phong).reflect(Highlight::Blinn, &light, &seen(1e-9, DVec3::Y, DVec3::Y));
         assert!((color.x - 0.5f64.sqrt()).abs() < 1e-15);
     }
 
@@ -209,7 +211,7 @@ mod tests {
         let (level, behind) = (light(DVec3::NEG_X), light(DVec3::new(-1.0, -0.1, 0.0).normalize()));
         let material = PointMaterial::from(&phong);
         let reflect = |light: &Incident| {
-            material.reflect(Highlight::Phong, light, DVec3::Y.dot(light.direction), DVec3::Y, viewer)
+            material.reflect(Highlight::Phong, light, &seen(DVec3::Y.dot(light.direction), DVec3::Y, viewer))
         };
         // The mirrored direction is at 45 degrees to the one, and a little farther from the other.
         assert!((reflect(&level) - Color::new(0.5, 0.0, 0.0)).length() < 1e-15);
@@ -220,7 +222,8 @@ mod tests {
         // Zero to the power of zero is one.
         let even = Phong { exponent: 0.0, ..phong };
         let away = light(DVec3::new(1.0, -1.0, 0.0).normalize());
-        let color = PointMaterial::from(&even).reflect(Highlight::Phong, &away, -0.7, DVec3::Y, viewer);
+        let color =
+            PointMaterial::from(&even).reflect(Highlight::Phong, &away, &seen(-0.7, DVec3::Y, viewer));
         assert_eq!(color, Color::X);
     }
 
@@ -257,11 +260,11 @@ mod tests {
         assert_eq!(mix.phong.index_of_refraction, 0.25 * 1.5 + 0.75 * 1.25);
         // The cosine between the normal and the vector half way between light and viewer is sqrt(1/2).
         let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::new(1.0, 0.5, 2.0) };
-        let color = mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::Y, DVec3::Y);
+        let color = mix.reflect(Highlight::Blinn, &light, &seen(0.5, DVec3::Y, DVec3::Y));
         let highlights = 0.25 * one.specular * 0.5 + 0.75 * other.specular * 0.25;
         assert!((color - light.color * (0.5 * mix.phong.diffuse + highlights)).length() < 1e-15, "{color}");
         assert_eq!(
-            mix.reflect(Highlight::Blinn, &light, 0.5, DVec3::NEG_Y, DVec3::Y),
+            mix.reflect(Highlight::Blinn, &light, &seen(0.5, DVec3::NEG_Y, DVec3::Y)),
             light.color * 0.5 * mix.phong.diffuse
         );
     }

@@ -15,7 +15,7 @@ use std::ops::{ControlFlow, Range};
 
 /// The rows that are looked at are as many bands of this height, at equal distances.
 const BANDS: usize = 16;
-const BAND_HEIGHT: usize = 8;
+const BAND_HEIGHT: usize = 4;
 
 /// What uniform samples are compared with has so many times as many samples, so that its own error matters little.
 const REFERENCE: u32 = 4;

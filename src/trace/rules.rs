@@ -12,7 +12,7 @@ use crate::scene::Color;
 use crate::scene::material::{Material, Paint, Phong};
 use crate::scene::model::{MeshNormals, Model, Split};
 use crate::shading::light::Incident;
-use crate::shading::phong::{Mixture, PointMaterial};
+use crate::shading::phong::{Mixture, PointMaterial, View};
 use crate::shading::texture::{material_at, mixed_color};
 use crate::stats::Probe;
 use crate::world::{SurfacePoint, World};
@@ -27,17 +27,6 @@ pub enum Departure {
     Shadow,
     /// It has passed a transparent surface on the way to a light.
     Onwards,
-}
-
-/// From where a surface is lit and seen.
-#[derive(Clone, Copy, Debug)]
-pub struct View {
-    /// Between the normal and the direction to the light.
-    pub cosine: f64,
-    /// The normal on the side from which it is seen, a unit vector.
-    pub normal: DVec3,
-    /// The direction to the viewer, a unit vector.
-    pub to_viewer: DVec3,
 }
 
 /// How rays are traced.
@@ -200,7 +189,7 @@ pub trait Rules: Sync {
     /// What a surface reflects of the light with this index; `cosine` is positive.
     #[inline(always)]
     fn reflect(&self, material: &PointMaterial, (light, _): (&Incident, usize), view: &View) -> Color {
-        material.reflect(self.model().highlight, light, view.cosine, view.normal, view.to_viewer)
+        material.reflect(self.model().highlight, light, view)
     }
 
     /// What the light of one source adds to the colour of a surface.

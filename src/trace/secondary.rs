@@ -155,7 +155,9 @@ fn mirrored_part(arrival: &Arrival) -> f64 {
     // same, so that nothing is mirrored there at a right angle.
     let root = (inside - front) / (inside + front);
     let straight = root * root;
-    straight + (1.0 - straight) * (1.0 - cosine).powi(5)
+    // Products in a fixed order, which are the same on every machine.
+    let (grazing, square) = (1.0 - cosine, (1.0 - cosine) * (1.0 - cosine));
+    straight + (1.0 - straight) * (grazing * (square * square))
 }
 
 /// A step on the way of a secondary ray, or its end.

@@ -11,10 +11,10 @@ use crate::scene::model::Model;
 use crate::scene::{Color, Light, MaterialId};
 use crate::shading::light::Incident;
 use crate::shading::perlin::turbulence;
-use crate::shading::phong::{Mixture, PointMaterial};
+use crate::shading::phong::{Mixture, PointMaterial, View};
 use crate::shading::texture::first_weight;
 use crate::stats::{Probe, Quiet};
-use crate::trace::{Departure, Path, Rules, Secondary, SecondaryRay, Tracer, View, reflected};
+use crate::trace::{Departure, Path, Rules, Secondary, SecondaryRay, Tracer, reflected};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
