@@ -19,6 +19,7 @@ use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
 use raytracer::stats::{Repeats, Report, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
@@ -182,6 +183,7 @@ pub fn render(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
         standard_error: None,
+        edition: options.edition.filter(|&edition| edition != Edition::default()).map(Edition::name),
     };
     let repeats = match options.repeat {
         Some(count) => Repeats::of(repeated(count, rendering, &prepared, &request, options, signals)?),
