@@ -51,7 +51,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
     let request = Request { effects: *effects, ..options.request() };
     if !shows_colors(options) {
-        found.extend(warnings::colors_not_asked_for(&request));
+        found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
         return found;
     }
     // Where the cells of the grid are drawn no ray bounces.

@@ -13,6 +13,7 @@ use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::escape::{quoted, shell_word};
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
@@ -45,14 +46,15 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
         if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
-    let report = Sweep::new(&renderer, &request, options.structure, bench).run();
+    let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
+    let report = Sweep::new(&renderer, &request, own, bench).run();
     line.end();
     let mut report = report.map_err(failed)?;
     report.stages.insert(0, ("reading the scene", reading));
 
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
     let command = |setting: &Setting| command(options, setting);
-    let asked_for = command(&Setting::of(&request, options.structure)).join(" ");
+    let asked_for = command(&own).join(" ");
     let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
@@ -120,6 +122,9 @@ fn command(options: &Options, setting: &Setting) -> Vec<String> {
         format!("-input {}", shell_word(&*input)),
         format!("-size {width} {height}"),
     ];
+    if setting.edition != Edition::default() {
+        words.push(format!("-edition {}", setting.edition));
+    }
     words.extend(separate(&setting.flags().unwrap_or_default()));
     words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
     words
