@@ -153,6 +153,7 @@ fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
     let count = |object: &Object| match object {
         Object::Mesh { mesh, .. } => meshes.get(*mesh).map_or(0, |mesh| mesh.triangles.len()),
         Object::Box { .. } => BOX,
+        Object::Grid { surface, .. } => surface.triangles.len(),
         _ => 1,
     };
     scene.objects.iter().map(count).fold(0, usize::saturating_add)

@@ -6,6 +6,7 @@
 
 pub mod edition;
 pub mod error;
+mod filled_cells;
 mod foreign_format;
 mod keyword;
 pub mod lexer;
