@@ -31,6 +31,8 @@ pub enum View<'a> {
     Scene,
     /// The occupied cells of the grid, lit by the world's lights.
     Cells(&'a Occupancy),
+    /// The place of each pixel.
+    Places,
 }
 
 /// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).

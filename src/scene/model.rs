@@ -18,6 +18,8 @@ pub struct Model {
     pub depths: Depths,
     /// The colours of normals.
     pub normal_colors: NormalColors,
+    /// What colours show.
+    pub shows: Shows,
 }
 
 /// How the view of a perspective camera is spread over the pixels.
@@ -93,6 +95,15 @@ pub enum NormalColors {
     Shifted,
 }
 
+/// What the picture of colours shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// The scene.
+    Scene,
+    /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
+    Places,
+}
+
 impl Model {
     /// That of the editions of 2003 and 2004.
     pub const COURSE: Self = Self {
@@ -103,5 +114,6 @@ impl Model {
         normals: MeshNormals::Flat,
         depths: Depths::NearWhite,
         normal_colors: NormalColors::Absolute,
+        shows: Shows::Scene,
     };
 }
