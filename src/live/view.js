@@ -15,6 +15,8 @@ const VALUES_FROM = 64;
 
 const view = {
   scene: null,
+  // The flags that name the edition in which it was read.
+  readWith: '',
   // The camera that the hand has moved; none while it is the scene's own.
   camera: null,
   canvas: find('picture'),
@@ -47,7 +49,11 @@ const view = {
   // Takes a scene that is open. The camera stays if it was moved.
   open(scene) {
     this.scene = scene;
-    if (this.camera) this.camera.pivot = pivotOf(this.camera, scene.bounds);
+    showEdition(scene);
+    if (this.camera) {
+      const { is_stretched, up_as_written } = scene.camera;
+      Object.assign(this.camera, { is_stretched, up_as_written, pivot: pivotOf(this.camera, scene.bounds) });
+    }
     this.layout();
     this.rest();
   },
