@@ -137,6 +137,7 @@ function scrollMarks() {
 
 // The objects that the picture shows, once it rests.
 async function lookAround() {
+  if (!view.isOpen()) return;
   const scene = view.scene.revision;
   try {
     const { meta, bytes } = await ask('/objects', { ...view.question(), show: 'color' });

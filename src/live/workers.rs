@@ -32,11 +32,14 @@ pub enum Unanswered<W> {
     NotStarted(String),
 }
 
+/// The revision of a scene that was typed in, and the page's question with its text.
+pub type TypedScene = (u64, Arc<[u8]>);
+
 /// What a request brings along for a worker that does not have it.
 #[derive(Clone, Default)]
 pub struct Luggage {
-    /// The scene that was typed in, by its revision and the page's question with its text.
-    pub scene: Option<(u64, Arc<[u8]>)>,
+    /// The scene that was typed in.
+    pub scene: Option<TypedScene>,
     /// The picture to compare with.
     pub reference: Option<Arc<Reference>>,
 }

@@ -465,10 +465,11 @@ def check_glass(program, browser, folder, shot):
 
 def check_editions(program, browser, folder, shot):
     """The choice of edition: what it takes, what goes without a flag, and where the overlay shows a ray."""
-    page = Page(program, browser, "editions/glass_2012a5.txt", "-size 240 160 -shadows", folder)
+    page = Page(program, browser, "editions/glass_2012a5.txt", "-size 72 48 -shadows", folder)
     choose = ("const e = find('%s'); e.value = '%s'; e.dispatchEvent(new Event('input', {bubbles: true})); return 0")
     command = "return find('command').value"
     try:
+        page.run("find('refine').click(); return 0")
         page.settle()
         taken = page.run("return find('taken').textContent")
         assert taken.startswith("the scene is taken as one of the edition 2012a5, because of `falloff`"), taken
@@ -481,10 +482,10 @@ def check_editions(program, browser, folder, shot):
         page.browser.ask("POST", "/goog/cdp/execute", {"cmd": "Emulation.clearDeviceMetricsOverride", "params": {}})
         shot("edition.png")
         page.run(choose % ("samples", "-jitter"))
-        page.wait("return view.image.width === 720", "the samples do not enlarge the picture")
+        page.wait("return view.image.width === 216", "the samples do not enlarge the picture")
         page.check_pixels("displaced samples")
         page.run(choose % ("filter", "-filter"))
-        page.wait("return view.image.width === 240", "the blur does not reduce the picture")
+        page.wait("return view.image.width === 72", "the blur does not reduce the picture")
         page.check_pixels("displaced and blurred")
         page.run(choose % ("samples", ""))
         page.run(choose % ("filter", ""))
@@ -496,26 +497,27 @@ def check_editions(program, browser, folder, shot):
         page.wait("return find('taken').textContent === '' && /-edition 2012a5/.test(find('command').value)", "it is not taken")
         page.settle()
         # The mark of a ray that ends where it is seen lies on its pixel, also where the view is stretched.
-        page.run("trace([20, 130]); return 0")
+        page.run("trace([6, 40]); return 0")
         page.wait("return traced.rays !== null", "no ray is traced")
         at = page.run("const to = traced.rays.segments.find((line) => line.kind === 'camera').to;"
                       "const { x, y } = view.seenWith().project(to, size()); return [x, y]")
-        assert math.dist(at, [20.5, 130.5]) < 0.01, at
+        assert math.dist(at, [6.5, 40.5]) < 0.01, at
         page.drag([(0, 0), (40, 12)])
         page.check_pixels("turned where the view is stretched")
     finally:
         page.close()
-    page = Page(program, browser, "editions/mirrors_2019.txt", "-size 200 150 -edition 2019", folder)
+    page = Page(program, browser, "editions/mirrors_2019.txt", "-size 60 45 -edition 2019", folder)
     try:
+        page.run("find('refine').click(); return 0")
         page.settle()
         assert page.run("return find('edition').value") == "2019" and "-edition 2019" in page.run(command)
         page.drag([(0, 0), (30, 40)])
         page.check_pixels("turned where up is as written")
-        page.run("trace([100, 100]); return 0")
+        page.run("trace([30, 32]); return 0")
         page.wait("return traced.rays !== null", "no ray is traced")
         at = page.run("const to = traced.rays.segments.find((line) => line.kind === 'camera').to;"
                       "const { x, y } = view.seenWith().project(to, size()); return [x, y]")
-        assert math.dist(at, [100.5, 100.5]) < 0.01, at
+        assert math.dist(at, [30.5, 32.5]) < 0.01, at
     finally:
         page.close()
 

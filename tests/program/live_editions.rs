@@ -67,9 +67,11 @@ fn the_page_is_told_which_edition_is_taken_and_what_goes_without_a_flag() {
         let said = scene["note"].as_str().unwrap_or_default();
         assert!(said.contains(note) && said.is_empty() == note.is_empty(), "{words}: {said}");
     }
-    let errors = server.ask("/scene", &json!({ "text": text, "words": ["-edition", "2004"] })).expect("errors");
+    let errors =
+        server.ask("/scene", &json!({ "text": text, "words": ["-edition", "2004"] })).expect("errors");
     assert!(errors.0["errors"][0]["hint"].as_str().is_some_and(|hint| hint.contains("`-edition 2019`")));
-    let (status, why) = server.ask("/scene", &json!({ "text": text, "words": ["-edition", "2005"] })).unwrap_err();
+    let (status, why) =
+        server.ask("/scene", &json!({ "text": text, "words": ["-edition", "2005"] })).unwrap_err();
     assert!(status == 422 && why.contains("is none of the editions"), "{status} {why}");
 }
 

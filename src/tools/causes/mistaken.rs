@@ -88,11 +88,7 @@ impl<R: Rules> Mistaken<'_, R> {
 }
 
 /// A ray that starts on the other side of the surface, and so meets it at once.
-pub fn from_other_side<R: Rules>(
-    right: &R,
-    surface: &SurfacePoint,
-    direction: DVec3,
-) -> (Ray, Option<u32>) {
+pub fn from_other_side<R: Rules>(right: &R, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
     let largest = right.world().max_abs_coord;
     (Ray::new(offset_origin(surface.position, surface.normal, -direction, largest), direction), None)
 }

@@ -27,7 +27,7 @@ pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use rules::{Rule, SelfHitting};
-pub use scenes::SceneChange;
+pub use scenes::{OppositeFaces, SceneChange};
 
 use crate::caster::choose::{Rays, Structure};
 use crate::picture::{FloatPicture, Picture};

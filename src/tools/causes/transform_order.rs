@@ -1,8 +1,8 @@
 //! Transformations multiplied in the other order.
 
 use crate::math::rounded_affine::RoundedAffine;
-use crate::scene::lexer::Lexer;
 use crate::scene::edition::Edition;
+use crate::scene::lexer::Lexer;
 use crate::scene::parser::read_in;
 use crate::scene::{Object, ObjectId, Scene, is_transformation};
 

@@ -285,7 +285,8 @@ fn the_page_shows_what_is_named() {
     let small = [0.0001, 0.001].map(|distance| Cause::Rule(Rule::Epsilon { distance }));
     let is_made = |cause: &Cause| alone.iter().any(|row| row.made == *cause && row.named > 0);
     // These show in other layers.
-    let is_of_colors = |cause: &Cause| !matches!(cause, Cause::Scene(change) if !change.shows_in(Layer::Color));
+    let is_of_colors =
+        |cause: &Cause| !matches!(cause, Cause::Scene(change) if !change.shows_in(Layer::Color));
     let expected = Cause::all().skip(1).filter(is_of_colors);
     let missing: Vec<Cause> = expected.filter(|cause| !is_made(cause)).collect();
     assert_eq!(missing, small);
