@@ -269,6 +269,20 @@ fn mistakes_of_the_editions_are_found() {
     }
 }
 
+/// Assignment 5 of 2012 has no highlights, which a program that has grown out of assignment 4 has.
+#[test]
+fn highlights_of_the_assignment_before_are_found() {
+    let folder =
+        Folder::with_scene(&later("diffuseColor .4 .3 .2 specularColor .5 .5 .5 shininess 9", "", ""));
+    folder.run("-input s.txt -size 40 30 -edition 2012a4 -output a.png").ok();
+    let run = folder.run("-input s.txt -size 40 30 -edition 2012a5 -bounces 0 -compare a.png").ok();
+    assert!(
+        run.stdout.contains("equals this program's picture with highlights (0 pixels differ)"),
+        "{}",
+        run.stdout
+    );
+}
+
 /// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
 #[test]
 fn mistakes_in_depths_and_normals_are_found() {
