@@ -90,8 +90,8 @@ pub fn render(
     images.into_iter().try_for_each(|image| written.check_read(ReadAs::Picture, image))?;
     let settled = options.in_edition(loaded.choice.edition);
     let options = &settled;
-    if let Some(note) = warned::about_edition(&loaded.choice) {
-        tell(&note);
+    if let Some(note) = loaded.choice.note() {
+        tell(&format!("note: {note}"));
     }
     let reading = clock.lap();
     let mut warnings = warned::about_scene(&mut loaded, options);

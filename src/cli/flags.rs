@@ -260,6 +260,7 @@ flags! {
         .help("Takes a picture of three times the width and height, with one sample anywhere in each pixel; as in assignment 5 of 2012, which it implies.")
         .details("The random numbers are those of the C library's rand, so that the samples are those of the course's program. Its command lines have -filter too.")
         .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag, &ADAPTIVE_SAMPLES.flag, &SEED.flag, &REGION.flag])
+        .runs(&[Run::Page])
         .switch();
 
     FILTER: () = Flag::new(Section::Sampling, "filter")
@@ -267,6 +268,7 @@ flags! {
         .details("The width and height of -size come out with -jitter.")
         .after("-input scene.txt -output picture.png -jitter")
         .excludes(&[&REGION.flag, &PIXEL.flag])
+        .runs(&[Run::Page])
         .switch();
 
     SEED: Drand48 = Flag::new(Section::Sampling, "seed")

@@ -191,7 +191,7 @@ impl Options {
         if self.picture_size().contains(&0) {
             return Err(CliError::ReducedToNothing);
         }
-        let [width, height] = self.size;
+        let [width, height] = self.picture_size();
         let is_outside =
             |region: Window| region.x + region.width > width || region.y + region.height > height;
         if self.region.is_some_and(is_outside) {

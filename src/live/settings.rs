@@ -23,7 +23,7 @@ impl Most {
     /// The limits for pages of this command line.
     pub fn of(line: &Options) -> Self {
         Self {
-            side: line.size.into_iter().fold(MAX_SIDE, usize::max),
+            side: line.request().size.into_iter().fold(MAX_SIDE, usize::max),
             samples: samples(line).max(MAX_SAMPLES),
             bounces: line.effects.bounces.max(MAX_BOUNCES),
             support: line.filter.support().max(MAX_SUPPORT),
@@ -41,7 +41,7 @@ impl Most {
             Err(error) => return Err(error.to_string()),
         };
         let limits = [
-            ("-size", options.size[0].max(options.size[1]), self.side),
+            ("-size", options.request().size.into_iter().fold(0, usize::max), self.side),
             ("the number of samples", samples(&options) as usize, self.samples as usize),
             ("-bounces", options.effects.bounces as usize, self.bounces as usize),
             ("the filter's support", options.filter.support(), self.support),

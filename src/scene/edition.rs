@@ -79,6 +79,24 @@ pub struct Choice {
     pub is_open: bool,
 }
 
+impl Choice {
+    /// What is to be said of it, unless somebody has named it.
+    pub fn note(&self) -> Option<String> {
+        let Self { edition, because, is_open } = self;
+        if *is_open {
+            return Some(
+                "the scene is the same text in several editions of the course, and another picture in each; it is taken \
+                 as one of 2004, and `-edition` names another"
+                    .into(),
+            );
+        }
+        let because = because.as_ref()?;
+        Some(format!(
+            "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
+        ))
+    }
+}
+
 impl Edition {
     /// All editions, in the order of their years.
     pub const ALL: [Self; 5] = [Y2004, Y2012A4, Y2012A5, Y2019, Aalto];

@@ -1,6 +1,9 @@
 //! What a scene means where the editions of the course differ: each edition is a value of [`Model`], and nothing
 //! behind the reader of scenes knows an edition by its name.
 
+use super::Color;
+use glam::DVec3;
+
 /// How a scene is seen, lit and shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
@@ -102,6 +105,26 @@ pub enum Shows {
     Scene,
     /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
     Places,
+}
+
+impl Depths {
+    /// The grey of a surface at the distance `t` where those between `near` and `far` are shown.
+    pub fn grey(self, t: f64, [near, far]: [f64; 2]) -> f64 {
+        match self {
+            Self::NearWhite => (far - t.clamp(near, far)) / (far - near),
+            Self::NearBlack => (t - near) / (far - near),
+        }
+    }
+}
+
+impl NormalColors {
+    /// The colour of a normal, which is zero where nothing is seen.
+    pub fn color(self, normal: DVec3) -> Color {
+        match self {
+            Self::Absolute => normal.abs(),
+            Self::Shifted => 0.5 * normal + 0.5,
+        }
+    }
 }
 
 impl Model {

@@ -116,7 +116,8 @@ fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
     reader.close(name)?;
     phong.reflective = phong.specular;
     if reader.edition == Edition::Y2012A5 {
-        (phong.specular, phong.exponent) = (DVec3::ZERO, 0.0);
+        // The exponent is that of the highlights which a program has by mistake.
+        phong.specular = DVec3::ZERO;
         if index > 0.0 {
             (phong.transparent, phong.index_of_refraction) = (phong.reflective, index);
         }

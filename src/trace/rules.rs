@@ -171,9 +171,9 @@ pub trait Rules: Sync {
         transmittance(tint, way)
     }
 
-    /// The normal by which a surface is shaded: that on the viewer's side.
+    /// The normal by which a surface is shaded that a ray of this direction meets: that on the viewer's side.
     #[inline(always)]
-    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+    fn shading_normal(&self, normal: DVec3, _direction: DVec3, is_inside: bool) -> DVec3 {
         if is_inside { -normal } else { normal }
     }
 

@@ -7,12 +7,13 @@ use crate::support::{CAMERA, Folder, finish, program, sphere};
 use raytracer::caster::choose::Structure;
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
-use raytracer::render::{Request, Tracing};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
-use raytracer::scene::Scene;
+use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
+use raytracer::scene::{Light, Scene};
 use raytracer::scene_io::load;
-use raytracer::tools::causes::Original;
+use raytracer::tools::causes::{Cause, Original, Rule, SceneChange};
 use raytracer::trace::{Effects, Shadows};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -310,11 +311,65 @@ fn a_scene_of_all_editions_looks_different_in_each() {
     assert_eq!(bytes("-edition 2012a4"), bytes("-edition 2012a5"));
 }
 
+/// What `-pixel` says is said in the language of the scene.
+#[test]
+fn the_words_of_a_pixel_are_those_of_its_edition() {
+    let pixel = |name: &str, flags: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions").join(name);
+        let mut run = program(Path::new("."), flags.split_whitespace());
+        run.arg("-input").arg(path);
+        finish(&mut run).ok().stdout
+    };
+    for (name, flags, said) in [
+        (
+            "screen_2012a4.txt",
+            "-size 60 40 -pixel 15 20",
+            "156862751) of the texture tiles.bmp, specular (0.6, 0.6, 0.6) with shininess 30\n",
+        ),
+        ("screen_2012a4.txt", "-size 60 40 -pixel 15 20", "no refracted ray: the material is opaque\n"),
+        (
+            "glass_2012a5.txt",
+            "-size 60 40 -pixel 22 18",
+            "diffuse (0.05, 0.05, 0.05), specular (0.9, 0.9, 0.9) with index of refraction 1.5\n",
+        ),
+        (
+            "glass_2012a5.txt",
+            "-size 60 40 -pixel 32 20",
+            "0647727153) of the noise, specular (0.1, 0.1, 0.1)\n",
+        ),
+        ("mirrors_2019.txt", "-size 60 40 -pixel 0 0", "sees nothing but the face back of the cube map\n"),
+        ("mirrors_2019.txt", "-size 60 40 -pixel 20 38 -bounces 1", "no reflected ray: no specular colour\n"),
+        // The picture has three times the width and height.
+        ("glass_2012a5.txt", "-size 20 20 -jitter -pixel 59 59", "PIXEL (59, 59)"),
+    ] {
+        let text = pixel(name, flags);
+        assert!(text.contains(said), "{name} {flags}\n{text}");
+        assert!(!text.contains("reflective colour") && !text.contains("transparent"), "{text}");
+    }
+    // By the law of the later editions a surface that faces away from the light has a highlight, too.
+    let behind = later("diffuseColor .5 .5 .5 specularColor .6 .6 .6 shininess 0", "", "");
+    let folder = Folder::with_scene(&behind.replace("position 0 0 5", "position 0 0 -5"));
+    let text = folder.run("-input s.txt -size 9 9 -pixel 4 4").ok().stdout;
+    assert!(text.contains("light 0: diffuse (0, 0, 0), specular (0.6, 0.6, 0.6), cosine -1\n"), "{text}");
+}
+
+fn with_constant(light: &mut Light, constant: f64) {
+    if let Light::Point { attenuation, .. } = light {
+        attenuation[0] = constant;
+    }
+}
+
+fn with_highlights(material: &mut Material) {
+    if let Material::Phong(phong) | Material::Painted(phong, _) = material {
+        phong.specular = phong.reflective;
+    }
+}
+
 /// A scene of each edition with a mistake that is common in it, and the mistake.
 #[test]
 fn mistakes_of_the_editions_are_found() {
     type Change = fn(&mut Scene);
-    let cases: [(&str, Change, &str); 5] = [
+    let cases: [(&str, Change, &str); 10] = [
         (
             "screen_2012a4",
             |scene| scene.model.highlight = Highlight::Blinn,
@@ -330,8 +385,29 @@ fn mistakes_of_the_editions_are_found() {
         (
             "glass_2012a5",
             |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]),
-            "cube map swapped",
+            "all opposite faces of the cube map swapped",
         ),
+        (
+            "glass_2012a5",
+            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [a, b, c, d, f, e]),
+            "the faces front and back of the cube map swapped",
+        ),
+        (
+            "mirrors_2019",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 1.0)),
+            "1 + falloff d^2 instead of falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 0.0)),
+            "falloff d^2 instead of 1 + falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.materials.iter_mut().for_each(with_highlights),
+            "picture with highlights",
+        ),
+        ("mirrors_2019", |scene| scene.model.epsilon = Some(1e-4), "an epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));
@@ -352,6 +428,61 @@ fn mistakes_of_the_editions_are_found() {
         let found = original.explain(&wrong, &right).to_string();
         assert!(found.contains(cause), "{name}: {found}");
     }
+}
+
+/// Assignment 5 of 2012 has no highlights, which a program that has grown out of assignment 4 has.
+#[test]
+fn highlights_of_the_assignment_before_are_found() {
+    let folder =
+        Folder::with_scene(&later("diffuseColor .4 .3 .2 specularColor .5 .5 .5 shininess 9", "", ""));
+    folder.run("-input s.txt -size 40 30 -edition 2012a4 -output a.png").ok();
+    let run = folder.run("-input s.txt -size 40 30 -edition 2012a5 -bounces 0 -compare a.png").ok();
+    assert!(
+        run.stdout.contains("equals this program's picture with highlights (0 pixels differ)"),
+        "{}",
+        run.stdout
+    );
+}
+
+/// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
+#[test]
+fn mistakes_in_depths_and_normals_are_found() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
+    let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
+    let one_pixel_right = Cause::Rule(Rule::Shifted { half_pixels: [2, 0] });
+    for (layer, causes) in [
+        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Cause::Scene(SceneChange::NearWhite)]),
+        (
+            Layer::Normals,
+            vec![
+                one_pixel_right,
+                Cause::Scene(SceneChange::AbsoluteNormals),
+                Cause::Scene(SceneChange::FlatMeshes),
+                Cause::Rule(Rule::NormalsByMatrix),
+            ],
+        ),
+    ] {
+        let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
+        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let right = original.picture(Cause::Unchanged).expect("a picture");
+        for cause in causes {
+            let wrong = original.picture(cause).expect("a mistake that shows");
+            let found = original.explain(&wrong, &right).to_string();
+            assert_eq!(found, format!("equals this program's picture{cause} (0 pixels differ)"));
+            assert_ne!(wrong, right);
+        }
+        // The shifted picture is the other one, one column further on.
+        let moved = original.picture(one_pixel_right).expect("a picture");
+        let rows = |picture: &Picture| -> Vec<Vec<u8>> {
+            picture.pixels().chunks_exact(3 * 60).map(<[u8]>::to_vec).collect()
+        };
+        let pairs = rows(&moved).into_iter().zip(rows(&right));
+        let differing: usize =
+            pairs.map(|(m, r)| (0..3 * 59).filter(|&i| m[i].abs_diff(r[i + 3]) > 1).count()).sum();
+        assert!(differing < 40 * 3 * 59 / 50, "{differing}");
+    }
+    let colors = Original::new(&renderer, Structure::Any, &Request::new([9, 9])).expect("memory");
+    assert_eq!(colors.picture(Cause::Scene(SceneChange::NearWhite)), None);
 }
 
 /// The folder of the editions, from `EDITIONS_DIR`.

@@ -4,7 +4,6 @@ use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{self, PoolPlace};
-use crate::app::warned;
 use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
@@ -96,8 +95,8 @@ fn open(
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
     }
-    if let Some(note) = warned::about_edition(&loaded.choice) {
-        tell(&note);
+    if let Some(note) = loaded.choice.note() {
+        tell(&format!("note: {note}"));
     }
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
