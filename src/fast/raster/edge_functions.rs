@@ -156,11 +156,13 @@ mod tests {
             right: DVec3::X,
             up: DVec3::Y,
             middle: DVec2::splat(3.5),
+            is_turned: false,
         };
         let viewport = Viewport {
             eye,
             scale: 0.5,
             axes: [DVec3::X, DVec3::Y],
+            far: DVec2::splat(3.5),
             max_direction_length: 3.0,
             screen: Screen {
                 middle: eye.middle,

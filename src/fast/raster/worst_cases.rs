@@ -39,8 +39,7 @@ fn view(
     let angle = libm::exp10(log_angle).min(179.0);
     let camera = Camera::new(&scene::Camera::Perspective { center, direction, up, angle }, size);
     let Projection::Perspective(eye) = camera.projection() else { return None };
-    let viewport =
-        Viewport::new(eye, Aabb::around(corners), size[0], 0..size[1], Footprint::Center, [0.0; 2])?;
+    let viewport = Viewport::new(eye, Aabb::around(corners), size, 0..size[1], Footprint::Center, [0.0; 2])?;
     Some((camera, viewport))
 }
 
