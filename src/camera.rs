@@ -264,6 +264,40 @@ mod tests {
         }
     }
 
+    #[test]
+    fn an_eye_whose_way_up_is_skew_is_turned() {
+        let [_, camera] = oblique();
+        for (up_as_written, size) in [(false, [6, 3]), (true, [6, 3]), (true, [3, 8]), (true, [1, 1])] {
+            let camera = Camera::with_screen(&camera, size, Screen::BothSides { up_as_written });
+            let Projection::Perspective(eye) = camera.projection() else { panic!("{size:?}") };
+            assert_eq!(eye.is_turned, up_as_written);
+            let cosines = [eye.right.dot(eye.up), eye.right.dot(eye.direction), eye.up.dot(eye.direction)];
+            assert!(cosines.iter().all(|cosine| cosine.abs() < 1e-15), "{cosines:?}");
+            for pixel in [DVec2::ZERO, DVec2::new(2.0, 1.0), DVec2::new(1.0, 2.0)] {
+                let offset = pixel - eye.middle;
+                let expected = (eye.direction + offset.x * eye.right + offset.y * eye.up).normalize();
+                let ray = camera.ray(pixel, DVec2::ZERO);
+                assert!((expected - ray.direction).length() < 1e-15, "{pixel} {size:?}");
+            }
+        }
+    }
+
+    /// The outermost pixels' centres are on the edges of the view, at 45 degrees to the middle.
+    #[test]
+    fn both_sides_span_the_screen_from_centre_to_centre() {
+        let camera = scene::Camera::Perspective {
+            center: DVec3::ZERO,
+            direction: DVec3::NEG_Z,
+            up: DVec3::new(0.0, 2.0, 1.0),
+            angle: 90.0,
+        };
+        for (up_as_written, up) in [(false, DVec3::Y), (true, DVec3::new(0.0, 2.0, 1.0))] {
+            let camera = Camera::with_screen(&camera, [5, 3], Screen::BothSides { up_as_written });
+            let ray = camera.ray(DVec2::new(4.0, 0.0), DVec2::ZERO);
+            assert!((ray.direction - (DVec3::NEG_Z + DVec3::X - up).normalize()).length() < 1e-15);
+        }
+    }
+
     fn aims_four_as_one<F: F64x4>(proof: F::Proof) {
         let [orthographic, perspective] = oblique();
         let far = scene::Camera::Perspective {

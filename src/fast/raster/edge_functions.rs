@@ -62,7 +62,7 @@ impl ErrorBound {
 }
 
 /// The error bound of an edge function, in units of u R^2 L.
-const EDGE_ROUNDINGS: f64 = 16.5;
+pub const EDGE_ROUNDINGS: f64 = 16.5;
 /// The error bound of an inverse depth, without the error of V, in units of u R^2 L / V.
 const INV_DEPTH_ROUNDINGS: f64 = 47.5;
 /// The error bound of V, in units of u R^3.

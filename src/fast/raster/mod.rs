@@ -24,7 +24,7 @@ mod tests;
 #[cfg(test)]
 mod worst_cases;
 
-use crate::camera::{Camera, Eye, Projection};
+use crate::camera::{Camera, Eye, Projection, TURN_ROUNDINGS};
 use crate::caster::Caster;
 use crate::caster::grid::cell_lists::widened;
 use crate::math::aabb::Aabb;
@@ -33,7 +33,7 @@ use crate::memory;
 use crate::shortcut::Shortcut;
 use crate::world::{Primitive, World};
 use bins::Bins;
-use edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
+use edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};
 use flat_triangle::Projected;
 use glam::{DVec2, DVec3};
 use parallel_view::ParallelView;
@@ -243,9 +243,11 @@ fn drawn(
     }))
 }
 
-/// All error bounds grow at least as `max_direction_length`, and leave 6 roundings of it for the error of a direction
-/// and no more than 48 in all. With a bound this many times as large there is room for [`TURN_ROUNDINGS`] more.
-const TURNED: f64 = 4.0;
+/// How many times as large the `max_direction_length` of a turned eye is taken, to which all error bounds are at least in
+/// proportion. For an edge function this adds what the further roundings of a direction do. It is more than that for the
+/// depths of triangles, which have 47.5 roundings and to which those of a direction apply 2.6 times, and for those of planes,
+/// which have 19.
+const TURNED: f64 = 1.0 + TURN_ROUNDINGS / EDGE_ROUNDINGS;
 
 /// The projection onto the rows that are drawn.
 ///
