@@ -48,21 +48,23 @@ pub struct Eye {
     pub right: DVec3,
     /// The step from one row of pixel centres to the next.
     pub up: DVec3,
-    /// Where the ray meets the picture, in pixels from the centre of the lower left pixel: in the middle, unless the eye is
-    /// turned.
+    /// Where the ray meets the picture, in pixels from the centre of the lower left pixel: in the middle, unless the
+    /// eye is turned.
     pub middle: DVec2,
-    /// Whether the camera's way up is not at right angles to its direction, so that the eye looks another way. Its vectors
-    /// are then off by a few more roundings, which are less than [`TURN_ROUNDINGS`] of the longest ray's direction.
+    /// Whether the camera's way up is not at right angles to its direction, so that the eye looks another way. Its
+    /// vectors are then off by a few more roundings, which are less than [`TURN_ROUNDINGS`] of the longest ray's
+    /// direction.
     pub is_turned: bool,
 }
 
-/// The error of a direction of a turned eye, in units of u times the sum of the lengths of its direction and of the ways
-/// across in both axes: 10 of the cosine, 7 of the direction, 8 of where it meets the picture, and 4 of the ways across.
+/// The error of a direction of a turned eye, in units of u times the sum of the lengths of its direction and of the
+/// ways across in both axes: 10 of the cosine, 7 of the direction, 8 of where it meets the picture, and 4 of the ways
+/// across.
 pub const TURN_ROUNDINGS: f64 = 29.0;
 
 impl Eye {
-    /// The same rays, up to their lengths, by vectors at right angles. The steps have to be at right angles to each other,
-    /// and `right` to the direction.
+    /// The same rays, up to their lengths, by vectors at right angles. The steps have to be at right angles to each
+    /// other, and `right` to the direction.
     fn turned(self) -> Self {
         let Self { direction, right, up, middle, .. } = self;
         let ahead = unit(up.cross(right));

@@ -243,10 +243,10 @@ fn drawn(
     }))
 }
 
-/// How many times as large the `max_direction_length` of a turned eye is taken, to which all error bounds are at least in
-/// proportion. For an edge function this adds what the further roundings of a direction do. It is more than that for the
-/// depths of triangles, which have 47.5 roundings and to which those of a direction apply 2.6 times, and for those of planes,
-/// which have 19.
+/// How many times as large the `max_direction_length` of a turned eye is taken, to which all error bounds are at
+/// least in proportion. For an edge function this adds what the further roundings of a direction do. It is more than
+/// that for the depths of triangles, which have 47.5 roundings and to which those of a direction apply 2.6 times, and
+/// for those of planes, which have 19.
 const TURNED: f64 = 1.0 + TURN_ROUNDINGS / EDGE_ROUNDINGS;
 
 /// The projection onto the rows that are drawn.
