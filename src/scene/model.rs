@@ -51,9 +51,9 @@ pub enum Highlight {
 /// How the light is split that comes through a transparent surface and is mirrored there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// By the material's two colours. The medium around a ray is that which it is refracted into.
+    /// By the material's two colours.
     Colors,
-    /// By Schlick's approximation. The medium outside every object is empty.
+    /// By Schlick's approximation, of which both parts are multiplied by the colours.
     Schlick,
 }
 
