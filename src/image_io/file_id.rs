@@ -51,11 +51,16 @@ impl FileId {
         let is_one_name = |(folder, path): &(Inode, PathBuf), (other_folder, other): &(Inode, PathBuf)| {
             let names = path.file_name().zip(other.file_name());
             folder == other_folder
-                && names.is_some_and(|(a, b)| a == b || may_be_one([a, b]) && are_one([a, b], folder_of(path)))
+                && names
+                    .is_some_and(|(a, b)| a == b || may_be_one([a, b]) && are_one([a, b], folder_of(path)))
         };
         self.existing.is_some() && self.existing == other.existing
             || self.exists() == other.exists()
-                && self.place.as_ref().zip(other.place.as_ref()).is_some_and(|(one, other)| is_one_name(one, other))
+                && self
+                    .place
+                    .as_ref()
+                    .zip(other.place.as_ref())
+                    .is_some_and(|(one, other)| is_one_name(one, other))
     }
 }
 
