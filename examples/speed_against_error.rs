@@ -6,9 +6,10 @@ use cpu_time::ProcessTime;
 use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
 use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io::load;
 use raytracer::tools::error_report::{
-    Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Sweep,
+    Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting, Sweep,
 };
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -113,7 +114,8 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let clock = || ProcessTime::now().as_duration();
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_| ControlFlow::Continue(()) };
     let request = options.request();
-    Ok(Sweep::new(&renderer, &request, options.structure, bench).of_one_filter().run()?)
+    let own = Setting::of(&request, options.structure, Edition::default());
+    Ok(Sweep::new(&renderer, &request, own, bench).of_one_filter().run()?)
 }
 
 fn print(report: &ErrorReport) {

@@ -11,6 +11,7 @@ use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
+use crate::scene::model::Shows;
 use crate::scene_io::{self, LoadError, LoadedScene, Source};
 use crate::stats::Counts;
 use crate::world::World;
@@ -273,6 +274,10 @@ impl Prepared<'_> {
     }
 
     fn view(&self) -> View<'_> {
-        self.occupancy.as_ref().map_or(View::Scene, View::Cells)
+        match (&self.occupancy, self.renderer.scene.model.shows) {
+            (Some(occupancy), _) => View::Cells(occupancy),
+            (None, Shows::Scene) => View::Scene,
+            (None, Shows::Places) => View::Places,
+        }
     }
 }

@@ -7,6 +7,7 @@ use crate::scene::edition::{Choice, Clues, Edition};
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
+use crate::scene::model::Shows;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::texels::{ImageFile, Texels};
@@ -40,13 +41,15 @@ pub struct LoadedScene {
     pub choice: Choice,
 }
 
-/// What is known of a scene's edition beside its words.
+/// What is known of a scene beside its words.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     /// The edition, if somebody has named it.
     pub edition: Option<Edition>,
     /// The endings of the pictures that are written of it, without the dot.
     pub endings: Vec<String>,
+    /// Whether the places of pixels are shown in place of the scene.
+    pub shows_places: bool,
 }
 
 /// Those, and the files beside a scene.
@@ -166,6 +169,9 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     });
     match read {
         Ok((choice, Reading { mut scene, mut warnings, places }, found)) => {
+            if hints.shows_places {
+                scene.model.shows = Shows::Places;
+            }
             let (mut meshes, mut mesh_files) = (vec![], vec![]);
             for (found, named) in found.into_iter().zip(&mut scene.meshes) {
                 named.texture_coordinates = Arc::new(found.texture_coordinates);

@@ -162,6 +162,8 @@ pub struct Report {
     pub threads: usize,
     /// The standard error of the colours in levels, if they are means of samples.
     pub standard_error: Option<f64>,
+    /// The name of the course's edition; none for that of 2004, which the first block is from.
+    pub edition: Option<&'static str>,
 }
 
 pub(crate) const RULE: &str = "********************************************";
@@ -185,6 +187,7 @@ impl fmt::Display for Report {
         line(f, "intersections per ray", ratio(self.counts.intersections as f64, rays as f64))?;
         line(f, "cells traversed per ray", ratio(self.counts.cells_traversed as f64, rays as f64))?;
         writeln!(f, "{RULE}")?;
+        self.edition.map_or(Ok(()), |edition| line(f, "edition", edition.into()))?;
         for (label, time) in [
             ("reading", self.timings.reading),
             ("building", self.timings.building),
@@ -238,6 +241,7 @@ mod tests {
             timings: Timings { rendering: Duration::from_micros(62_500), ..Timings::default() },
             threads: 2,
             standard_error: None,
+            edition: None,
         }
     }
 
@@ -281,6 +285,13 @@ RAY TRACING STATISTICS
         assert!(
             text.ends_with("  threads                    2\n  standard error             0.123 levels\n")
         );
+    }
+
+    #[test]
+    fn another_edition_than_that_of_2004_stands_below_the_block() {
+        let text = Report { edition: Some("2019"), ..report() }.to_string();
+        assert_eq!(text.lines().nth(15), Some("  edition                    2019"));
+        assert!(!report().to_string().contains("edition"));
     }
 
     #[test]

@@ -161,7 +161,7 @@ impl<R: Rules> Tracer<'_, R> {
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = self.rules.shading_normal(surface.normal, is_inside);
+        let normal = self.rules.shading_normal(surface.normal, *direction, is_inside);
         let to_viewer = -*direction;
         let mut color = self.rules.sum(Color::ZERO, self.rules.ambient(surface, material.phong));
         observer.observe(|| Event::Ambient(color));

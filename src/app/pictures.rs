@@ -19,6 +19,7 @@ use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::scene::Color;
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
 use raytracer::stats::{Repeats, Report, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
@@ -89,8 +90,8 @@ pub fn render(
     images.into_iter().try_for_each(|image| written.check_read(ReadAs::Picture, image))?;
     let settled = options.in_edition(loaded.choice.edition);
     let options = &settled;
-    if let Some(note) = warned::about_edition(&loaded.choice) {
-        tell(&note);
+    if let Some(note) = loaded.choice.note() {
+        tell(&format!("note: {note}"));
     }
     let reading = clock.lap();
     let mut warnings = warned::about_scene(&mut loaded, options);
@@ -182,6 +183,7 @@ pub fn render(
         timings: Timings { reading, building, rendering, writing: encoding + clock.lap() },
         threads: crew.at_work(),
         standard_error: None,
+        edition: options.edition.filter(|&edition| edition != Edition::default()).map(Edition::name),
     };
     let repeats = match options.repeat {
         Some(count) => Repeats::of(repeated(count, rendering, &prepared, &request, options, signals)?),

@@ -5,7 +5,7 @@ use raytracer::image_io::{CompleteFile, Content, Exceptional, ImageError, Output
 use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
-use raytracer::scene::model::NormalColors;
+use raytracer::scene::model::{NormalColors, Shows};
 use raytracer::scene::{Color, Scene};
 use raytracer::tools::explain::CostMap;
 use std::path::PathBuf;
@@ -166,6 +166,7 @@ impl Products {
 /// The colour that a layer shows where nothing is hit.
 fn blank(layer: &Layer, scene: &Scene) -> Option<Color> {
     match layer {
+        Layer::Color if scene.model.shows == Shows::Places => None,
         Layer::Color => Some(scene.background.color).filter(|_| scene.cube_map.is_none()),
         Layer::Normals if scene.model.normal_colors == NormalColors::Shifted => Some(Color::splat(0.5)),
         Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),

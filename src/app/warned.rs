@@ -2,7 +2,6 @@
 
 use raytracer::cli::{Comparison, Options};
 use raytracer::render::{Layer, Request};
-use raytracer::scene::edition::Choice;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::tools::warnings::{self, Severity, Warning};
 use raytracer::trace::Effects;
@@ -16,22 +15,6 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
     }
     lines.iter().for_each(|line| tell(line));
     Ok(())
-}
-
-/// What is to be said of a scene's edition, which nobody has named.
-pub fn about_edition(choice: &Choice) -> Option<String> {
-    let Choice { edition, because, is_open } = choice;
-    if *is_open {
-        return Some(
-            "note: the scene is the same text in several editions of the course, and another picture in each; it is taken as \
-             one of 2004, and `-edition` names another"
-                .into(),
-        );
-    }
-    let because = because.as_ref()?;
-    Some(format!(
-        "note: the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
-    ))
 }
 
 /// What is doubtful about a scene that has been read and about the flags it is rendered with.
@@ -51,7 +34,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
     let request = Request { effects: *effects, ..options.request() };
     if !shows_colors(options) {
-        found.extend(warnings::colors_not_asked_for(&request));
+        found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
         return found;
     }
     // Where the cells of the grid are drawn no ray bounces.

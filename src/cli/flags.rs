@@ -108,6 +108,12 @@ flags! {
         .runs(SHAPING)
         .read(edition);
 
+    UV: () = Flag::new(Section::Pictures, "uv")
+        .help("Shows the places of pixels in place of the scene: red grows to the right, green downwards, and blue is full; as in Aalto's edition, which it implies.")
+        .details("So does a scene without a group there.")
+        .excludes(&[&PIXEL.flag, &VISUALIZE_GRID.flag])
+        .switch();
+
     REGION: Window = Flag::new(Section::Pictures, "region")
         .values(&[number("x"), number("y"), number("w"), number("h")])
         .default("the whole picture")
@@ -139,6 +145,7 @@ flags! {
         .values(&[number("t0"), number("t1"), output(PICTURES)])
         .default("none")
         .help("Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the distances themselves.")
+        .details("In the edition 2019 it is the other way round: black at t0, white at t1.")
         .example("-depth 8 20 depth.png")
         .after("-input scene.txt")
         .read(depth);
@@ -148,6 +155,7 @@ flags! {
         .aliases(&["normal"])
         .default("none")
         .help("Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves. Also -normal.")
+        .details("In the edition 2019 the bytes are (x + 1) / 2 and so on, and grey where nothing is hit.")
         .example("-normals normals.png")
         .after("-input scene.txt")
         .read(|values| picture(values, [Layer::Normals, Layer::SignedNormals]));
@@ -156,7 +164,7 @@ flags! {
         .usual()
         .elsewhere(&["two_sided", "double_sided"])
         .help("Lights surfaces seen from behind; without it they are black.")
-        .details("Scenes with glass need it, because a ray inside the glass sees its surface from behind.")
+        .details("Scenes with glass need it, because a ray inside the glass sees its surface from behind. In the editions of 2012 and 2019 surfaces look the same from both sides anyway.")
         .runs(SHAPING)
         .switch();
 
@@ -185,7 +193,7 @@ flags! {
         .elsewhere(&["b", "d", "reflections", "max_depth", "max_bounces", "recursion"])
         .default("0")
         .help("Traces reflected and refracted rays to this depth.")
-        .details("Where a material both reflects and transmits, each bounce can double the number of rays; -weight ends those that hardly count.")
+        .details("In the edition 2012a5 the default is 4. Where a material both reflects and transmits, each bounce can double the number of rays; -weight ends those that hardly count.")
         .example("-bounces 5")
         .runs(SHAPING)
         .read(|values| values.number((0, MAX_INT)));
@@ -194,7 +202,7 @@ flags! {
         .values(&[number("w")])
         .default("0")
         .help("Traces no ray whose weight is w or less.")
-        .details("A ray's weight is the product of the lengths of the reflective and transparent colours along its path.")
+        .details("In Aalto's edition the default is 0.1. A ray's weight is the product of the lengths of the reflective and transparent colours along its path.")
         .example("-weight 0.01")
         .after("-input scene.txt -output picture.png -bounces 5")
         .runs(SHAPING)
@@ -213,6 +221,7 @@ flags! {
         .values(&[number("n")])
         .default("1, the centre")
         .help("Takes n samples per pixel at the centres of a grid's cells; the grid is as nearly square as n allows: 4 by 2 for 8.")
+        .details("In Aalto's edition they are random, and -regular_samples are these.")
         .example("-uniform_samples 9")
         .excludes(&[&JITTERED_SAMPLES.flag])
         .runs(SHAPING)
@@ -251,6 +260,7 @@ flags! {
         .help("Takes a picture of three times the width and height, with one sample anywhere in each pixel; as in assignment 5 of 2012, which it implies.")
         .details("The random numbers are those of the C library's rand, so that the samples are those of the course's program. Its command lines have -filter too.")
         .excludes(&[&RANDOM_SAMPLES.flag, &UNIFORM_SAMPLES.flag, &JITTERED_SAMPLES.flag, &ADAPTIVE_SAMPLES.flag, &SEED.flag, &REGION.flag])
+        .runs(&[Run::Page])
         .switch();
 
     FILTER: () = Flag::new(Section::Sampling, "filter")
@@ -258,6 +268,7 @@ flags! {
         .details("The width and height of -size come out with -jitter.")
         .after("-input scene.txt -output picture.png -jitter")
         .excludes(&[&REGION.flag, &PIXEL.flag])
+        .runs(&[Run::Page])
         .switch();
 
     SEED: Drand48 = Flag::new(Section::Sampling, "seed")
@@ -335,8 +346,9 @@ flags! {
         .read(structure);
 
     VISUALIZE_GRID: () = Flag::new(Section::Grid, "visualize_grid")
+        .aliases(&["visualize_grid_count"])
         .help("Draws the grid's occupied cells instead of the scene. Needs -grid.")
-        .details("The colours tell the number of primitives in each cell: white for 1, red for 17 or more.")
+        .details("The colours tell the number of primitives in each cell: white for 1, red for 17 or more. In 2003 a flag of its own, -visualize_grid_count, asked for them.")
         .after("-input scene.txt -output cells.png -grid 20 20 20")
         .runs(&[Run::Page])
         .switch();
@@ -527,7 +539,7 @@ flags! {
         .read(|_| Ok(()));
 
     SPECULAR_FIX: () = Flag::new(Section::Preview, "specular_fix")
-        .help("Accepted from Aalto's edition; changes nothing.")
+        .help("Accepted from Aalto's edition, where nothing reads it; changes nothing.")
         .read(|_| Ok(()));
 
     USUAL: () = Flag::new(Section::Other, "h")

@@ -37,6 +37,8 @@ pub struct Options {
     pub region: Option<Window>,
     /// The edition of the course; none until the scene's words have been read.
     pub edition: Option<Edition>,
+    /// Whether the places of pixels are shown in place of the scene.
+    pub uv: bool,
     /// Whether the picture is rendered with three times the width and height.
     pub jitter: bool,
     /// Whether it is blurred and reduced to a third.
@@ -80,9 +82,6 @@ pub struct Options {
     /// Where progress is shown.
     pub progress: ShowProgress,
 }
-
-/// How often a ray bounces in assignment 5 of 2012 if nobody says so.
-const DEFAULT_BOUNCES_2012A5: u32 = 4;
 
 /// Where a JSON document goes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -128,6 +127,7 @@ impl Options {
             size: raw.read_or_default(&flags::SIZE)?,
             region: raw.read(&flags::REGION)?,
             edition: edition(raw)?,
+            uv: raw.given(&flags::UV),
             jitter: three_sizes(raw, &flags::JITTER),
             reduced: three_sizes(raw, &flags::FILTER),
             effects: Effects {
@@ -166,8 +166,8 @@ impl Options {
     pub fn in_edition(&self, edition: Edition) -> Self {
         let mut options = self.clone();
         options.edition = Some(edition);
-        if self.has_default_bounces && edition == Edition::Y2012A5 {
-            options.effects.bounces = DEFAULT_BOUNCES_2012A5;
+        if self.has_default_bounces {
+            options.effects.bounces = edition.default_bounces();
         }
         // In later editions every material with a highlight mirrors if it is asked to, and is not doubtful without; in
         // Aalto's the weight has a default.
@@ -175,10 +175,11 @@ impl Options {
         options
     }
 
-    /// What the flags tell of the scene's edition.
+    /// What the flags tell of the scene.
     pub fn hints(&self) -> Hints {
         let ending = |output: &Output| Some(output.file.extension()?.to_string_lossy().into_owned());
-        Hints { edition: self.edition, endings: self.outputs.iter().filter_map(ending).collect() }
+        let endings = self.outputs.iter().filter_map(ending).collect();
+        Hints { edition: self.edition, endings, shows_places: self.uv }
     }
 
     fn check_together(&self) -> Result<(), CliError> {
@@ -190,7 +191,7 @@ impl Options {
         if self.picture_size().contains(&0) {
             return Err(CliError::ReducedToNothing);
         }
-        let [width, height] = self.size;
+        let [width, height] = self.picture_size();
         let is_outside =
             |region: Window| region.x + region.width > width || region.y + region.height > height;
         if self.region.is_some_and(is_outside) {
@@ -282,6 +283,7 @@ fn edition(raw: &Raw) -> Result<Option<Edition>, CliError> {
         (&flags::JITTER.flag, Edition::Y2012A5),
         (&flags::FILTER.flag, Edition::Y2012A5),
         (&flags::REGULAR_SAMPLES.flag, Edition::Aalto),
+        (&flags::UV.flag, Edition::Aalto),
     ];
     for (flag, has_it) in flags.into_iter().filter(|(flag, _)| raw.given(flag)) {
         match named {
@@ -311,9 +313,8 @@ fn shadows(raw: &Raw) -> Shadows {
 
 /// The least weight of a ray that is traced.
 fn weight(raw: &Raw) -> Result<f64, CliError> {
-    const DEFAULT_OF_AALTO: f64 = 0.1;
-    match (raw.read(&flags::WEIGHT)?, edition(raw)?) {
-        (None, Some(Edition::Aalto)) => Ok(DEFAULT_OF_AALTO),
+    match (raw.given(&flags::WEIGHT), edition(raw)?) {
+        (false, Some(edition)) => Ok(edition.default_weight()),
         _ => raw.read_or_default(&flags::WEIGHT),
     }
 }

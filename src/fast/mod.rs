@@ -11,15 +11,17 @@ mod row;
 mod shading;
 mod surfaces;
 mod triangle4;
+#[cfg(test)]
+mod tests;
 
 use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
-use crate::trace::{Effects, Shadows, Tracer};
+use crate::trace::{ByModel, Effects, Shadows};
 use crate::world::World;
 use glam::DVec2;
 use raster::ShadowMaps;
-use shading::{Memory, Shading};
+use shading::Memory;
 use std::ops::Range;
 
 pub use raster::Footprint;
@@ -48,6 +50,8 @@ pub struct FastTracer<'a> {
     caster: &'a Caster<'a>,
     demand: Demand,
     shadow_maps: Option<ShadowMaps>,
+    /// Whether the scene means what those of 2004 do.
+    is_of_course: bool,
 }
 
 /// Traces some rows of pixels.
@@ -64,7 +68,6 @@ pub struct FastRows<'a> {
 #[derive(Debug)]
 pub struct FastRow<'a> {
     rows: &'a FastRows<'a>,
-    shading: Shading<'a>,
     memory: Box<Memory>,
 }
 
@@ -78,7 +81,7 @@ impl<'a> FastTracer<'a> {
     pub fn new(camera: &'a Camera, caster: &'a Caster<'a>, demand: Demand) -> Self {
         let is_needed = demand.colors > 0 && demand.effects.shadows == Shadows::Opaque;
         let shadow_maps = is_needed.then(|| ShadowMaps::new(caster.world, demand.colors));
-        Self { camera, caster, demand, shadow_maps }
+        Self { camera, caster, demand, shadow_maps, is_of_course: caster.world.is_of_course() }
     }
 
     /// A tracer for these rows of the picture, counted from the bottom.
@@ -113,10 +116,7 @@ impl<'a> FastTracer<'a> {
 impl FastRows<'_> {
     /// A tracer for one of the rows.
     pub fn row(&self) -> FastRow<'_> {
-        let FastTracer { demand, shadow_maps, .. } = self.picture;
-        let tracer = Tracer { rules: &self.caster, effects: demand.effects };
-        let shading = Shading { tracer, shadow_maps: shadow_maps.as_ref() };
-        FastRow { rows: self, shading, memory: Box::default() }
+        FastRow { rows: self, memory: Box::default() }
     }
 }
 
@@ -130,40 +130,12 @@ impl FastRow<'_> {
         packet: &mut SamplePacket,
         colors: &mut PacketColors,
     ) -> u64 {
-        row::trace(self, j, wanted, packet, colors);
+        let caster = &self.rows.caster;
+        if self.rows.picture.is_of_course {
+            row::trace(self, caster, j, wanted, packet, colors);
+        } else {
+            row::trace(self, &ByModel(caster), j, wanted, packet, colors);
+        }
         std::mem::take(&mut self.memory.rays)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::parser::parse;
-
-    /// One vertex far away makes every pixel that its triangle may cover unsure.
-    #[test]
-    fn rays_that_rasterization_leaves_are_counted() {
-        let size = [100, 80];
-        let to_cast = |far: &str, footprint| {
-            let text = format!(
-                "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
-                 Group {{ numObjects 1 Material {{ }}
-                 Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
-            );
-            let scene = parse(&text).unwrap();
-            let world = World::new(&scene, &[]).unwrap();
-            let caster = Caster::new(&world, None).unwrap();
-            let camera = Camera::new(&scene.camera, size);
-            let effects = Effects::default();
-            let demand = Demand { size, columns: 0..size[0], footprint, colors: 0, effects };
-            let tracer = FastTracer::new(&camera, &caster, demand);
-            let rows = tracer.rows(0..size[1]);
-            [rows.visibility.as_ref(), None].map(|visibility| tracer.rays_to_cast(visibility, 0..size[1]))
-        };
-        let [near, all] = to_cast("1", Some(Footprint::Center));
-        assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
-        let [far, _] = to_cast("1e12", Some(Footprint::Center));
-        assert!(far > 1000, "{far}");
-        assert_eq!(to_cast("1", None), [0, 0]);
     }
 }

@@ -4,6 +4,7 @@
 
 use super::FastRow;
 use super::raster::{Seen, VisibilityBuffer};
+use super::shading::Shading;
 use super::surfaces::find_surfaces;
 use crate::camera::Camera;
 use crate::caster::Caster;
@@ -14,11 +15,15 @@ use crate::math::f64x4::{F64x4, LANES, Scalar};
 use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
+use crate::scene::model::MeshNormals;
 use crate::stats::Quiet;
+use crate::trace::{Rules, Tracer};
 
-/// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted.
-pub fn trace(
+/// Traces the samples of a packet, which lie in row `j`, by the rules of the row's scene, and enters their colours, if
+/// they are wanted.
+pub fn trace<R: Rules>(
     row: &mut FastRow,
+    rules: &R,
     j: usize,
     wanted: Wanted,
     packet: &mut SamplePacket,
@@ -27,8 +32,8 @@ pub fn trace(
     match row.rows.caster.instructions {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { trace_avx2(avx2, row, j, wanted, packet, colors) },
-        Instructions::Portable => trace_with::<Scalar>(Portable, row, j, wanted, packet, colors),
+        Instructions::Avx2(avx2) => unsafe { trace_avx2(avx2, row, rules, j, wanted, packet, colors) },
+        Instructions::Portable => trace_with::<Scalar, R>(Portable, row, rules, j, wanted, packet, colors),
     }
 }
 
@@ -36,36 +41,48 @@ pub fn trace(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn trace_avx2(
+#[allow(clippy::too_many_arguments)]
+fn trace_avx2<R: Rules>(
     avx2: Avx2,
     row: &mut FastRow,
+    rules: &R,
     j: usize,
     wanted: Wanted,
     packet: &mut SamplePacket,
     colors: &mut PacketColors,
 ) {
-    trace_with::<Avx>(avx2, row, j, wanted, packet, colors);
+    trace_with::<Avx, R>(avx2, row, rules, j, wanted, packet, colors);
 }
 
 /// The same, compiled for the instructions of the caller.
 #[inline(always)]
-fn trace_with<F: F64x4>(
+#[allow(clippy::too_many_arguments)]
+fn trace_with<F: F64x4, R: Rules>(
     proof: F::Proof,
     row: &mut FastRow,
+    rules: &R,
     j: usize,
     wanted: Wanted,
     packet: &mut SamplePacket,
     colors: &mut PacketColors,
 ) {
-    let FastRow { rows, shading, memory } = row;
+    let FastRow { rows, memory } = row;
     aim::<F>(proof, packet, rows.picture.camera, j);
     if wanted.hits {
         cast(packet, &rows.caster, rows.visibility.as_ref(), j);
     }
     if wanted.surfaces {
         find_surfaces::<F>(proof, rows.caster.world, packet);
+        if rules.model().normals != MeshNormals::Flat {
+            for sample in packet.samples_mut() {
+                sample.surface = sample.surface.map(|surface| rules.smoothed(surface));
+            }
+        }
     }
     if wanted.colors {
+        let tracer = Tracer { rules, effects: rows.picture.demand.effects };
+        let shading =
+            Shading { tracer, caster: &rows.caster, shadow_maps: rows.picture.shadow_maps.as_ref() };
         for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
             *color = shading.color(ray, surface.as_ref(), memory);
         }

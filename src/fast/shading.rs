@@ -14,11 +14,13 @@ use crate::stats::Quiet;
 use crate::trace::{Arrival, Path, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
 
-/// Colours rays.
-#[derive(Clone, Copy, Debug)]
-pub struct Shading<'a> {
+/// Colours rays by these rules, none of which is a mistake.
+#[derive(Debug)]
+pub struct Shading<'a, R> {
     /// Says which rays leave a surface, and what they bring.
-    pub tracer: Tracer<'a, Caster<'a>>,
+    pub tracer: Tracer<'a, R>,
+    /// Casts rays for the rules.
+    pub caster: &'a Caster<'a>,
     /// What is known of shadows before any ray is cast, if anything is.
     pub shadow_maps: Option<&'a ShadowMaps>,
 }
@@ -33,11 +35,7 @@ pub struct Memory {
     pub rays: u64,
 }
 
-impl Shading<'_> {
-    fn caster(&self) -> &Caster<'_> {
-        self.tracer.rules
-    }
-
+impl<R: Rules> Shading<'_, R> {
     fn world(&self) -> &World {
         self.tracer.world()
     }
@@ -45,12 +43,13 @@ impl Shading<'_> {
     /// The colour along a camera ray, with its secondary rays.
     #[inline(always)]
     pub fn color(&self, ray: &Ray, surface: Option<&SurfacePoint>, memory: &mut Memory) -> Color {
-        let Some(surface) = surface else { return self.world().background };
+        let rules = self.tracer.rules;
+        let Some(surface) = surface else { return rules.background(ray.direction, Path::CAMERA.bounces) };
         let color = self.follow(ray, &Path::CAMERA, surface, memory);
         if memory.pending.is_empty() {
             return color;
         }
-        match self.caster().instructions {
+        match self.caster.instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
             Instructions::Avx2(avx2) => unsafe { add_secondary_avx2(avx2, self, color, memory) },
@@ -65,12 +64,10 @@ impl Shading<'_> {
         // vectors would fail to forward the stores, and the processor would stall.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
             memory.rays += 1;
-            let seen = match self.caster().nearest(&ray, leaves, &mut Quiet) {
-                Some(visible) => {
-                    let surface = self.world().visible_surface(&ray, visible);
-                    self.follow(&ray, &path, &surface, memory)
-                }
-                None => self.world().background,
+            let rules = self.tracer.rules;
+            let seen = match self.caster.nearest(&ray, leaves, &mut Quiet) {
+                Some(visible) => self.follow(&ray, &path, &rules.surface(&ray, visible), memory),
+                None => rules.background(ray.direction, path.bounces),
             };
             color += path.filter * seen;
         }
@@ -84,7 +81,7 @@ impl Shading<'_> {
     #[inline(always)]
     fn follow(&self, ray: &Ray, path: &Path, surface: &SurfacePoint, memory: &mut Memory) -> Color {
         let Memory { pending, mixture, rays } = memory;
-        let material = self.caster().material(surface, mixture);
+        let material = self.tracer.rules.material(surface, mixture);
         let arrival = Arrival { direction: ray.direction, surface: *surface, material };
         if path.bounces < self.tracer.effects.bounces {
             self.tracer.reflect(path, &arrival, pending, &mut Quiet);
@@ -98,22 +95,22 @@ impl Shading<'_> {
     #[inline(always)]
     fn shade(&self, arrival: &Arrival, rays: &mut u64) -> Color {
         let Arrival { direction, surface, material } = arrival;
-        let is_inside = surface.normal.dot(*direction) > 0.0;
+        let highlight = self.tracer.rules.model().highlight;
+        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.tracer.effects.shade_back {
             return Color::ZERO;
         }
         let normal = if is_inside { -surface.normal } else { surface.normal };
         let to_viewer = -*direction;
-        let mut color = self.world().ambient * material.phong.diffuse;
-        let is_black = material.is_black();
+        let mut color = self.tracer.rules.ambient(surface, material.phong);
         for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
-            if cosine > 0.0 && !is_black && light.color != Color::ZERO {
+            if material.shows(highlight, &light, cosine) {
                 let passed = self.light_passed(arrival, (&light, light_index, is_inside), rays);
                 if passed != Color::ZERO {
-                    color += passed
-                        * material.reflect(Highlight::Blinn, &light, &View { cosine, normal, to_viewer });
+                    color +=
+                        passed * material.reflect(highlight, &light, &View { cosine, normal, to_viewer });
                 }
             }
         }
@@ -144,16 +141,17 @@ impl Shading<'_> {
         }
         let blocker = self.blocker(surface, index, is_inside);
         // The ray leaves the only plane.
-        if blocker == Blocker::Nothing && self.caster().has_no_plane_but(surface.primitive) {
+        let left = if self.tracer.rules.model().epsilon.is_none() { surface.primitive } else { None };
+        if blocker == Blocker::Nothing && self.caster.has_no_plane_but(left) {
             return Color::ONE;
         }
         let (ray, leaves) = self.tracer.shadow_ray(surface, light);
         let is_blocked = match blocker {
-            Blocker::Any => self.caster().any_from(&ray, leaves, &mut Quiet),
+            Blocker::Any => self.caster.any_from(&ray, leaves, &mut Quiet),
             Blocker::Only(triangle) => {
-                self.caster().is_hit(&ray, triangle, leaves) || self.caster().meets_plane(&ray, leaves)
+                self.caster.is_hit(&ray, triangle, leaves) || self.caster.meets_plane(&ray, leaves)
             }
-            Blocker::Nothing => self.caster().meets_plane(&ray, leaves),
+            Blocker::Nothing => self.caster.meets_plane(&ray, leaves),
         };
         if is_blocked { Color::ZERO } else { Color::ONE }
     }
@@ -162,7 +160,7 @@ impl Shading<'_> {
     /// one from an inner side hits the surface itself.
     #[inline(always)]
     fn blocker(&self, surface: &SurfacePoint, index: usize, is_inside: bool) -> Blocker {
-        let is_round = surface.primitive.is_some_and(|primitive| self.caster().is_round(primitive));
+        let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
         match self.shadow_maps {
             Some(maps) if !is_inside && !is_round => maps.blocker(index, surface.position),
             _ => Blocker::Any,
@@ -174,7 +172,7 @@ impl Shading<'_> {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn add_secondary_avx2(_: Avx2, shading: &Shading, color: Color, memory: &mut Memory) -> Color {
+fn add_secondary_avx2<R: Rules>(_: Avx2, shading: &Shading<R>, color: Color, memory: &mut Memory) -> Color {
     shading.add_secondary(color, memory)
 }
 
@@ -221,7 +219,7 @@ mod tests {
         for instructions in Instructions::available() {
             let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
             let tracer = Tracer { rules: &caster, effects };
-            let shading = Shading { tracer, shadow_maps: None };
+            let shading = Shading { tracer, caster: &caster, shadow_maps: None };
             let (mut memory, mut alone) = (Memory::default(), Counts::default());
             for ray in (0..1500).map(camera_ray) {
                 let visible = caster.nearest(&ray, None, &mut Quiet);

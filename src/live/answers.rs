@@ -6,12 +6,12 @@ use super::http::Refusal;
 use super::limits::{BYTES_PER_PIXEL, MAX_SIDE};
 use super::objects::ObjectMap;
 use super::painter::{Easel, Painted, Subject, Unpainted};
-use super::questions::{Asked, PageView, TracedPixel, Wanted, understood};
+use super::questions::{Asked, Edited, PageView, TracedPixel, Wanted, understood};
 use super::rays::Rays;
 use super::reference::{cause, compare, decode};
 use super::saving::save;
 use super::settings::{Most, command_line};
-use super::stage::{OpenScene, Stage};
+use super::stage::{OpenScene, SceneMessage, Stage};
 use super::wire::Question;
 use crate::cli::{Options, Output};
 use crate::image_io::read_picture;
@@ -19,6 +19,7 @@ use crate::memory;
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Layer, Tracing, grid_view};
 use crate::scene::Camera;
+use crate::scene::model::Screen;
 use crate::scene::parser::parse_camera;
 use crate::tools::explain::{Explainer, Stop};
 use crate::undisturbed::without_signals;
@@ -75,6 +76,9 @@ pub struct Task {
 /// A description in JSON and bytes, as in [`framed`].
 type Found = Result<Vec<u8>, Refusal>;
 
+/// A text that was opened, or the errors in it.
+type Typed = Result<Arc<OpenScene>, Vec<SceneMessage>>;
+
 impl App {
     /// Opens the command line's scene, from this text where it is known already; an error is a message.
     pub fn open(setup: &Setup, text: Option<String>) -> Result<Self, String> {
@@ -115,17 +119,17 @@ impl App {
         let mut refused = None;
         let mut scene = self.stage.first().clone();
         if let Some(revision) = question.opens {
-            let text = String::from_utf8_lossy(&parts.next().unwrap_or_default()).into_owned();
-            match self.stage.type_in(revision, text) {
-                Ok(opened) => scene = opened,
-                Err(errors) if question.path == "/scene" => {
+            match self.type_in(revision, &parts.next().unwrap_or_default()) {
+                Ok(Ok(opened)) => scene = opened,
+                Ok(Err(errors)) if question.path == "/scene" => {
                     refused = Some(Ok(framed(json!({ "errors": errors }), &[])));
                 }
                 // It was a scene before: a mesh is gone, or there is too little memory.
-                Err(errors) => {
+                Ok(Err(errors)) => {
                     let problem = errors.into_iter().next().map(|error| error.problem);
                     refused = Some(Err(impossible(problem.unwrap_or_default())));
                 }
+                Err(reason) => refused = Some(Err(reason)),
             }
         } else if let Some(open) =
             understood(&body).ok().and_then(|asked: Asked| self.stage.scene(asked.scene()))
@@ -142,6 +146,13 @@ impl App {
         Task { question, scene, has_opened, body, refused }
     }
 
+    /// Opens the scene in a question of the page, in the edition that its flags name.
+    fn type_in(&mut self, revision: u64, question: &[u8]) -> Result<Typed, Refusal> {
+        let Edited { text, words } = understood(question)?;
+        let options = self.most.options(&words).map_err(impossible)?;
+        Ok(self.stage.type_in(revision, text, options.edition))
+    }
+
     /// Answers a question about the scene that is on the easel.
     pub fn answer(&mut self, task: &mut Task, easel: &mut Easel, stop: &Cancel) -> Found {
         if let Some(refused) = task.refused.take() {
@@ -150,7 +161,7 @@ impl App {
         let body = &task.body;
         match task.question.path.as_str() {
             "/start" => Ok(framed(self.start(), &[])),
-            "/scene" => Ok(framed(json!({ "scene": description(&task.scene) }), &[])),
+            "/scene" => Ok(framed(json!({ "scene": self.description(&task.scene) }), &[])),
             "/picture" => self.picture(understood(body)?, easel, stop),
             "/objects" => self.objects(understood(body)?),
             "/trace" => self.trace(understood(body)?),
@@ -171,7 +182,7 @@ impl App {
             "words": self.words,
             "outputs": outputs,
             "text": first.renderer.source.text,
-            "scene": description(first),
+            "scene": self.description(first),
             "reference": reference,
             "most": self.most,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
@@ -181,7 +192,8 @@ impl App {
 
     fn picture(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {
         let subject = Subject { sketch: wanted.sketch.map(clipped), ..self.subject(&wanted.view)? };
-        let (shown, camera) = (subject.sketch.unwrap_or(subject.options.size), subject.camera);
+        let shown = subject.sketch.unwrap_or_else(|| subject.options.picture_size());
+        let (camera, scene) = (subject.camera, subject.scene.clone());
         let painted = easel.paint(&subject, stop)?;
         let output = self.output(wanted.view.show.cost().map_or(Layer::Color, Layer::Cost));
         let output = output.map(|output| output.file.as_path());
@@ -190,13 +202,18 @@ impl App {
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
+        // Which edition the words of the scene tell depends on the pictures that are written, too.
+        let mut words = wanted.view.words;
+        if scene.choice.because.is_some() {
+            words.extend(["-edition".to_owned(), scene.choice.edition.to_string()]);
+        }
         let meta = json!({
             "size": [picture.width(), picture.height()],
             "shows": shown,
             "milliseconds": time.as_secs_f64() * 1000.0,
             "nans": nans,
             "costs": costs.map(|report| report.to_string()),
-            "command": command_line(&self.input, &wanted.view.words, cost, output),
+            "command": command_line(&self.input, &words, cost, output),
             "camera": camera.as_ref().map(camera_block),
         });
         Ok(framed(meta, &[&rgba(&picture), &counts]))
@@ -204,7 +221,7 @@ impl App {
 
     fn objects(&self, view: PageView) -> Found {
         let subject = self.subject(&view)?;
-        let size = clipped(subject.options.size);
+        let size = clipped(subject.options.picture_size());
         let map = ObjectMap::new(&subject.scene.renderer, subject.camera, size).map_err(impossible)?;
         Ok(framed(json!({ "size": size, "objects": map.objects }), &[&map.places]))
     }
@@ -212,6 +229,9 @@ impl App {
     fn trace(&self, TracedPixel { view, pixel }: TracedPixel) -> Found {
         let subject = self.subject(&view)?;
         let (options, renderer) = (&subject.options, &subject.scene.renderer);
+        if options.reduced {
+            return Err(impossible("the pixels of a picture that is reduced are not traced".into()));
+        }
         let request = crate::render::Request {
             camera: subject.camera,
             layers: vec![Layer::Color],
@@ -267,14 +287,34 @@ impl App {
         Ok((reference, own, subject))
     }
 
+    /// What the page needs to know of a scene to turn it, and of the edition that it was read in.
+    fn description(&self, scene: &OpenScene) -> Value {
+        let (renderer, choice) = (&scene.renderer, &scene.choice);
+        let named = ["-edition".to_owned(), choice.edition.to_string()];
+        let defaults = self.most.options(&named).map(|options| options.effects).unwrap_or_default();
+        json!({
+            "revision": scene.revision,
+            "camera": camera_values(&renderer.scene.camera, renderer.scene.model.screen),
+            "bounds": renderer.bounds(),
+            "is_unlit": renderer.scene.lights.is_empty(),
+            "edition": choice.edition,
+            "note": choice.note(),
+            "defaults": { "bounces": defaults.bounces, "weight": defaults.min_weight },
+        })
+    }
+
     fn output(&self, layer: Layer) -> Option<&Output> {
         self.outputs.iter().find(|output| output.layer == layer)
     }
 
     fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
         let scene = self.stage.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
-        let options = self.most.options(&view.words).map_err(impossible)?.in_edition(scene.edition);
-        let pixels = options.size.iter().map(|&side| side as u64).product::<u64>();
+        let options = self.most.options(&view.words).map_err(impossible)?;
+        if options.edition != scene.named {
+            return Err(Refusal::new(410, "the scene is open in another edition"));
+        }
+        let options = options.in_edition(scene.choice.edition);
+        let pixels = options.request().size.iter().map(|&side| side as u64).product::<u64>();
         memory::ask(pixels * BYTES_PER_PIXEL).map_err(|error| impossible(error.to_string()))?;
         let camera = view.camera.as_deref().map(read_camera).transpose()?;
         Ok(Subject { scene, options, camera, cost: view.show.cost(), sketch: None })
@@ -301,23 +341,21 @@ impl From<Unpainted> for Refusal {
     }
 }
 
-/// What the page needs to know of a scene to turn it.
-fn description(scene: &OpenScene) -> Value {
-    let renderer = &scene.renderer;
-    let camera = match renderer.scene.camera {
+/// How the page shows a scene's camera, whose view is spread over the pixels in this way.
+fn camera_values(camera: &Camera, screen: Screen) -> Value {
+    let (is_stretched, up_as_written) = match screen {
+        Screen::LongerSide => (false, false),
+        Screen::BothSides { up_as_written } => (true, up_as_written),
+    };
+    match *camera {
         Camera::Orthographic { center, direction, up, size } => {
             json!({ "kind": "orthographic", "center": center, "direction": direction, "up": up, "size": size })
         }
-        Camera::Perspective { center, direction, up, angle } => {
-            json!({ "kind": "perspective", "center": center, "direction": direction, "up": up, "angle": angle })
-        }
-    };
-    json!({
-        "revision": scene.revision,
-        "camera": camera,
-        "bounds": renderer.bounds(),
-        "is_unlit": renderer.scene.lights.is_empty(),
-    })
+        Camera::Perspective { center, direction, up, angle } => json!({
+            "kind": "perspective", "center": center, "direction": direction, "up": up, "angle": angle,
+            "is_stretched": is_stretched, "up_as_written": up_as_written,
+        }),
+    }
 }
 
 fn summary(reference: &Reference) -> Value {

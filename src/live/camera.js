@@ -22,16 +22,32 @@ class Camera {
     this.pivot = pivot;
   }
 
+  // Up is as written or across the direction, as the scene's edition has it.
   axes() {
     const direction = unit(this.direction);
     const right = unit(cross(direction, this.up));
-    return { direction, right, up: cross(right, direction) };
+    return { direction, right, up: this.up_as_written ? this.up : cross(right, direction) };
+  }
+
+  // How far a point is from the camera along each axis.
+  along(point) {
+    const { direction, right, up } = this.axes();
+    const offset = subtract(point, this.center);
+    const across = cross(right, direction);
+    const upward = dot(offset, across) / dot(up, across);
+    return { rightward: dot(offset, right), upward, depth: dot(offset, direction) - upward * dot(up, direction) };
   }
 
   // The length that the longer side of the picture spans at this distance.
   span(distance) {
     if (this.kind === 'orthographic') return this.size;
     return 2 * Math.tan((this.angle * Math.PI) / 360) * distance;
+  }
+
+  // The lengths that one pixel of the picture spans at this distance, across and down.
+  pixelAt(distance) {
+    const spanned = this.is_stretched ? size().map((side) => Math.max(1, side - 1)) : [Math.max(...size()), Math.max(...size())];
+    return spanned.map((side) => this.span(distance) / side);
   }
 
   // Turns about the pivot, level with `up`, and never over the poles.
@@ -50,7 +66,8 @@ class Camera {
   move(across, down) {
     const { direction, right, up } = this.axes();
     const distance = Math.abs(dot(subtract(this.pivot, this.center), direction)) || 1;
-    const step = scaled(add(scaled(right, -across), scaled(up, down)), this.span(distance));
+    const [wide, high] = this.pixelAt(distance).map((side) => side * Math.max(...size()));
+    const step = add(scaled(right, -across * wide), scaled(up, down * high));
     this.center = add(this.center, step);
     this.pivot = add(this.pivot, step);
   }
@@ -66,11 +83,10 @@ class Camera {
 
   // Where a picture of this size shows a point, and how far in front of the camera it is.
   project(point, [width, height]) {
-    const { direction, right, up } = this.axes();
-    const offset = subtract(point, this.center);
-    const depth = dot(offset, direction);
-    const pixels = Math.max(width, height) / this.span(depth);
-    return { x: width / 2 + dot(offset, right) * pixels, y: height / 2 - dot(offset, up) * pixels, depth };
+    const { rightward, upward, depth } = this.along(point);
+    const [[wide, high], [columns, rows]] = [this.pixelAt(depth), size()];
+    const [x, y] = [(rightward / wide / columns) * width, (upward / high / rows) * height];
+    return { x: width / 2 + x, y: height / 2 - y, depth };
   }
 
   block() {

@@ -2,6 +2,7 @@
 // The controls are flags of the command line: their words are made from the form, and the form is filled from words.
 
 const NUMBERED = ['bounces', 'weight', 'seed'];
+const DEFAULTED = ['bounces', 'weight'];
 const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-adaptive_samples'];
 const FILTERS = ['-box_filter', '-tent_filter', '-gaussian_filter', '-mitchell_filter'];
 const FINER = [[16, 8], [64, 3], [256, 1]];
@@ -13,24 +14,39 @@ function value(id) {
   if (!field.matches(':invalid')) lastValid[id] = field.value.trim();
   return lastValid[id] ?? field.defaultValue;
 }
-const size = () => [Number(value('width')), Number(value('height'))];
+// Width and height of the picture: what displaced samples enlarge, the blur reduces.
+function size() {
+  const [enlarged, reduced] = [value('samples') === '-jitter', value('filter') === '-filter'];
+  const changes = enlarged !== reduced && value('edition') !== '2019';
+  return ['width', 'height'].map((side) => {
+    const pixels = Number(value(side));
+    return changes ? Math.max(1, Math.floor(enlarged ? pixels * 3 : pixels / 3)) : pixels;
+  });
+}
+
 
 // The flags. Those of the samples can be replaced.
 function wordsOf(samples = sampleWords()) {
   const words = ['-size', value('width'), value('height')];
+  if (value('edition')) words.push('-edition', value('edition'));
   if (value('shadows')) words.push(value('shadows'));
   if (find('shade_back').checked) words.push('-shade_back');
-  if (Number(value('bounces')) !== 0) words.push('-bounces', value('bounces'));
-  if (Number(value('weight')) !== 0) words.push('-weight', value('weight'));
+  for (const name of DEFAULTED) {
+    if (value(name) !== '') words.push(`-${name}`, value(name));
+  }
   words.push(...samples);
-  if (value('seed')) words.push('-seed', value('seed'));
-  if (value('filter')) words.push(value('filter'), value('radius'));
+  if (value('seed') && value('samples') !== '-jitter') words.push('-seed', value('seed'));
+  if (value('filter')) words.push(value('filter'));
+  if (FILTERS.includes(value('filter'))) words.push(value('radius'));
   return [...words, ...gridWords()];
 }
 
 function sampleWords() {
   const kind = value('samples');
   if (!kind) return [];
+  if (kind === '-jitter') return [kind];
+  // Aalto's samples in a grid have a flag of their own.
+  if (kind === '-uniform_samples' && value('edition') === 'aalto') return ['-regular_samples', value('count')];
   return kind === '-adaptive_samples' ? [kind, value('count'), value('error')] : [kind, value('count')];
 }
 
@@ -42,10 +58,15 @@ function gridWords() {
   return shows ? [...words, '-visualize_grid'] : words;
 }
 
+// The flags on which it depends in which edition the scene is read.
+const editionWords = () => [value('edition'), ...['samples', 'filter'].map(value).filter((flag) => /^-(jitter|filter)$/.test(flag))].join(' ');
+
 // Fills the form from flags with their values.
 function fillControls(words) {
   const set = (id, to) => { find(id).value = to; };
   const next = () => words[++at];
+  if (words.includes('-edition')) set('edition', words[words.indexOf('-edition') + 1]);
+  const isOfAalto = value('edition') === 'aalto';
   let at = 0;
   for (; at < words.length; at++) {
     const flag = words[at];
@@ -57,6 +78,10 @@ function fillControls(words) {
     if (NUMBERED.includes(flag.slice(1))) set(flag.slice(1), next());
     if (SAMPLES.includes(flag)) [set('samples', flag), set('count', next())];
     if (flag === '-adaptive_samples') set('error', next());
+    if (flag === '-uniform_samples' && isOfAalto) set('samples', '-random_samples');
+    if (flag === '-regular_samples') [set('edition', 'aalto'), set('samples', '-uniform_samples'), set('count', next())];
+    if (flag === '-jitter') set('samples', flag);
+    if (flag === '-filter') set('filter', flag);
     if (FILTERS.includes(flag)) [set('filter', flag), set('radius', next())];
     if (flag === '-grid' && /^(auto|none)$/.test(words[at + 1])) set('grid', next());
     else if (flag === '-grid') {
@@ -69,10 +94,10 @@ function fillControls(words) {
 
 // Only what has a meaning can be set.
 function enableControls() {
-  find('count').disabled = !value('samples');
+  find('count').disabled = !SAMPLES.includes(value('samples'));
   find('error').disabled = value('samples') !== '-adaptive_samples';
-  find('seed').disabled = !value('samples');
-  find('radius').disabled = !value('filter');
+  find('seed').disabled = !SAMPLES.includes(value('samples'));
+  find('radius').disabled = !FILTERS.includes(value('filter'));
   find('refine').disabled = value('samples') !== '';
   for (const id of ['nx', 'ny', 'nz']) find(id).disabled = value('grid') !== 'cells';
 }
@@ -134,9 +159,16 @@ function startControls() {
   });
 }
 
+// Shows the edition in which a scene is read, and why, and what goes without a flag there.
+function showEdition({ note, defaults }) {
+  find('taken').textContent = note || '';
+  for (const name of DEFAULTED) find(name).placeholder = defaults[name];
+}
+
 function controlsChanged() {
   find('costs').hidden = true;
   find('cells').hidden = value('show') !== 'grid';
   view.layout();
+  if (view.scene && view.readWith !== editionWords()) return editorSends();
   view.rest();
 }

@@ -6,7 +6,7 @@ use super::limits::{MAX_PICTURE_FILE, MAX_QUESTION, answer_time};
 use super::questions::{Asked, Edited, understood};
 use super::turns::Turns;
 use super::wire::{Question, Reply};
-use super::workers::{Luggage, Reference, Unanswered, Workers};
+use super::workers::{Luggage, Reference, TypedScene, Unanswered, Workers};
 use serde_json::json;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,8 +19,8 @@ const KEPT: usize = 4;
 pub struct Desk {
     workers: Workers,
     turns: Turns,
-    /// The scenes that were typed in last, by their revisions.
-    typed: Mutex<Vec<(u64, Arc<str>)>>,
+    /// The questions with the scenes that were typed in last, by their revisions.
+    typed: Mutex<Vec<TypedScene>>,
     /// The picture that was dropped last.
     reference: Mutex<Option<Arc<Reference>>>,
     /// Of a scene or a picture.
@@ -73,9 +73,9 @@ impl Desk {
         let mut turn = None;
         match path {
             "/scene" => {
-                let Edited { text } = understood(&body)?;
-                body = vec![];
-                luggage.scene = Some((self.next.fetch_add(1, Ordering::Relaxed), text.into()));
+                understood::<Edited>(&body)?;
+                let typed = std::mem::take(&mut body).into();
+                luggage.scene = Some((self.next.fetch_add(1, Ordering::Relaxed), typed));
             }
             "/reference" => {
                 let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
@@ -124,7 +124,7 @@ impl Desk {
     }
 
     /// The scene of this revision, if it is a typed one.
-    fn scene(&self, revision: u64) -> Result<Option<(u64, Arc<str>)>, Refusal> {
+    fn scene(&self, revision: u64) -> Result<Option<TypedScene>, Refusal> {
         if revision == 0 {
             return Ok(None);
         }
@@ -137,7 +137,7 @@ impl Desk {
         Ok(Some(used))
     }
 
-    fn keep(&self, scene: Option<(u64, Arc<str>)>) {
+    fn keep(&self, scene: Option<TypedScene>) {
         let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
         typed.extend(scene);
         let surplus = typed.len().saturating_sub(KEPT);

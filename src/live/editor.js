@@ -22,11 +22,13 @@ async function editorSends() {
   const mine = ++editor.sent;
   clearTimeout(editor.timer);
   const text = editor.area.value;
+  view.readWith = editionWords();
   try {
-    const { meta } = await ask('/scene', { text });
+    const { meta } = await ask('/scene', { text, words: wordsOf() });
     if (mine !== editor.sent) return;
     editor.errors = meta.errors || [];
     if (meta.scene) view.open(meta.scene);
+    else find('taken').textContent = 'The text is no scene of this edition; “Scene” shows where.';
     if (meta.scene && meta.scene.is_unlit) say('The scene has no lights: its surfaces show their flat colours.');
   } catch (error) {
     complain(error);
@@ -135,6 +137,7 @@ function scrollMarks() {
 
 // The objects that the picture shows, once it rests.
 async function lookAround() {
+  if (!view.isOpen()) return;
   const scene = view.scene.revision;
   try {
     const { meta, bytes } = await ask('/objects', { ...view.question(), show: 'color' });

@@ -89,6 +89,7 @@ async function start() {
   document.title = `${meta.name} · raytracer`;
   setLimits(meta.most);
   fillControls(meta.words);
+  view.openedWith = view.readWith = editionWords();
   showCellColors(meta.cell_colors);
   startTabs();
   startButtons(meta.outputs);

@@ -100,7 +100,7 @@ impl<'r> Easel<'r> {
             false => ControlFlow::Continue(()),
         };
         let request = request(subject);
-        let [width, height] = request.size;
+        let [width, height] = request.layer_size(&Layer::Color);
         let mut colors = Colors::default();
         let mut take_row = |_: usize, row: &[Color]| {
             colors.take(row, subject.cost.is_some());

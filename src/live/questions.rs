@@ -56,6 +56,9 @@ pub struct Wanted {
 #[derive(Clone, Debug, Deserialize)]
 pub struct Edited {
     pub text: String,
+    /// The flags, which may name the edition in which it is read.
+    #[serde(default)]
+    pub words: Vec<String>,
 }
 
 /// The pixel whose rays are traced, by column and row from the top left.

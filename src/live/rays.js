@@ -103,8 +103,7 @@ function drawMark(context, camera, at, isLit) {
 
 // A line in space, as far as it is in front of the camera.
 function drawLine(context, camera, from, to) {
-  const { direction } = camera.axes();
-  const depth = (point) => dot(subtract(point, camera.center), direction);
+  const depth = (point) => camera.along(point).depth;
   const nearest = camera.kind === 'orthographic' ? -Infinity : 1e-3 * length(subtract(camera.pivot, camera.center));
   let [a, b] = [from, to];
   const [near, far] = [depth(a), depth(b)];

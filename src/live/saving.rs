@@ -44,6 +44,8 @@ fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<
     let places = |name| Edition::ALL.into_iter().flat_map(move |edition| mesh_places(name, folder, edition));
     let mut meshes = renderer.scene.meshes.iter().flat_map(|mesh| places(mesh.name.as_str()));
     meshes.try_for_each(|mesh| files.check_read(ReadAs::Mesh, &mesh))?;
+    let mut images = renderer.scene.images.iter().flat_map(|image| places(image.name.as_str()));
+    images.try_for_each(|image| files.check_read(ReadAs::Picture, &image))?;
     compared.iter().try_for_each(|picture| files.check_read(ReadAs::Picture, picture))
 }
 

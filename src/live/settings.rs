@@ -3,8 +3,8 @@
 use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
-use crate::escape::shell_word;
 use crate::render::Cost;
+use crate::shell::Shell;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::Path;
@@ -23,7 +23,7 @@ impl Most {
     /// The limits for pages of this command line.
     pub fn of(line: &Options) -> Self {
         Self {
-            side: line.size.into_iter().fold(MAX_SIDE, usize::max),
+            side: line.request().size.into_iter().fold(MAX_SIDE, usize::max),
             samples: samples(line).max(MAX_SAMPLES),
             bounces: line.effects.bounces.max(MAX_BOUNCES),
             support: line.filter.support().max(MAX_SUPPORT),
@@ -41,7 +41,7 @@ impl Most {
             Err(error) => return Err(error.to_string()),
         };
         let limits = [
-            ("-size", options.size[0].max(options.size[1]), self.side),
+            ("-size", options.request().size.into_iter().fold(0, usize::max), self.side),
             ("the number of samples", samples(&options) as usize, self.samples as usize),
             ("-bounces", options.effects.bounces as usize, self.bounces as usize),
             ("the filter's support", options.filter.support(), self.support),
@@ -97,7 +97,7 @@ pub fn command_line(input: &Path, words: &[String], cost: Option<Cost>, output: 
     let head = ["raytracer".to_owned(), "-input".to_owned(), name(input)];
     let tail = kind.into_iter().map(str::to_owned).chain([output]);
     let words = head.into_iter().chain(words.iter().cloned()).chain(tail);
-    words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" ")
+    words.map(|word| Shell::OF_SYSTEM.word(word)).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

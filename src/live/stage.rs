@@ -3,7 +3,7 @@
 use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
 use crate::memory;
 use crate::renderer::{Meshes, Renderer};
-use crate::scene::edition::Edition;
+use crate::scene::edition::{Choice, Edition};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, memory_for, parse_obj};
 use crate::scene::texels::ImageFile;
@@ -22,8 +22,10 @@ use std::sync::Arc;
 pub struct OpenScene {
     /// By which a page names it; 0 is the command line's.
     pub revision: u64,
-    /// The edition that it was read in.
-    pub edition: Edition,
+    /// The edition that was named, if any.
+    pub named: Option<Edition>,
+    /// The one that it was read in.
+    pub choice: Choice,
     pub renderer: Renderer,
 }
 
@@ -60,11 +62,11 @@ impl Stage {
             Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, hints, &|_| ())?,
             None => scene_io::load_announcing(path, hints, &|_| ())?,
         };
-        let edition = loaded.choice.edition;
+        let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?.on_threads(threads.clone());
         let names = renderer.scene.meshes.iter().map(|file| file.name.clone());
         let meshes = names.zip(renderer.meshes().iter().cloned()).collect();
-        let first = Arc::new(OpenScene { revision: 0, edition, renderer });
+        let first = Arc::new(OpenScene { revision: 0, named: hints.edition, choice, renderer });
         Ok(Self { path: path.to_owned(), hints: hints.clone(), meshes, first, typed: None, threads })
     }
 
@@ -78,17 +80,26 @@ impl Stage {
         [&self.first].into_iter().chain(&self.typed).find(|scene| scene.revision == revision).cloned()
     }
 
-    /// Opens a text in place of the one that was typed in before.
-    pub fn type_in(&mut self, revision: u64, text: String) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    /// Opens a text in place of the one that was typed in before, in this edition if one is named.
+    pub fn type_in(
+        &mut self,
+        revision: u64,
+        text: String,
+        named: Option<Edition>,
+    ) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
         let source = Source { path: self.path.clone(), text };
-        let (edition, renderer) = self.renderer(source)?;
+        let (choice, renderer) = self.renderer(source, named)?;
         let renderer = renderer.on_threads(self.threads.clone());
-        let scene = Arc::new(OpenScene { revision, edition, renderer });
+        let scene = Arc::new(OpenScene { revision, named, choice, renderer });
         self.typed = Some(scene.clone());
         Ok(scene)
     }
 
-    fn renderer(&self, source: Source) -> Result<(Edition, Renderer), Vec<SceneMessage>> {
+    fn renderer(
+        &self,
+        source: Source,
+        named: Option<Edition>,
+    ) -> Result<(Choice, Renderer), Vec<SceneMessage>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let find = |name: &str| match self.meshes.get(name) {
@@ -121,15 +132,16 @@ impl Stage {
             })
         };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = scene_io::load_text(source, &self.hints, readers).map_err(SceneMessage::of)?;
+        let hints = Hints { edition: named, ..self.hints.clone() };
+        let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
         let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
         let count = primitives(&loaded);
         if count > MAX_PRIMITIVES {
             return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
         }
         memory::ask(count as u64 * BYTES_PER_PRIMITIVE).map_err(|error| refused(error.to_string()))?;
-        let edition = loaded.choice.edition;
-        Ok((edition, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
+        let choice = loaded.choice.clone();
+        Ok((choice, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
     }
 }
 
@@ -153,6 +165,7 @@ fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
     let count = |object: &Object| match object {
         Object::Mesh { mesh, .. } => meshes.get(*mesh).map_or(0, |mesh| mesh.triangles.len()),
         Object::Box { .. } => BOX,
+        Object::Grid { surface, .. } => surface.triangles.len(),
         _ => 1,
     };
     scene.objects.iter().map(count).fold(0, usize::saturating_add)

@@ -15,6 +15,9 @@ const VALUES_FROM = 64;
 
 const view = {
   scene: null,
+  // The flags that name the edition in which it was read, and those of the text that was sent last.
+  openedWith: '',
+  readWith: '',
   // The camera that the hand has moved; none while it is the scene's own.
   camera: null,
   canvas: find('picture'),
@@ -46,10 +49,19 @@ const view = {
 
   // Takes a scene that is open. The camera stays if it was moved.
   open(scene) {
-    this.scene = scene;
-    if (this.camera) this.camera.pivot = pivotOf(this.camera, scene.bounds);
+    [this.scene, this.openedWith] = [scene, this.readWith];
+    showEdition(scene);
+    if (this.camera) {
+      const { is_stretched, up_as_written } = scene.camera;
+      Object.assign(this.camera, { is_stretched, up_as_written, pivot: pivotOf(this.camera, scene.bounds) });
+    }
     this.layout();
     this.rest();
+  },
+
+  // Whether the scene is open in the edition that the controls name. If not, it is on its way, or the text is none.
+  isOpen() {
+    return this.openedWith === editionWords();
   },
 
   // The camera that is seen with.
@@ -75,7 +87,7 @@ const view = {
 
   // Paints sketches, one after the other, as long as the hand moves.
   async sketch() {
-    if (this.sketching) return;
+    if (this.sketching || !this.isOpen()) return;
     this.sketching = true;
     clearTimeout(this.restTimer);
     try {
@@ -121,6 +133,7 @@ const view = {
   },
 
   async whole(exactly = false) {
+    if (!this.isOpen()) return;
     const mine = ++turn;
     this.finished = false;
     try {

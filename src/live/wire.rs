@@ -23,7 +23,7 @@ pub struct Question {
     pub number: u64,
     pub path: String,
     pub query: String,
-    /// The revision of a scene that is to be opened; its text is the second part.
+    /// The revision of a scene that is to be opened; the page's question with its text is the second part.
     pub opens: Option<u64>,
     /// The name of a picture to compare with; its file is the last part.
     pub reference: Option<String>,

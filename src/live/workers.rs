@@ -32,11 +32,14 @@ pub enum Unanswered<W> {
     NotStarted(String),
 }
 
+/// The revision of a scene that was typed in, and the page's question with its text.
+pub type TypedScene = (u64, Arc<[u8]>);
+
 /// What a request brings along for a worker that does not have it.
 #[derive(Clone, Default)]
 pub struct Luggage {
-    /// The scene that was typed in, by its revision and its text.
-    pub scene: Option<(u64, Arc<str>)>,
+    /// The scene that was typed in.
+    pub scene: Option<TypedScene>,
     /// The picture to compare with.
     pub reference: Option<Arc<Reference>>,
 }
@@ -98,9 +101,9 @@ impl Workers {
         question.number = worker.number;
         let number = question.number;
         let mut parts = vec![body];
-        if let Some((revision, text)) = luggage.scene.as_ref().filter(|(it, _)| worker.scene != Some(*it)) {
+        if let Some((revision, typed)) = luggage.scene.as_ref().filter(|(it, _)| worker.scene != Some(*it)) {
             question.opens = Some(*revision);
-            parts.push(text.as_bytes());
+            parts.push(typed);
             worker.scene = None;
         }
         if let Some(reference) = luggage.reference.as_ref().filter(|it| worker.reference != Some(it.id)) {

@@ -73,17 +73,19 @@ impl Occupancy {
             Object::Box { min, max, .. } => {
                 self.insert_box(Aabb::around(Aabb { min, max }.corners().map(map)));
             }
-            Object::Mesh { mesh, .. } => {
-                let Mesh { vertices, triangles } = &meshes[mesh];
-                let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-                triangles.iter().for_each(|triangle| self.insert_box(Aabb::around(corners(triangle))));
-            }
+            Object::Grid { ref surface, .. } => self.insert_mesh(surface, map),
+            Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map),
             _ => {
                 if let Some(of_object) = placement.object.shape_box() {
                     self.insert_box(placement.course_box(of_object));
                 }
             }
         }
+    }
+
+    fn insert_mesh(&mut self, Mesh { vertices, triangles }: &Mesh, map: impl Fn(DVec3) -> DVec3) {
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
+        triangles.iter().for_each(|triangle| self.insert_box(Aabb::around(corners(triangle))));
     }
 
     fn insert_box(&mut self, bounds: Aabb) {

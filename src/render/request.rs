@@ -31,6 +31,8 @@ pub enum View<'a> {
     Scene,
     /// The occupied cells of the grid, lit by the world's lights.
     Cells(&'a Occupancy),
+    /// The place of each pixel.
+    Places,
 }
 
 /// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
@@ -168,7 +170,7 @@ impl Request {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let casts_centers = !world.is_of_course() || !finds_first_hits(camera, world, self.size);
+        let casts_centers = !finds_first_hits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
         let casts = self.measures() && casts_centers || self.traces_colors(Tracing::Fast) && casts_for_colors;
         let pixels: usize = self.window_size().iter().product();

@@ -235,10 +235,20 @@ impl Painter<'_> {
         let of_tracer =
             Wanted { colors: wanted.colors && matches!(self.setting.view, View::Scene), ..wanted };
         self.tracer.trace(self.row.j, of_tracer, packet, colors, &mut self.row.counts);
-        if let View::Cells(occupancy) = self.setting.view {
-            for (color, Sample { ray, .. }) in colors.iter_mut().zip(packet.samples()) {
-                let (face, world) = (occupancy.first_face(ray), self.setting.caster.world);
-                *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
+        let RenderSetting { view, request, .. } = self.setting;
+        match view {
+            View::Scene => {}
+            View::Cells(occupancy) => {
+                let world = self.setting.caster.world;
+                for (color, Sample { ray, .. }) in colors.iter_mut().zip(packet.samples()) {
+                    let face = occupancy.first_face(ray);
+                    *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
+                }
+            }
+            View::Places => {
+                for (color, sample) in colors.iter_mut().zip(packet.samples()) {
+                    *color = place_color([sample.source.column, self.row.j], request.size);
+                }
             }
         }
     }
@@ -284,6 +294,11 @@ impl Painter<'_> {
             colors.push(sum.color());
         }
     }
+}
+
+/// The colour of a pixel that shows its place, which is its column and its row from the bottom.
+fn place_color([column, row]: [usize; 2], [width, height]: [usize; 2]) -> Color {
+    Color::new(column as f64 / width as f64, (height - 1 - row) as f64 / height as f64, 1.0)
 }
 
 /// The colour of a cell's face under the scene's lights: ambient and diffuse, without shadows.

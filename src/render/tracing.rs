@@ -62,10 +62,7 @@ impl<'a> PictureTracer<'a> {
     ) -> Self {
         match tracing {
             #[cfg(feature = "fast")]
-            // What other models mean only the tracer knows.
-            Tracing::Fast if caster.world.is_of_course() => {
-                Self::Fast(FastTracer::new(camera, caster, demand(view, request)))
-            }
+            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request))),
             _ => {
                 let _ = view;
                 Self::Plain(PlainTracer { camera, caster, effects: request.effects })

@@ -3,6 +3,7 @@
 use super::adaptive::Adaptive;
 use super::c_rand::CRand;
 use super::drand48::{Drand48, Jump};
+use crate::scene::edition::Edition;
 use glam::DVec2;
 use rand::RngExt;
 use serde::{Serialize, Serializer};
@@ -19,6 +20,19 @@ pub enum Pattern {
     Jittered,
     /// One point, by the random numbers of [`CRand`], which are drawn row by row.
     Displaced,
+}
+
+impl Pattern {
+    /// The flag that asks for it in an edition of the course, without the dash.
+    pub fn flag(self, edition: Edition) -> &'static str {
+        match (self, edition) {
+            (Self::Uniform, Edition::Aalto) => "regular_samples",
+            (Self::Random, Edition::Aalto) | (Self::Uniform, _) => "uniform_samples",
+            (Self::Random, _) => "random_samples",
+            (Self::Jittered, _) => "jittered_samples",
+            (Self::Displaced, _) => "jitter",
+        }
+    }
 }
 
 /// Generates the sample positions of every pixel of a picture.

@@ -26,7 +26,7 @@ pub enum Edition {
 use Edition::{Aalto, Y2004, Y2012A4, Y2012A5, Y2019};
 
 /// The words that only some editions have.
-const WORDS: [(&str, &[Edition]); 13] = [
+const WORDS: [(&str, &[Edition]); 18] = [
     ("OrthographicCamera", &[Y2004, Aalto]),
     ("Checkerboard", &[Y2004, Aalto]),
     ("Marble", &[Y2004, Aalto]),
@@ -40,11 +40,16 @@ const WORDS: [(&str, &[Edition]); 13] = [
     ("shininess", &[Y2012A4, Y2012A5, Y2019]),
     ("Matrix4f", &[Y2012A4, Y2012A5, Y2019]),
     ("bump", &[Y2012A5, Y2019]),
+    ("mipmap", &[Aalto]),
+    ("linearInterpolation", &[Aalto]),
+    ("textCoord0", &[Aalto]),
+    ("textCoord1", &[Aalto]),
+    ("textCoord2", &[Aalto]),
 ];
 /// Those of them that are followed by what tells them from other uses of the word.
 const LATER_WORDS: [(&str, &[Edition]); 4] = [
     ("refractionIndex", &[Y2012A5]),
-    ("texture", &[Y2012A4, Y2012A5]),
+    ("texture", &[Y2012A4, Y2012A5, Aalto]),
     ("falloff", &[Y2012A5, Y2019]),
     ("cubeMap", &[Y2012A5, Y2019]),
 ];
@@ -74,6 +79,24 @@ pub struct Choice {
     pub is_open: bool,
 }
 
+impl Choice {
+    /// What is to be said of it, unless somebody has named it.
+    pub fn note(&self) -> Option<String> {
+        let Self { edition, because, is_open } = self;
+        if *is_open {
+            return Some(
+                "the scene is the same text in several editions of the course, and another picture in each; it is taken \
+                 as one of 2004, and `-edition` names another"
+                    .into(),
+            );
+        }
+        let because = because.as_ref()?;
+        Some(format!(
+            "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
+        ))
+    }
+}
+
 impl Edition {
     /// All editions, in the order of their years.
     pub const ALL: [Self; 5] = [Y2004, Y2012A4, Y2012A5, Y2019, Aalto];
@@ -97,7 +120,7 @@ impl Edition {
 
     /// Whether files that a scene names are looked for beside the scene first, and in the working directory then.
     pub fn starts_beside_scene(self) -> bool {
-        self == Y2019
+        matches!(self, Y2019 | Aalto)
     }
 
     /// The ending of the pictures of a cube map.
@@ -123,6 +146,16 @@ impl Edition {
         matches!(scene.camera, Camera::Perspective { .. })
             && scene.materials.iter().all(only_diffuse)
             && scene.lights.iter().all(is_constant)
+    }
+
+    /// How often a ray bounces where no `-bounces` says so.
+    pub fn default_bounces(self) -> u32 {
+        if self == Y2012A5 { 4 } else { 0 }
+    }
+
+    /// Secondary rays are traced whose weight is above this where no `-weight` says so.
+    pub fn default_weight(self) -> f64 {
+        if self == Aalto { 0.1 } else { 0.0 }
     }
 
     /// What its scenes mean.
@@ -211,7 +244,7 @@ struct LaterWords<'t> {
 }
 
 impl<'t> LaterWords<'t> {
-    /// None if there is a word of 2004.
+    /// None if there is a word of 2004, or one that only Aalto has.
     fn of(text: &'t str) -> Option<Self> {
         let (mut found, mut lexer, mut depth) = (Self::default(), Lexer::new(text), 0u32);
         let mut before = "";
@@ -230,7 +263,8 @@ impl<'t> LaterWords<'t> {
                 _ => {}
             }
             match editions_of(word) {
-                Some(editions) if editions.contains(&Y2004) => return None,
+                // A word of Aalto's is no later one either, whose flags have to say whose scene it is.
+                Some(editions) if !editions.iter().any(|edition| edition.is_later()) => return None,
                 Some(editions) => {
                     found.first = found.first.or(Some(word));
                     if editions == [Y2012A5] {
@@ -327,6 +361,7 @@ mod tests {
             "shininess exponent",
             "Materials { Noise { falloff",
             "texture",
+            "texture a.tga mipmap",
             "noise",
         ] {
             // A texture is a word of 2012 only.

@@ -100,11 +100,6 @@ pub enum Problem {
         /// The keyword of the block.
         block: &'static str,
     },
-    /// A keyword of some edition of the course that is not supported here.
-    Unsupported {
-        /// The word as written.
-        word: String,
-    },
     /// A point light whose brightness is infinite in this edition.
     NoFalloff {
         /// The edition.
@@ -253,7 +248,6 @@ impl fmt::Display for Problem {
             }
             Self::MaterialsAfterGroup => write!(f, "`Materials` must come before the `Group`"),
             Self::Missing { block } => write!(f, "the scene has no {block}"),
-            Self::Unsupported { word } => write!(f, "the object `{word}` is not supported"),
             Self::NoFalloff { edition } => {
                 write!(f, "without `falloff` the light is infinitely bright in the edition {edition}")
             }

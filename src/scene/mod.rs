@@ -6,6 +6,7 @@
 
 pub mod edition;
 pub mod error;
+mod filled_cells;
 mod foreign_format;
 mod keyword;
 pub mod lexer;
@@ -43,7 +44,7 @@ use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 use texture_coordinates::Corners;
-pub(crate) use transform::TRANSFORMATIONS;
+pub(crate) use transform::is_transformation;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
 pub type Color = DVec3;

@@ -1,6 +1,9 @@
 //! What a scene means where the editions of the course differ: each edition is a value of [`Model`], and nothing
 //! behind the reader of scenes knows an edition by its name.
 
+use super::Color;
+use glam::DVec3;
+
 /// How a scene is seen, lit and shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
@@ -18,6 +21,8 @@ pub struct Model {
     pub depths: Depths,
     /// The colours of normals.
     pub normal_colors: NormalColors,
+    /// What colours show.
+    pub shows: Shows,
 }
 
 /// How the view of a perspective camera is spread over the pixels.
@@ -46,9 +51,9 @@ pub enum Highlight {
 /// How the light is split that comes through a transparent surface and is mirrored there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// By the material's two colours. The medium around a ray is that which it is refracted into.
+    /// By the material's two colours.
     Colors,
-    /// By Schlick's approximation. The medium outside every object is empty.
+    /// By Schlick's approximation, of which both parts are multiplied by the colours.
     Schlick,
 }
 
@@ -93,6 +98,35 @@ pub enum NormalColors {
     Shifted,
 }
 
+/// What the picture of colours shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// The scene.
+    Scene,
+    /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
+    Places,
+}
+
+impl Depths {
+    /// The grey of a surface at the distance `t` where those between `near` and `far` are shown.
+    pub fn grey(self, t: f64, [near, far]: [f64; 2]) -> f64 {
+        match self {
+            Self::NearWhite => (far - t.clamp(near, far)) / (far - near),
+            Self::NearBlack => (t - near) / (far - near),
+        }
+    }
+}
+
+impl NormalColors {
+    /// The colour of a normal, which is zero where nothing is seen.
+    pub fn color(self, normal: DVec3) -> Color {
+        match self {
+            Self::Absolute => normal.abs(),
+            Self::Shifted => 0.5 * normal + 0.5,
+        }
+    }
+}
+
 impl Model {
     /// That of the editions of 2003 and 2004.
     pub const COURSE: Self = Self {
@@ -103,5 +137,6 @@ impl Model {
         normals: MeshNormals::Flat,
         depths: Depths::NearWhite,
         normal_colors: NormalColors::Absolute,
+        shows: Shows::Scene,
     };
 }

@@ -1,9 +1,11 @@
 //! The nodes of the object tree.
 
+use super::mesh::Mesh;
 use super::{MaterialId, ObjectId, Position};
 use crate::math::aabb::Aabb;
 use crate::math::rounded_affine::RoundedAffine;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// A node of the object tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +55,13 @@ pub enum Object {
         /// The material of the surface.
         material: MaterialId,
     },
+    /// The cells of the 2003 edition that a sphere fills.
+    Grid {
+        /// The faces between filled cells and others.
+        surface: Arc<Mesh>,
+        /// The material of the surface.
+        material: MaterialId,
+    },
     /// A triangle mesh from a file.
     Mesh {
         /// The index of the file in [`Scene::meshes`](super::Scene::meshes).
@@ -72,6 +81,7 @@ impl Object {
             Self::Plane { .. } => "Plane",
             Self::Triangle { .. } => "Triangle",
             Self::Box { .. } => "Box",
+            Self::Grid { .. } => "Grid",
             Self::Mesh { .. } => "TriangleMesh",
         }
     }
@@ -84,6 +94,7 @@ impl Object {
             | Self::Plane { material, .. }
             | Self::Triangle { material, .. }
             | Self::Box { material, .. }
+            | Self::Grid { material, .. }
             | Self::Mesh { material, .. } => Some(material),
         }
     }
@@ -96,6 +107,7 @@ impl Object {
             | Self::Plane { material, .. }
             | Self::Triangle { material, .. }
             | Self::Box { material, .. }
+            | Self::Grid { material, .. }
             | Self::Mesh { material, .. } => Some(material),
         }
     }

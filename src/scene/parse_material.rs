@@ -15,8 +15,20 @@ use glam::{DAffine3, DMat3, DVec3};
 pub const PHONG_KINDS: [&str; 2] = ["Material", "PhongMaterial"];
 const KINDS: [&str; 6] = ["PhongMaterial", "Material", "Checkerboard", "Noise", "Marble", "Wood"];
 
-const PHONG_FIELDS: [&str; 6] =
-    ["diffuseColor", "specularColor", "exponent", "reflectiveColor", "transparentColor", "indexOfRefraction"];
+const PHONG_FIELDS: [&str; 9] = [
+    "diffuseColor",
+    "specularColor",
+    "exponent",
+    "reflectiveColor",
+    "transparentColor",
+    "indexOfRefraction",
+    // Those of Aalto alone.
+    "texture",
+    "mipmap",
+    "linearInterpolation",
+];
+/// How many of them there are elsewhere.
+const USUAL_FIELDS: usize = 6;
 
 /// The largest number of octaves. Each one halves the amplitude, so a further octave is below the rounding
 /// error.
@@ -52,12 +64,14 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
     }
     let name = reader.open()?.text;
     let mut phong = Phong::default();
-    while let Some(field) = PHONG_FIELDS.into_iter().find(|field| reader.is_at(field)) {
+    let fields =
+        if reader.edition == Edition::Aalto { &PHONG_FIELDS[..] } else { &PHONG_FIELDS[..USUAL_FIELDS] };
+    while let Some(field) = fields.iter().find(|field| reader.is_at(field)) {
         reader.take();
         parse_phong_value(reader, field, &mut phong)?;
     }
     if !reader.is_at("}") {
-        return Err(reader.unexpected(&format!("a field of `{name}` or `}}`"), &PHONG_FIELDS));
+        return Err(reader.unexpected(&format!("a field of `{name}` or `}}`"), fields));
     }
     reader.close(name)?;
     Ok(Material::Phong(phong))
@@ -102,7 +116,8 @@ fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
     reader.close(name)?;
     phong.reflective = phong.specular;
     if reader.edition == Edition::Y2012A5 {
-        (phong.specular, phong.exponent) = (DVec3::ZERO, 0.0);
+        // The exponent is that of the highlights which a program has by mistake.
+        phong.specular = DVec3::ZERO;
         if index > 0.0 {
             (phong.transparent, phong.index_of_refraction) = (phong.reflective, index);
         }
@@ -160,6 +175,9 @@ fn parse_phong_value(reader: &mut Reader<'_>, field: &str, phong: &mut Phong) ->
             phong.index_of_refraction =
                 reader.number_that(field, "must be positive", |number| number > 0.0)?
         }
+        // Aalto's program reads these, and shows the diffuse colour: its triangles have no texture coordinates.
+        "texture" => _ = reader.file_name(field)?,
+        "mipmap" | "linearInterpolation" => {}
         _ => return Err(reader.unexpected("a value of another field", &PHONG_FIELDS)),
     }
     Ok(())

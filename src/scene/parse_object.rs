@@ -229,7 +229,6 @@ impl ObjectTree {
                 let at = reader.peek().at;
                 self.parse_primitive(reader).map(|object| Step::Finished(object, at))
             }
-            "Grid" => Err(unsupported_grid(reader)),
             _ => Err(reader.unexpected(what, keywords)),
         }
     }
@@ -301,10 +300,4 @@ impl Default for ObjectTree {
             current_material: None,
         }
     }
-}
-
-fn unsupported_grid(reader: &Reader<'_>) -> SceneError {
-    let word = reader.peek();
-    SceneError::new(word.at, Problem::Unsupported { word: word.text.into() })
-        .with_hint("the 2003 edition's voxel grid; the grid that speeds up rays is a command-line option")
 }

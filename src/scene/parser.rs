@@ -2,6 +2,7 @@
 
 use super::edition::Edition;
 use super::error::{Problem, SceneError};
+use super::model::{Model, Shows};
 use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
 use super::parse_light::parse_lights;
 use super::parse_material::parse_materials;
@@ -174,8 +175,9 @@ impl Blocks {
 
     /// The scene. A missing block is recorded, unless an error may have hidden it.
     fn into_scene(mut self, reader: &mut Reader<'_>) -> Option<(Scene, Places)> {
+        // A scene of Aalto's may have no objects. Its program shows the places of pixels instead.
+        let shows = if self.root.is_some() { Shows::Scene } else { Shows::Places };
         let root = self.root.or_else(|| {
-            // A scene of Aalto's may have no objects.
             let is_empty = reader.edition == Edition::Aalto && reader.findings.errors.is_empty();
             is_empty.then(|| {
                 self.tree.objects.push(Object::Group(vec![]));
@@ -201,7 +203,7 @@ impl Blocks {
             meshes: self.tree.meshes,
             images: std::mem::take(&mut reader.images),
             cube_map: self.cube_map,
-            model: reader.edition.model(),
+            model: Model { shows, ..reader.edition.model() },
         };
         Some((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
     }

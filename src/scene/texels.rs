@@ -37,30 +37,45 @@ impl Texels {
     /// that holds the point on, without a shift by half a texel, as in the course's code.
     pub fn color(&self, [s, t]: [f32; 2]) -> Color {
         let [width, height] = self.size;
-        let (x, y) = (s * width as f32, (1.0 - t) * height as f32);
-        let (column, row) = (x.trunc(), y.trunc());
-        let (a, b) = (x - column, y - row);
-        let texel = |i, j| self.texel(column + i, row + j);
-        let color = texel(0.0, 0.0) * ((1.0 - a) * (1.0 - b))
-            + texel(1.0, 0.0) * (a * (1.0 - b))
-            + texel(0.0, 1.0) * ((1.0 - a) * b)
-            + texel(1.0, 1.0) * (a * b);
+        let ([i, next_i], a) = neighbours(s * width as f32, width);
+        let ([j, next_j], b) = neighbours((1.0 - t) * height as f32, height);
+        let color = self.texel(i, j) * ((1.0 - a) * (1.0 - b))
+            + self.texel(next_i, j) * (a * (1.0 - b))
+            + self.texel(i, next_j) * ((1.0 - a) * b)
+            + self.texel(next_i, next_j) * (a * b);
         (if self.divides_last { color / 255.0 } else { color }).as_dvec3()
     }
 
-    /// The nearest texel to this column and row.
-    fn texel(&self, column: f32, row: f32) -> Vec3 {
-        // The conversion maps negative numbers and NaN to 0.
-        let [i, j] = [(column, self.size[0]), (row, self.size[1])]
-            .map(|(place, count)| (place as usize).min(count.saturating_sub(1)));
-        match self.rgb.get(3 * (j * self.size[0] + i)..) {
-            Some([red, green, blue, ..]) => {
-                let bytes = Vec3::new((*red).into(), (*green).into(), (*blue).into());
-                if self.divides_last { bytes } else { bytes / 255.0 }
-            }
-            _ => Vec3::ZERO,
-        }
+    /// The texel in this column and row, to be interpolated.
+    fn texel(&self, i: usize, j: usize) -> Vec3 {
+        let Some([red, green, blue, ..]) = self.rgb.get(3 * (j * self.size[0] + i)..) else {
+            return Vec3::ZERO;
+        };
+        let channel = |byte: &u8| if self.divides_last { (*byte).into() } else { PARTS[usize::from(*byte)] };
+        Vec3::new(channel(red), channel(green), channel(blue))
     }
+}
+
+/// The bytes as parts of 255, since divisions are slow.
+static PARTS: [f32; 256] = {
+    let mut parts = [0.0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        parts[byte] = byte as f32 / 255.0;
+        byte += 1;
+    }
+    parts
+};
+
+/// The texels on both sides of a coordinate, of so many along an axis, and how far it is behind the first.
+fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
+    /// From here on all numbers are whole.
+    const WHOLE: f32 = (1 << f32::MANTISSA_DIGITS) as f32;
+    let last = count.saturating_sub(1);
+    // The same as `trunc`, which is a call of a function on many processors.
+    let first = if at.abs() < WHOLE { at as i32 as f32 } else { at };
+    // The conversion maps negative numbers and NaN to 0.
+    ([first, first + 1.0].map(|place| (place as usize).min(last)), at - first)
 }
 
 /// The faces of a cube map, in the order of [`FACES`].

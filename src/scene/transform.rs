@@ -19,6 +19,11 @@ pub fn transformations(edition: Edition) -> &'static [&'static str] {
     if edition.is_later() { &LATER } else { &TRANSFORMATIONS }
 }
 
+/// Whether a word starts a transformation in any edition.
+pub(crate) fn is_transformation(word: &str) -> bool {
+    TRANSFORMATIONS.contains(&word) || LATER.contains(&word)
+}
+
 /// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
 /// does.
 ///

@@ -110,12 +110,7 @@ impl PointMaterial<'_> {
     /// The specular term, per unit of light.
     #[inline(always)]
     fn specular(&self, highlight: Highlight, to_light: DVec3, view: &View) -> Color {
-        let View { normal, to_viewer, .. } = *view;
-        let alignment = match highlight {
-            Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
-            Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
-        };
-        self.highlights(alignment.max(0.0))
+        self.highlights(alignment(highlight, to_light, view).max(0.0))
     }
 
     /// The highlights per unit of light, where `alignment` is the cosine that is raised to their exponents.
@@ -143,6 +138,16 @@ impl Lobe {
     #[inline(always)]
     fn strength(&self, alignment: f64) -> Color {
         if self.color == Color::ZERO { Color::ZERO } else { self.color * power(alignment, self.exponent) }
+    }
+}
+
+/// The cosine that is raised to the exponent of a highlight.
+#[inline(always)]
+pub fn alignment(highlight: Highlight, to_light: DVec3, view: &View) -> f64 {
+    let View { normal, to_viewer, .. } = *view;
+    match highlight {
+        Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
+        Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
 use crate::scene::material::{Material, Paint, Phong};
-use crate::scene::model::{MeshNormals, Model, Split};
+use crate::scene::model::{MeshNormals, Model};
 use crate::shading::light::Incident;
 use crate::shading::phong::{Mixture, PointMaterial, View};
 use crate::shading::texture::{material_at, mixed_color};
@@ -53,7 +53,12 @@ pub trait Rules: Sync {
     /// The surface that a ray hits first.
     #[inline(always)]
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        let surface = self.world().visible_surface(ray, visible);
+        self.smoothed(self.world().visible_surface(ray, visible))
+    }
+
+    /// A surface with the normal by which it is seen, where it has that of the primitive.
+    #[inline(always)]
+    fn smoothed(&self, surface: SurfacePoint) -> SurfacePoint {
         if self.model().normals == MeshNormals::Flat {
             return surface;
         }
@@ -144,12 +149,7 @@ pub trait Rules: Sync {
     /// from.
     #[inline(always)]
     fn indices(&self, around: f64, material: &Phong, is_entering: bool) -> [f64; 2] {
-        let inside = material.index_of_refraction;
-        match (self.model().split, is_entering) {
-            (Split::Colors, _) => [around, if is_entering { inside } else { 1.0 }],
-            (Split::Schlick, true) => [1.0, inside],
-            (Split::Schlick, false) => [inside, 1.0],
-        }
+        [around, if is_entering { material.index_of_refraction } else { 1.0 }]
     }
 
     /// Where the refracted ray goes at total internal reflection, if there is one.
@@ -171,9 +171,9 @@ pub trait Rules: Sync {
         transmittance(tint, way)
     }
 
-    /// The normal by which a surface is shaded: that on the viewer's side.
+    /// The normal by which a surface is shaded that a ray of this direction meets: that on the viewer's side.
     #[inline(always)]
-    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
+    fn shading_normal(&self, normal: DVec3, _direction: DVec3, is_inside: bool) -> DVec3 {
         if is_inside { -normal } else { normal }
     }
 

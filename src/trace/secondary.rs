@@ -49,7 +49,7 @@ impl<R: Rules> Tracer<'_, R> {
         let kind = Secondary::Reflected;
         let color = match self.rules.model().split {
             Split::Colors => arrival.material.phong.reflective,
-            Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(arrival),
+            Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(path, arrival),
         };
         let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
@@ -71,7 +71,7 @@ impl<R: Rules> Tracer<'_, R> {
         let material = arrival.material.phong;
         let color = match self.rules.model().split {
             Split::Colors => material.transparent,
-            Split::Schlick => material.transparent * (1.0 - self.mirrored_part(arrival)),
+            Split::Schlick => material.transparent * (1.0 - self.mirrored_part(path, arrival)),
         };
         let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
@@ -94,8 +94,15 @@ impl<R: Rules> Tracer<'_, R> {
         pending.push(self.branch(kind, arrival, direction, path, observer));
     }
 
-    fn mirrored_part(&self, arrival: &Arrival) -> f64 {
-        self.rules.mirrored(mirrored_part(arrival))
+    /// How much of the light is mirrored at a surface; all at one that is opaque.
+    fn mirrored_part(&self, path: &Path, arrival: &Arrival) -> f64 {
+        let material = arrival.material.phong;
+        if material.transparent == Color::ZERO {
+            return self.rules.mirrored(1.0);
+        }
+        let cosine = arrival.direction.dot(arrival.surface.normal);
+        let indices = self.rules.indices(path.index, material, cosine < 0.0);
+        self.rules.mirrored(mirrored_part(cosine.abs(), indices))
     }
 
     #[inline(always)]
@@ -131,29 +138,20 @@ impl<R: Rules> Tracer<'_, R> {
     }
 }
 
-/// The index of refraction outside every object.
-const OUTSIDE: f64 = 1.0;
-
-/// How much of the light of a transparent surface is mirrored, by Schlick's approximation ("An Inexpensive BRDF Model for
-/// Physically-based Rendering", Computer Graphics Forum 13(3), 1994); all at a surface that is opaque.
-fn mirrored_part(arrival: &Arrival) -> f64 {
-    let material = arrival.material.phong;
-    if material.transparent == Color::ZERO {
-        return 1.0;
-    }
-    let cosine = arrival.direction.dot(arrival.surface.normal);
-    let inside = material.index_of_refraction;
-    let [front, behind] = if cosine < 0.0 { [OUTSIDE, inside] } else { [inside, OUTSIDE] };
+/// How much of the light is mirrored at a transparent surface between two media, whose indices of refraction are that
+/// in front of it and that behind it, by Schlick's approximation ("An Inexpensive BRDF Model for Physically-based
+/// Rendering", Computer Graphics Forum 13(3), 1994). `cosine` is that of the angle in front.
+fn mirrored_part(cosine: f64, [front, behind]: [f64; 2]) -> f64 {
     let ratio = front / behind;
     let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
     if refracted_square < 0.0 {
         return 1.0;
     }
     // The larger one of the angles in front of the surface and behind it counts.
-    let cosine = if front <= behind { cosine.abs() } else { refracted_square.sqrt() };
-    // As in the course's program, the surface is compared with the medium that the ray is in. Inside the object that is the
-    // same, so that nothing is mirrored there at a right angle.
-    let root = (inside - front) / (inside + front);
+    let cosine = if front <= behind { cosine } else { refracted_square.sqrt() };
+    // As in the course's program, the medium behind is compared with empty space, whatever is in front. So nothing is
+    // mirrored at a right angle where a ray leaves an object.
+    let root = (behind - 1.0) / (behind + 1.0);
     let straight = root * root;
     // Products in a fixed order, which are the same on every machine.
     let (grazing, square) = (1.0 - cosine, (1.0 - cosine) * (1.0 - cosine));
@@ -176,5 +174,22 @@ impl<T> OrEnd<T> for Result<T, PathEnd> {
                 None
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_media_the_one_behind_decides_how_much_is_mirrored() {
+        let near = |cosine, indices, expected: f64| (mirrored_part(cosine, indices) - expected).abs() < 1e-15;
+        assert!(near(1.0, [1.0, 2.0], 1.0 / 9.0) && near(1.0, [2.0, 1.0], 0.0));
+        // A ray that is mirrored on the outside may meet the surface from within.
+        assert!(near(0.5, [1.0, 1.0], 1.0 / 32.0) && near(1.0, [2.0, 2.0], 1.0 / 9.0));
+        // The sine is 0.3, and 0.6 behind the surface.
+        assert!(near(0.91f64.sqrt(), [2.0, 1.0], 0.2f64.powi(5)));
+        assert!(near(0.8, [1.0, 2.0], 1.0 / 9.0 + 8.0 / 9.0 * 0.2f64.powi(5)));
+        assert_eq!([0.0, 0.86].map(|cosine| mirrored_part(cosine, [2.0, 1.0])), [1.0; 2]);
     }
 }

@@ -39,11 +39,15 @@ impl<'a> Builder<'a> {
     pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Result<Self, NoMemory> {
         let (mut uses, mut copied) = (vec![0; meshes.len()], 0);
         for object in &scene.objects {
-            if let Object::Mesh { mesh, .. } = object {
-                uses[*mesh] += 1;
-                // A single use may take the lists over.
-                let is_copied = uses[*mesh] > 1 || matches!(meshes[*mesh], Cow::Borrowed(_));
-                copied += if is_copied { meshes[*mesh].bytes() } else { 0 };
+            match object {
+                Object::Mesh { mesh, .. } => {
+                    uses[*mesh] += 1;
+                    // A single use may take the lists over.
+                    let is_copied = uses[*mesh] > 1 || matches!(meshes[*mesh], Cow::Borrowed(_));
+                    copied += if is_copied { meshes[*mesh].bytes() } else { 0 };
+                }
+                Object::Grid { surface, .. } => copied += surface.bytes(),
+                _ => {}
             }
         }
         memory::ask(copied)?;
@@ -67,6 +71,11 @@ impl<'a> Builder<'a> {
                 let corners = Aabb { min, max }.corners().into_iter().map(map);
                 let error = PlacementError::new(placement, min.abs().max(max.abs()));
                 self.triangles(corners, &BOX_FACES, placement, (material, error))
+            }
+            Object::Grid { ref surface, material } => {
+                let error = PlacementError::new(placement, reach(&surface.vertices));
+                let vertices = surface.vertices.iter().map(|&v| map(v));
+                self.triangles(vertices, &surface.triangles, placement, (material, error))
             }
             Object::Mesh { mesh, material } => {
                 self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))

@@ -46,10 +46,11 @@ class Page:
 
     def __init__(self, program, browser, scene, flags, folder, outputs=("-output", "o.png")):
         self.browser, self.folder, self.program = browser, folder, program
-        (folder / "s.txt").write_text((ROOT / "scenes" / scene).read_text())
-        for mesh in (ROOT / "scenes").glob("*.obj"):
-            if not (folder / mesh.name).exists():
-                (folder / mesh.name).symlink_to(mesh)
+        # The meshes that scenes of editions name lie in the folder above.
+        (folder / "s.txt").write_text((ROOT / "scenes" / scene).read_text().replace("../", ""))
+        for file in [*(ROOT / "scenes").glob("*.obj"), *(ROOT / "scenes/editions").iterdir()]:
+            if not (folder / file.name).exists():
+                (folder / file.name).symlink_to(file)
         words = [program, "-input", "s.txt", *flags.split(), *outputs, "-gui", "-port", "0", "-no_browser"]
         self.process = subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True)
         found = None
@@ -462,6 +463,65 @@ def check_glass(program, browser, folder, shot):
         page.close()
 
 
+def check_editions(program, browser, folder, shot):
+    """The choice of edition: what it takes, what goes without a flag, and where the overlay shows a ray."""
+    page = Page(program, browser, "editions/glass_2012a5.txt", "-size 72 48 -shadows", folder)
+    choose = ("const e = find('%s'); e.value = '%s'; e.dispatchEvent(new Event('input', {bubbles: true})); return 0")
+    command = "return find('command').value"
+    try:
+        page.run("find('refine').click(); return 0")
+        page.settle()
+        taken = page.run("return find('taken').textContent")
+        assert taken.startswith("the scene is taken as one of the edition 2012a5, because of `falloff`"), taken
+        assert page.run("return find('bounces').placeholder") == "4"
+        page.check_pixels("by the scene")
+        assert "-edition 2012a5" in page.run(command), page.run(command)
+        page.browser.ask("POST", "/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": {
+            "width": 360, "height": 1500, "deviceScaleFactor": 1, "mobile": False}})
+        shot("edition_360.png")
+        page.browser.ask("POST", "/goog/cdp/execute", {"cmd": "Emulation.clearDeviceMetricsOverride", "params": {}})
+        shot("edition.png")
+        page.run(choose % ("samples", "-jitter"))
+        page.wait("return view.image.width === 216", "the samples do not enlarge the picture")
+        page.check_pixels("displaced samples")
+        page.run(choose % ("filter", "-filter"))
+        page.wait("return view.image.width === 72", "the blur does not reduce the picture")
+        page.check_pixels("displaced and blurred")
+        page.run(choose % ("samples", ""))
+        page.run(choose % ("filter", ""))
+        page.run(choose % ("edition", "2019"))
+        page.wait("return /Scene/.test(find('taken').textContent)", "no error is told of")
+        complaint = page.run("return find('complaint').textContent")
+        assert "`-edition 2012a5`" in complaint, complaint
+        page.run(choose % ("edition", "2012a5"))
+        page.wait("return find('taken').textContent === '' && /-edition 2012a5/.test(find('command').value)", "it is not taken")
+        page.settle()
+        # The mark of a ray that ends where it is seen lies on its pixel, also where the view is stretched.
+        page.run("trace([6, 40]); return 0")
+        page.wait("return traced.rays !== null", "no ray is traced")
+        at = page.run("const to = traced.rays.segments.find((line) => line.kind === 'camera').to;"
+                      "const { x, y } = view.seenWith().project(to, size()); return [x, y]")
+        assert math.dist(at, [6.5, 40.5]) < 0.01, at
+        page.drag([(0, 0), (40, 12)])
+        page.check_pixels("turned where the view is stretched")
+    finally:
+        page.close()
+    page = Page(program, browser, "editions/mirrors_2019.txt", "-size 60 45 -edition 2019", folder)
+    try:
+        page.run("find('refine').click(); return 0")
+        page.settle()
+        assert page.run("return find('edition').value") == "2019" and "-edition 2019" in page.run(command)
+        page.drag([(0, 0), (30, 40)])
+        page.check_pixels("turned where up is as written")
+        page.run("trace([30, 32]); return 0")
+        page.wait("return traced.rays !== null", "no ray is traced")
+        at = page.run("const to = traced.rays.segments.find((line) => line.kind === 'camera').to;"
+                      "const { x, y } = view.seenWith().project(to, size()); return [x, y]")
+        assert math.dist(at, [30.5, 32.5]) < 0.01, at
+    finally:
+        page.close()
+
+
 def check_rabbit(program, browser, folder, shot):
     page = Page(program, browser, "scene6_07_bunny_mesh_40k.txt", RABBIT, folder)
     try:
@@ -517,6 +577,7 @@ def main():
                 return
             check_rabbit(program, browser, folder, shot)
             check_glass(program, browser, folder, shot)
+            check_editions(program, browser, folder, shot)
             complaints = [entry["message"] for entry in browser.ask("POST", "/se/log", {"type": "browser"})]
             assert not complaints, complaints
             check_download(program, browser, folder)

@@ -208,6 +208,7 @@ fn with_material(mut object: Object, chosen: usize) -> Object {
         | Object::Plane { material, .. }
         | Object::Triangle { material, .. }
         | Object::Box { material, .. }
+        | Object::Grid { material, .. }
         | Object::Mesh { material, .. } => *material = chosen,
         Object::Group(_) | Object::Transform { .. } => {}
     }

@@ -40,6 +40,7 @@ fn plain() -> Options {
         size: [100, 100],
         region: None,
         edition: None,
+        uv: false,
         jitter: false,
         reduced: false,
         has_default_bounces: true,

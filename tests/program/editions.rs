@@ -7,12 +7,13 @@ use crate::support::{CAMERA, Folder, finish, program, sphere};
 use raytracer::caster::choose::Structure;
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
-use raytracer::render::{Request, Tracing};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
-use raytracer::scene::Scene;
+use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
+use raytracer::scene::{Light, Scene};
 use raytracer::scene_io::load;
-use raytracer::tools::causes::Original;
+use raytracer::tools::causes::{Cause, Original, Rule, SceneChange};
 use raytracer::trace::{Effects, Shadows};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -127,7 +128,168 @@ fn aalto_s_samples_and_scenes() {
     assert_ne!(bytes("-regular_samples 4"), bytes("-random_samples 4"));
     folder.write("s.txt", CAMERA);
     assert!(folder.run("-input s.txt -output o.tga").message(1).contains("the scene has no group"));
-    assert!(folder.render("-edition aalto -size 3 3").pixels.iter().all(|pixel| *pixel == [127; 3]));
+}
+
+/// Without a group, or with `-uv`, a picture of Aalto's program shows where its pixels are.
+#[test]
+fn aalto_s_places_of_pixels() {
+    let folder = Folder::with_scene(&sphere());
+    let places = folder.render("-uv -size 4 2");
+    let levels = |at: usize, count: usize| (255 * at / count) as u8;
+    let expected: Vec<_> = (0..8).map(|index| [levels(index % 4, 4), levels(index / 4, 2), 255]).collect();
+    assert_eq!(places.pixels, expected);
+    // Samples and structures change nothing.
+    for flags in ["-edition aalto", "-regular_samples 4", "-shadows -grid 3 3 3", "-stats"] {
+        assert_eq!(folder.render(&format!("-uv -size 4 2 {flags}")).pixels, expected, "{flags}");
+    }
+    // Depths and normals are those of the scene.
+    let normals = |flags: &str| {
+        folder.run(&format!("-input s.txt -size 9 9 -normals n.tga {flags}")).ok();
+        folder.read("n.tga")
+    };
+    assert!(normals("-uv") == normals(""));
+    let message = |flags: &str| folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
+    assert!(message("-uv -edition 2004").contains("`-uv` is a flag of the edition aalto, not of 2004"));
+    assert!(message("-uv -pixel 1 1").contains("cannot be combined"));
+    folder.write("s.txt", CAMERA);
+    let run = folder.run("-edition aalto -input s.txt -size 4 2 -output o.tga").ok();
+    assert_eq!(run.stderr, "WARNING:  No lights specified\n");
+    assert_eq!(folder.tga("o.tga").pixels, expected);
+}
+
+/// Aalto's program reads textures, and shows the diffuse colour.
+#[test]
+fn aalto_s_textures_are_read() {
+    let scene = |material: &str, coordinates: [&str; 3]| {
+        let [a, b, c] = coordinates;
+        format!(
+            "{CAMERA}Materials {{ numMaterials 1 Material {{ diffuseColor .5 .6 .7 {material} }} }}
+            Group {{ numObjects 1 MaterialIndex 0
+            Triangle {{ {a} vertex0 -1 -1 0 {b} vertex1 1 -1 0 {c} vertex2 0 1 0 }} }}"
+        )
+    };
+    let plain = scene("", [""; 3]);
+    let textured =
+        scene("texture none.tga mipmap linearInterpolation", ["textCoord0 0 0", "", "textCoord2 .5 1"]);
+    let bytes = |text: &str| Folder::with_scene(text).render("-size 9 9 -edition aalto").pixels;
+    assert_eq!(bytes(&textured), bytes(&plain));
+    for (text, word) in [(&scene("mipmap", [""; 3]), "mipmap"), (&textured, "texture")] {
+        let message = Folder::with_scene(text).run("-input s.txt -output o.tga").message(1);
+        assert!(message.contains(&format!("`{word}` is a word of other editions: ")), "{message}");
+        assert!(message.contains("`-edition aalto`"), "{message}");
+    }
+}
+
+/// The cells of 2003 are those whose centre lies in the sphere.
+#[test]
+fn cells_of_2003_are_boxes_without_walls_between_them() {
+    let looking = "PerspectiveCamera { center 3 4 6 direction -3 -4 -6 up 0 1 0 angle 40 }
+        Lights { numLights 1 PointLight { position 4 5 3 color 1 1 1 } }
+        Materials { numMaterials 1 Material { diffuseColor .8 .6 .4 specularColor .3 .3 .3 exponent 8 } }\n";
+    let scene = |count: usize, objects: &str| {
+        format!("{looking}Group {{ numObjects {count} MaterialIndex 0 {objects} }}")
+    };
+    let cells = "Grid { min -1.5 -1.5 -1.5 max 1.5 1.5 1.5 numCells 3 3 3
+        rasterizeSphere { center 0 0 0 radius 1 } }";
+    let boxes = "Box { min -1.5 -.5 -.5 max 1.5 .5 .5 } Box { min -.5 -1.5 -.5 max .5 1.5 .5 }
+        Box { min -.5 -.5 -1.5 max .5 .5 1.5 }";
+    let turned = |count: usize, objects: &str| {
+        format!("Transform {{ YRotate 20 Group {{ numObjects {count} {objects} }} }}")
+    };
+    let pictures = |text: &str| {
+        let folder = Folder::with_scene(text);
+        let flags = "-size 40 30 -shadows -normals n.tga -depth 5 10 d.tga";
+        folder.run(&format!("-input s.txt -output o.tga {flags}")).ok();
+        ["o.tga", "d.tga", "n.tga"].map(|name| folder.read(name))
+    };
+    assert!(pictures(&scene(1, cells)) == pictures(&scene(3, boxes)));
+    // The normals of turned faces are rounded by their corners.
+    let [cells_turned, boxes_turned] =
+        [turned(1, cells), turned(3, boxes)].map(|objects| pictures(&scene(1, &objects)));
+    assert!(cells_turned[..2] == boxes_turned[..2]);
+    let folder = Folder::with_scene(&scene(1, cells));
+    let seen = |flags: &str| folder.render(&format!("-size 40 30 {flags}")).pixels;
+    let counted = seen("-grid 4 4 4 -visualize_grid_count");
+    assert_eq!(counted, seen("-grid 4 4 4 -visualize_grid"));
+    assert_ne!(counted, seen(""));
+    // An object of no cell is nothing.
+    let empty = scene(1, &cells.replace("radius 1", "radius 1e-3").replace("3 3 3", "2 2 2"));
+    let run = Folder::with_scene(&empty).run("-input s.txt -output o.tga").ok();
+    assert!(run.stderr.contains("no ray hits anything"), "{}", run.stderr);
+}
+
+#[test]
+fn statistics_name_another_edition_than_that_of_2004() {
+    let named = |text: &str, flags: &str| {
+        let stdout = Folder::with_scene(text).run(&format!("-input s.txt -stats {flags}")).ok().stdout;
+        stdout.lines().find(|line| line.contains("edition")).map(str::to_owned)
+    };
+    let later = later("", "falloff 1", "");
+    assert_eq!(named(&later, ""), Some("  edition                    2012a5".into()));
+    assert_eq!(named(&later, "-edition 2019"), Some("  edition                    2019".into()));
+    assert_eq!(named(&sphere(), "-edition aalto"), Some("  edition                    aalto".into()));
+    assert_eq!([named(&sphere(), ""), named(&sphere(), "-edition 2004")], [None, None]);
+}
+
+#[test]
+fn help_tells_the_defaults_of_editions() {
+    let help = |flag: &str| {
+        let text = Folder::new().run(&format!("-help {flag}")).ok().stdout;
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    assert!(help("bounces").contains("In the edition 2012a5 the default is 4."));
+    assert!(help("weight").contains("In Aalto's edition the default is 0.1."));
+}
+
+/// Warnings know what the edition's pictures mean.
+#[test]
+fn warnings_of_editions() {
+    let warned =
+        |text: &str, flags: &str| Folder::with_scene(text).run(&format!("-input s.txt {flags}")).ok().stderr;
+    // The colour of a pixel without a normal is grey in 2019.
+    let away = later("shininess 5", "falloff 1", "").replace("direction 0 0 -1", "direction 0 0 1");
+    let behind = "no ray hits anything: the scene is behind the camera";
+    for flags in
+        ["-edition 2019 -output o.tga", "-edition 2019 -normals n.tga", "-edition 2012a5 -output o.tga"]
+    {
+        let stderr = warned(&away, flags);
+        assert!(stderr.contains(behind), "{flags}: {stderr}");
+    }
+    // Between the columns, and not higher than a pixel of a picture that is stretched.
+    let narrow = format!(
+        "{EYE}Materials {{ numMaterials 1 Material {{ }} }} Group {{ numObjects 1 MaterialIndex 0
+        Triangle {{ vertex0 -.02 -.1 0 vertex1 .02 -.1 0 vertex2 0 .1 0 }} }}"
+    );
+    let small = "no ray hits anything: the scene is smaller than a pixel";
+    assert!(warned(&narrow, "-edition 2012a4 -size 30 10 -output o.tga").contains(small));
+    assert!(!warned(&narrow, "-edition 2004 -size 30 10 -output o.tga").contains(small));
+    let both = "`-shade_back` has no effect in this edition: surfaces look the same from both sides";
+    let shiny = later("shininess 5", "", "");
+    assert!(warned(&shiny, "-edition 2012a4 -shade_back -output o.tga").contains(both));
+    assert!(!warned(&sphere(), "-edition aalto -shade_back -output o.tga").contains("-shade_back"));
+    // A default is no flag, and flags have the names that they have in the edition.
+    let unseen = |flags: &str| warned(&sphere(), &format!("-normals n.tga -edition aalto {flags}"));
+    assert_eq!(unseen(""), "");
+    assert_eq!(
+        unseen("-uniform_samples 4"),
+        "warning: `-uniform_samples 4` has no effect: no picture of colours is asked for\n"
+    );
+    assert_eq!(
+        unseen("-regular_samples 4 -weight 0"),
+        "warning: `-weight 0`, `-regular_samples 4` have no effect: no picture of colours is asked for\n"
+    );
+}
+
+/// The commands of a report are read in the edition that was measured.
+#[test]
+fn a_report_has_the_flags_of_its_edition() {
+    let text = sphere();
+    let folder = Folder::with_scene(&text);
+    folder.run("-edition aalto -input s.txt -size 4 3 -uniform_samples 4 -error_report r").ok();
+    let page = String::from_utf8(folder.read("r/report.html")).expect("text");
+    assert!(page.contains("-edition aalto -uniform_samples 4 -box_filter 0.5"), "{page}");
+    let table = String::from_utf8(folder.read("r/report.csv")).expect("text");
+    assert!(table.contains("-regular_samples 16") && !table.contains("-random_samples"), "{table}");
 }
 
 /// Two programs of 2012 make another picture of a scene than that of 2004, which reads it too.
@@ -149,11 +311,65 @@ fn a_scene_of_all_editions_looks_different_in_each() {
     assert_eq!(bytes("-edition 2012a4"), bytes("-edition 2012a5"));
 }
 
+/// What `-pixel` says is said in the language of the scene.
+#[test]
+fn the_words_of_a_pixel_are_those_of_its_edition() {
+    let pixel = |name: &str, flags: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions").join(name);
+        let mut run = program(Path::new("."), flags.split_whitespace());
+        run.arg("-input").arg(path);
+        finish(&mut run).ok().stdout
+    };
+    for (name, flags, said) in [
+        (
+            "screen_2012a4.txt",
+            "-size 60 40 -pixel 15 20",
+            "156862751) of the texture tiles.bmp, specular (0.6, 0.6, 0.6) with shininess 30\n",
+        ),
+        ("screen_2012a4.txt", "-size 60 40 -pixel 15 20", "no refracted ray: the material is opaque\n"),
+        (
+            "glass_2012a5.txt",
+            "-size 60 40 -pixel 22 18",
+            "diffuse (0.05, 0.05, 0.05), specular (0.9, 0.9, 0.9) with index of refraction 1.5\n",
+        ),
+        (
+            "glass_2012a5.txt",
+            "-size 60 40 -pixel 32 20",
+            "0647727153) of the noise, specular (0.1, 0.1, 0.1)\n",
+        ),
+        ("mirrors_2019.txt", "-size 60 40 -pixel 0 0", "sees nothing but the face back of the cube map\n"),
+        ("mirrors_2019.txt", "-size 60 40 -pixel 20 38 -bounces 1", "no reflected ray: no specular colour\n"),
+        // The picture has three times the width and height.
+        ("glass_2012a5.txt", "-size 20 20 -jitter -pixel 59 59", "PIXEL (59, 59)"),
+    ] {
+        let text = pixel(name, flags);
+        assert!(text.contains(said), "{name} {flags}\n{text}");
+        assert!(!text.contains("reflective colour") && !text.contains("transparent"), "{text}");
+    }
+    // By the law of the later editions a surface that faces away from the light has a highlight, too.
+    let behind = later("diffuseColor .5 .5 .5 specularColor .6 .6 .6 shininess 0", "", "");
+    let folder = Folder::with_scene(&behind.replace("position 0 0 5", "position 0 0 -5"));
+    let text = folder.run("-input s.txt -size 9 9 -pixel 4 4").ok().stdout;
+    assert!(text.contains("light 0: diffuse (0, 0, 0), specular (0.6, 0.6, 0.6), cosine -1\n"), "{text}");
+}
+
+fn with_constant(light: &mut Light, constant: f64) {
+    if let Light::Point { attenuation, .. } = light {
+        attenuation[0] = constant;
+    }
+}
+
+fn with_highlights(material: &mut Material) {
+    if let Material::Phong(phong) | Material::Painted(phong, _) = material {
+        phong.specular = phong.reflective;
+    }
+}
+
 /// A scene of each edition with a mistake that is common in it, and the mistake.
 #[test]
 fn mistakes_of_the_editions_are_found() {
     type Change = fn(&mut Scene);
-    let cases: [(&str, Change, &str); 5] = [
+    let cases: [(&str, Change, &str); 10] = [
         (
             "screen_2012a4",
             |scene| scene.model.highlight = Highlight::Blinn,
@@ -169,8 +385,29 @@ fn mistakes_of_the_editions_are_found() {
         (
             "glass_2012a5",
             |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]),
-            "cube map swapped",
+            "all opposite faces of the cube map swapped",
         ),
+        (
+            "glass_2012a5",
+            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [a, b, c, d, f, e]),
+            "the faces front and back of the cube map swapped",
+        ),
+        (
+            "mirrors_2019",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 1.0)),
+            "1 + falloff d^2 instead of falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 0.0)),
+            "falloff d^2 instead of 1 + falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.materials.iter_mut().for_each(with_highlights),
+            "picture with highlights",
+        ),
+        ("mirrors_2019", |scene| scene.model.epsilon = Some(1e-4), "an epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));
@@ -191,6 +428,61 @@ fn mistakes_of_the_editions_are_found() {
         let found = original.explain(&wrong, &right).to_string();
         assert!(found.contains(cause), "{name}: {found}");
     }
+}
+
+/// Assignment 5 of 2012 has no highlights, which a program that has grown out of assignment 4 has.
+#[test]
+fn highlights_of_the_assignment_before_are_found() {
+    let folder =
+        Folder::with_scene(&later("diffuseColor .4 .3 .2 specularColor .5 .5 .5 shininess 9", "", ""));
+    folder.run("-input s.txt -size 40 30 -edition 2012a4 -output a.png").ok();
+    let run = folder.run("-input s.txt -size 40 30 -edition 2012a5 -bounces 0 -compare a.png").ok();
+    assert!(
+        run.stdout.contains("equals this program's picture with highlights (0 pixels differ)"),
+        "{}",
+        run.stdout
+    );
+}
+
+/// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
+#[test]
+fn mistakes_in_depths_and_normals_are_found() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
+    let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
+    let one_pixel_right = Cause::Rule(Rule::Shifted { half_pixels: [2, 0] });
+    for (layer, causes) in [
+        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Cause::Scene(SceneChange::NearWhite)]),
+        (
+            Layer::Normals,
+            vec![
+                one_pixel_right,
+                Cause::Scene(SceneChange::AbsoluteNormals),
+                Cause::Scene(SceneChange::FlatMeshes),
+                Cause::Rule(Rule::NormalsByMatrix),
+            ],
+        ),
+    ] {
+        let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
+        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let right = original.picture(Cause::Unchanged).expect("a picture");
+        for cause in causes {
+            let wrong = original.picture(cause).expect("a mistake that shows");
+            let found = original.explain(&wrong, &right).to_string();
+            assert_eq!(found, format!("equals this program's picture{cause} (0 pixels differ)"));
+            assert_ne!(wrong, right);
+        }
+        // The shifted picture is the other one, one column further on.
+        let moved = original.picture(one_pixel_right).expect("a picture");
+        let rows = |picture: &Picture| -> Vec<Vec<u8>> {
+            picture.pixels().chunks_exact(3 * 60).map(<[u8]>::to_vec).collect()
+        };
+        let pairs = rows(&moved).into_iter().zip(rows(&right));
+        let differing: usize =
+            pairs.map(|(m, r)| (0..3 * 59).filter(|&i| m[i].abs_diff(r[i + 3]) > 1).count()).sum();
+        assert!(differing < 40 * 3 * 59 / 50, "{differing}");
+    }
+    let colors = Original::new(&renderer, Structure::Any, &Request::new([9, 9])).expect("memory");
+    assert_eq!(colors.picture(Cause::Scene(SceneChange::NearWhite)), None);
 }
 
 /// The folder of the editions, from `EDITIONS_DIR`.
@@ -291,15 +583,10 @@ fn of_2012a5() -> Vec<Official> {
         official(format!("{diamond} -size 60 60 -shadows -jitter -filter"), "staff/a5_13_60_jf", 0.999, 1),
         official(format!("{diamond} -size 300 300 -shadows -jitter -filter"), "staff/a5_13", 0.999, 1),
         official(small("06_bunny_1k", four), "staff/a5_small_06_bunny_1k", 0.993, 1),
-        // A ray that passes an edge inside glass may part from the other program's.
+        // Edges are seen through a ball, which magnifies the roundings of the other program's single precision.
         official(small("10_sphere", four), "staff/a5_small_10_sphere", 0.993, u8::MAX),
         official(small("11_cube", four), "staff/a5_small_11_cube", 0.999, 1),
-        official(
-            small("12_vase", "-size 60 60 -shadows -bounces 2"),
-            "staff/a5_small_12_vase",
-            0.993,
-            u8::MAX,
-        ),
+        official(small("12_vase", "-size 60 60 -shadows -bounces 2"), "staff/a5_small_12_vase", 0.999, 1),
         official(
             small("06_bunny_1k", "-size 40 40 -shadows -jitter -filter"),
             "staff/a5_small_06_bunny_1k_jf",

@@ -135,6 +135,7 @@ fn the_options_are_the_checked_values() {
         "size": [100, 100],
         "region": null,
         "edition": "2004",
+        "uv": false,
         "jitter": false,
         "reduced": false,
         "progress": "on_terminal",

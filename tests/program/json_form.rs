@@ -3,9 +3,11 @@
 use crate::causes::{self, FLAGS, with_original};
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ};
 use crate::support::{Folder, finish, program, scene};
-use raytracer::tools::causes::{Cause, PixelChange, Rule, SelfHitting};
+use raytracer::scene::texels::FACES;
+use raytracer::tools::causes::{Cause, OppositeFaces, PixelChange, Rule, SceneChange, SelfHitting};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::Path;
 
 const DOCS: &str = include_str!("../../docs/json.md");
@@ -177,6 +179,25 @@ fn of_comparisons(documents: &mut Vec<Value>) {
     documents.push(document(&folder, "-input s.txt -size 100 75 -shadows -compare a.png"));
 }
 
+/// A document of a comparison with a picture in which faces of the cube map are swapped.
+fn of_a_cube_map(documents: &mut Vec<Value>) {
+    let folder = Folder::with_scene(
+        "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 120 }
+        Background { cubeMap sky }
+        Materials { numMaterials 1 Material { } }
+        Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
+    );
+    fs::create_dir(folder.path().join("sky")).expect("a folder");
+    let sky = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/sky");
+    for face in FACES.map(|face| format!("{face}.png")) {
+        fs::copy(sky.join(&face), folder.path().join("sky").join(face)).expect("a copy");
+    }
+    let swapped = Cause::Scene(SceneChange::CubeFacesSwapped { faces: OppositeFaces::LeftAndRight });
+    let wrong = with_original(&folder, "-size 48 36", |original| original.picture(swapped));
+    causes::write(&folder, &wrong.expect("a wrong picture"));
+    documents.push(document(&folder, "-input s.txt -size 48 36 -compare a.png"));
+}
+
 /// A document of each other kind.
 fn of_pictures(documents: &mut Vec<Value>) {
     let folder = Folder::with_scene(GLASS);
@@ -199,6 +220,7 @@ fn every_member_is_documented_and_every_documented_member_exists() {
     let mut documents = vec![];
     of_pixels(&mut documents);
     of_comparisons(&mut documents);
+    of_a_cube_map(&mut documents);
     of_pictures(&mut documents);
     let form = Form::read();
     let mut findings = Findings::default();

@@ -32,6 +32,8 @@ mod live;
 #[cfg(feature = "gui")]
 mod live_attacks;
 #[cfg(feature = "gui")]
+mod live_editions;
+#[cfg(feature = "gui")]
 mod live_scenes;
 #[cfg(feature = "gui")]
 mod live_server;

@@ -16,6 +16,7 @@ use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
+use raytracer::scene::model::Shows;
 use raytracer::tools::causes::{Finding, FinishedPicture, Original};
 use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
 use std::cell::RefCell;
@@ -145,12 +146,13 @@ impl<'o> Compared<'o> {
 /// wrong ones, with something to spare.
 const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
 
-/// Why a picture from outside differs. Nothing is tried where the grid's cells are drawn in place of the scene, with
+/// Why a picture from outside differs. Nothing is tried where something else is drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
     let fits = [a.width(), a.height()] == options.picture_size().map(|n| n as u32);
     // Where samples depend on what they show, a wrong picture differs by its samples too.
-    if options.visualize_grid || options.adaptive.is_some() || !fits {
+    let shows_scene = !options.visualize_grid && renderer.scene.model.shows == Shows::Scene;
+    if !shows_scene || options.adaptive.is_some() || !fits {
         return None;
     }
     let pixels = options.size.iter().map(|&n| n as u64).product::<u64>();

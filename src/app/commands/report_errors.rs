@@ -4,16 +4,17 @@ use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{self, PoolPlace};
-use crate::app::warned;
 use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
-use raytracer::escape::{quoted, shell_word};
+use raytracer::escape::quoted;
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
+use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
@@ -45,14 +46,15 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
         if signals.received().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
-    let report = Sweep::new(&renderer, &request, options.structure, bench).run();
+    let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
+    let report = Sweep::new(&renderer, &request, own, bench).run();
     line.end();
     let mut report = report.map_err(failed)?;
     report.stages.insert(0, ("reading the scene", reading));
 
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
     let command = |setting: &Setting| command(options, setting);
-    let asked_for = command(&Setting::of(&request, options.structure)).join(" ");
+    let asked_for = command(&own).join(" ");
     let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
@@ -68,7 +70,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let written = told_files(options.progress, reporting.report_files());
-    Ok(Outcome { text: text(&report, &answers), written, passes })
+    Ok(Outcome { text: text(&report, &answers, Shell::OF_SYSTEM), written, passes })
 }
 
 /// The page and the table in a folder, which is made if there is none.
@@ -94,8 +96,8 @@ fn open(
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
     }
-    if let Some(note) = warned::about_edition(&loaded.choice) {
-        tell(&note);
+    if let Some(note) = loaded.choice.note() {
+        tell(&format!("note: {note}"));
     }
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
@@ -117,9 +119,12 @@ fn command(options: &Options, setting: &Setting) -> Vec<String> {
     let [width, height] = options.size;
     let mut words = vec![
         "raytracer".into(),
-        format!("-input {}", shell_word(&*input)),
+        format!("-input {}", Shell::OF_SYSTEM.word(&*input)),
         format!("-size {width} {height}"),
     ];
+    if setting.edition != Edition::default() {
+        words.push(format!("-edition {}", setting.edition));
+    }
     words.extend(separate(&setting.flags().unwrap_or_default()));
     words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
     words

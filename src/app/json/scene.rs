@@ -106,7 +106,7 @@ impl Objects {
             planes: of_kind(|object| matches!(object, Object::Plane { .. })),
             triangles: of_kind(|object| matches!(object, Object::Triangle { .. })),
             boxes: of_kind(|object| matches!(object, Object::Box { .. })),
-            meshes: of_kind(|object| matches!(object, Object::Mesh { .. })),
+            meshes: of_kind(|object| matches!(object, Object::Mesh { .. } | Object::Grid { .. })),
         }
     }
 }

@@ -62,7 +62,7 @@ impl ErrorBound {
 }
 
 /// The error bound of an edge function, in units of u R^2 L.
-const EDGE_ROUNDINGS: f64 = 16.5;
+pub const EDGE_ROUNDINGS: f64 = 16.5;
 /// The error bound of an inverse depth, without the error of V, in units of u R^2 L / V.
 const INV_DEPTH_ROUNDINGS: f64 = 47.5;
 /// The error bound of V, in units of u R^3.
@@ -156,11 +156,13 @@ mod tests {
             right: DVec3::X,
             up: DVec3::Y,
             middle: DVec2::splat(3.5),
+            is_turned: false,
         };
         let viewport = Viewport {
             eye,
             scale: 0.5,
             axes: [DVec3::X, DVec3::Y],
+            far: DVec2::splat(3.5),
             max_direction_length: 3.0,
             screen: Screen {
                 middle: eye.middle,

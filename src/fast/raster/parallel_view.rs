@@ -142,7 +142,7 @@ mod tests {
         let bounds = Aabb { min: middle - size, max: middle + size };
         let direction = DVec3::new(0.48, 0.6, 0.64);
         let (right, up) = (DVec3::new(-0.8, 0.0, 0.6) / 3.0, DVec3::new(0.36, -0.8, 0.48) / 3.0);
-        let eye = Eye { center: middle, direction, right, up, middle: DVec2::splat(31.5) };
+        let eye = Eye { center: middle, direction, right, up, middle: DVec2::splat(31.5), is_turned: false };
         ParallelView::new(eye, &bounds, 64, Footprint::Center, [0.0; 2]).unwrap()
     }
 

@@ -1,7 +1,9 @@
 //! The visibility buffer against the rays that it stands for.
 
 use super::*;
+use crate::scene;
 use crate::scene::mesh::Mesh;
+use crate::scene::model::Screen::BothSides;
 use crate::scene::parser::parse;
 use crate::stats::Quiet;
 use glam::DVec2;
@@ -107,6 +109,32 @@ fn what_is_seen_is_what_rays_hit_and_little_is_unsure() {
         let [nothing, seen, unsure] = counts(&camera, &world, size, rows, Footprint::Pixel);
         assert!(triangles.len() > 40 || unsure < seen + nothing, "{nothing} {seen} {unsure}");
         assert!(seen > least_seen && (fills || nothing > 200), "{nothing} {seen} {unsure}");
+    }
+}
+
+/// In a view whose sides span different angles per pixel, and one whose way up leans ahead or back, among the triangles.
+#[test]
+fn stretched_and_skew_views_are_rasterized() {
+    let triangles = spread(300, 0.4);
+    let up = |y: f64, z: f64| DVec3::new(0.1, y, z);
+    for (height, up, up_as_written) in [
+        (4.0, up(1.0, 0.0), false),
+        (4.0, up(1.5, 0.9), true),
+        (4.0, up(0.3, -0.5), true),
+        (0.2, up(1.5, 0.9), true),
+        (0.2, up(0.3, -0.5), true),
+    ] {
+        let direction = DVec3::new(0.1, -0.2, -1.0);
+        let camera =
+            scene::Camera::Perspective { center: DVec3::new(0.0, 0.1, height), direction, up, angle: 50.0 };
+        for size in [[90, 40], [40, 90]] {
+            let (_, world) = scene(CAMERA, &triangles, &["Plane { normal 0 1 0.1 offset -1.5 }"], size);
+            let camera = Camera::with_screen(&camera, size, BothSides { up_as_written });
+            for (footprint, least) in [(Footprint::Center, 9), (Footprint::Pixel, 1)] {
+                let [_, seen, unsure] = counts(&camera, &world, size, 0..size[1], footprint);
+                assert!(seen > least * unsure / 2 && seen > 1000, "{seen} {unsure} {camera:?}");
+            }
+        }
     }
 }
 

@@ -200,7 +200,7 @@ fn is_outside_frustum<const N: usize>(viewport: &Viewport, corners: [DVec3; N]) 
         let axis = viewport.axes[k];
         // The plane runs a pixel and a half outside the last centre, which exceeds the error of a pixel's
         // ray.
-        let border = viewport.eye.middle[k] + 1.5;
+        let border = viewport.far[k] + 1.5;
         let error_bound = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (axis.length() + border);
         let beyond = |point: DVec3, sign: f64| {
             sign * point.dot(axis) > border * point.dot(viewport.eye.direction) + error_bound * point.length()
@@ -269,11 +269,19 @@ mod tests {
     /// Eight rows of eight pixels, each an eighth wide at distance 1, seen along -z.
     fn viewport() -> Viewport {
         let (right, up) = (DVec3::X / 8.0, DVec3::Y / 8.0);
-        let eye = Eye { center: DVec3::ZERO, direction: DVec3::NEG_Z, right, up, middle: DVec2::splat(3.5) };
+        let eye = Eye {
+            center: DVec3::ZERO,
+            direction: DVec3::NEG_Z,
+            right,
+            up,
+            middle: DVec2::splat(3.5),
+            is_turned: false,
+        };
         Viewport {
             eye,
             scale: 1.0,
             axes: [8.0 * DVec3::X, 8.0 * DVec3::Y],
+            far: DVec2::splat(3.5),
             max_direction_length: 2.0,
             screen: Screen {
                 middle: DVec2::splat(3.5),

@@ -13,6 +13,7 @@ use crate::math::worst_case::{Input, Rng, search};
 use crate::primitive::plane::Plane;
 use crate::primitive::triangle::normal;
 use crate::scene;
+use crate::scene::model::Screen;
 use glam::{DVec2, DVec3};
 
 const SIZE: [usize; 2] = [9, 7];
@@ -32,15 +33,26 @@ const INV_DEPTH: usize = 2;
 /// not rasterized.
 fn view(
     size: [usize; 2],
+    axes: [DVec3; 3],
+    log_angle: f64,
+    corners: [DVec3; 3],
+) -> Option<(Camera, Viewport)> {
+    view_on(Screen::LongerSide, size, axes, log_angle, corners)
+}
+
+/// The same for a view that is spread over the pixels in this way.
+fn view_on(
+    spread: Screen,
+    size: [usize; 2],
     [center, direction, up]: [DVec3; 3],
     log_angle: f64,
     corners: [DVec3; 3],
 ) -> Option<(Camera, Viewport)> {
     let angle = libm::exp10(log_angle).min(179.0);
-    let camera = Camera::new(&scene::Camera::Perspective { center, direction, up, angle }, size);
+    let camera = scene::Camera::Perspective { center, direction, up, angle };
+    let camera = Camera::with_screen(&camera, size, spread);
     let Projection::Perspective(eye) = camera.projection() else { return None };
-    let viewport =
-        Viewport::new(eye, Aabb::around(corners), size[0], 0..size[1], Footprint::Center, [0.0; 2])?;
+    let viewport = Viewport::new(eye, Aabb::around(corners), size, 0..size[1], Footprint::Center, [0.0; 2])?;
     Some((camera, viewport))
 }
 
@@ -60,6 +72,17 @@ fn ratios(&[center, direction, up, a, b, c, frame]: &TriangleInView) -> Option<R
     let ray = camera.ray(pixel + DVec2::new(4.0, 3.0), DVec2::ZERO);
     let edge_functions = EdgeFunctions::new(&viewport, [a, b, c])?;
     Some(measured(&viewport, &edge_functions, &ray, pixel, [a, b, c]))
+}
+
+/// The same for a turned eye.
+fn turned_ratios(&[center, direction, up, a, b, c, frame]: &TriangleInView) -> Option<Ratios> {
+    let pixel = (frame.truncate().round() + DVec2::new(4.0, 3.0)).clamp(DVec2::ZERO, DVec2::new(8.0, 6.0));
+    let spread = Screen::BothSides { up_as_written: true };
+    let (camera, viewport) = view_on(spread, SIZE, [center, direction, up], frame.z, [a, b, c])?;
+    let edge_functions = EdgeFunctions::new(&viewport, [a, b, c])?;
+    let ray = camera.ray(pixel, DVec2::ZERO);
+    let from_foot = pixel - viewport.eye.middle;
+    viewport.eye.is_turned.then(|| measured(&viewport, &edge_functions, &ray, from_foot, [a, b, c]))
 }
 
 /// Compares the functions with their exact values along the ray, in units of the length of the direction that
@@ -123,6 +146,16 @@ fn error_bounds_hold_and_are_needed() {
     // Inverse depths have a search of their own.
     let needed = [0, 1, 3].map(|kind| found[kind]);
     assert!(needed.iter().all(|&found| found > 0.5), "{found:?}");
+}
+
+/// They leave room for what is added by turning the eye.
+#[test]
+fn error_bounds_hold_for_turned_eyes() {
+    for (kind, name) in NAMES.iter().enumerate() {
+        let (found, _) = search(8, 30_000, random, |input| Some(turned_ratios(input)?[kind]));
+        println!("{name} of a turned eye: {found:.3} of the error bound");
+        assert!((0.05..1.0).contains(&found), "{found}");
+    }
 }
 
 /// In a picture of one row, whose rays' directions are close to the eye's steps in a wide view.

@@ -4,7 +4,7 @@ use super::{Painter, RenderSetting};
 use crate::render::layer::Layer;
 use crate::sampling::sample_packet::Sample;
 use crate::scene::Color;
-use crate::scene::model::{Depths, Model, NormalColors};
+use crate::scene::model::Model;
 use glam::DVec3;
 
 impl Painter<'_> {
@@ -20,10 +20,7 @@ impl Painter<'_> {
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
-                    let grey = |t: f64| match depths {
-                        Depths::NearWhite => (far - t.clamp(near, far)) / (far - near),
-                        Depths::NearBlack => (t - near) / (far - near),
-                    };
+                    let grey = |t: f64| depths.grey(t, [near, far]);
                     colors.extend(shown.iter().map(|center| Color::splat(t(center).map_or(0.0, grey))));
                 }
                 Layer::Distance => {
@@ -31,11 +28,7 @@ impl Painter<'_> {
                         .extend(shown.iter().map(|center| Color::splat(t(center).unwrap_or(f64::INFINITY))));
                 }
                 Layer::Normals => {
-                    let color = |normal: DVec3| match normal_colors {
-                        NormalColors::Absolute => normal.abs(),
-                        NormalColors::Shifted => 0.5 * normal + 0.5,
-                    };
-                    colors.extend(shown.iter().map(|center| color(normal(center))));
+                    colors.extend(shown.iter().map(|center| normal_colors.color(normal(center))));
                 }
                 Layer::SignedNormals => colors.extend(shown.iter().map(normal)),
                 Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}

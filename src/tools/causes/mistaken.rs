@@ -4,14 +4,14 @@ use super::object_space::ObjectSpaces;
 use super::rules::Rule;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::math::robust::unit;
+use crate::math::robust::{offset_origin, unit};
 use crate::math::rounded_point::RoundedPoint;
 use crate::scene::material::{Material, Pattern, Phong, Texture};
-use crate::scene::model::Model;
+use crate::scene::model::{Highlight, Model};
 use crate::scene::{Color, Light, MaterialId};
 use crate::shading::light::Incident;
 use crate::shading::perlin::turbulence;
-use crate::shading::phong::{Mixture, PointMaterial, View};
+use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
 use crate::shading::texture::first_weight;
 use crate::stats::{Probe, Quiet};
 use crate::trace::{Departure, Path, Rules, Secondary, SecondaryRay, Tracer, reflected};
@@ -88,14 +88,9 @@ impl<R: Rules> Mistaken<'_, R> {
 }
 
 /// A ray that starts on the other side of the surface, and so meets it at once.
-pub fn from_other_side<R: Rules>(
-    right: &R,
-    why: Departure,
-    surface: &SurfacePoint,
-    direction: DVec3,
-) -> (Ray, Option<u32>) {
-    let (ray, _) = right.departing(why, surface, -direction);
-    (Ray::new(ray.origin, direction), None)
+pub fn from_other_side<R: Rules>(right: &R, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
+    let largest = right.world().max_abs_coord;
+    (Ray::new(offset_origin(surface.position, surface.normal, -direction, largest), direction), None)
 }
 
 /// The colour along a camera ray.
@@ -168,14 +163,14 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
         match (self.rule, why) {
-            (Some(Rule::Epsilon { distance: t_min }), _) => {
+            (Some(Rule::Epsilon { distance: t_min } | Rule::SmallerEpsilon { distance: t_min }), _) => {
                 (Ray { t_min, ..Ray::new(surface.position, direction) }, surface.triangle)
             }
             (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected)) => {
-                from_other_side(self.right, why, surface, direction)
+                from_other_side(self.right, surface, direction)
             }
             (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => {
-                from_other_side(self.right, why, surface, direction)
+                from_other_side(self.right, surface, direction)
             }
             _ => self.right.departing(why, surface, direction),
         }
@@ -241,8 +236,12 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
         if self.breaks(Rule::GlassWithoutShadows) { Color::ONE } else { self.right.transmittance(tint, way) }
     }
 
-    fn shading_normal(&self, normal: DVec3, is_inside: bool) -> DVec3 {
-        self.right.shading_normal(normal, is_inside && !self.breaks(Rule::NormalsNotFlipped))
+    fn shading_normal(&self, normal: DVec3, direction: DVec3, is_inside: bool) -> DVec3 {
+        match self.rule {
+            Some(Rule::NormalsNotFlipped) => normal,
+            Some(Rule::NormalsFlipped) if normal.dot(direction) > 0.0 => -normal,
+            _ => self.right.shading_normal(normal, direction, is_inside),
+        }
     }
 
     fn ambient(&self, surface: &SurfacePoint, material: &Phong) -> Color {
@@ -254,22 +253,19 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
     }
 
     fn reflect(&self, material: &PointMaterial, (light, index): (&Incident, usize), view: &View) -> Color {
-        let View { cosine, normal, to_viewer } = *view;
+        let View { cosine, normal, .. } = *view;
         let to_light = light.direction * self.length_to(light, index);
-        let half = (to_light + to_viewer).normalize_or_zero();
-        let (cosine, alignment, strength) = match self.rule {
-            Some(Rule::HighlightsByReflection) => {
-                let mirrored = 2.0 * cosine * normal - light.direction;
-                (cosine, mirrored.dot(to_viewer), 1.0)
-            }
-            Some(Rule::HighlightsTimesCosine) => (cosine, normal.dot(half), cosine),
+        let (highlight, strength) = match self.rule {
+            Some(Rule::HighlightsByReflection) => (Highlight::Phong, 1.0),
+            Some(Rule::HighlightsTimesCosine) => (self.model().highlight, cosine.max(0.0)),
+            Some(Rule::HighlightsOnlyWhereLit) => (self.model().highlight, f64::from(cosine > 0.0)),
             Some(Rule::DirectionsNotNormalised | Rule::PointDirectionsNotNormalised) => {
-                (normal.dot(to_light), normal.dot(half), 1.0)
+                (self.model().highlight, 1.0)
             }
             _ => return self.right.reflect(material, (light, index), view),
         };
-        let highlights = strength * material.highlights(alignment.max(0.0));
-        light.color * (cosine * material.phong.diffuse + highlights)
+        let highlights = strength * material.highlights(alignment(highlight, to_light, view).max(0.0));
+        light.color * (normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
     }
 
     fn light(&self, color: Color) -> Color {

@@ -27,7 +27,7 @@ pub use requests::RequestChange;
 pub(crate) use requests::has_secondary_rays;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use rules::{Rule, SelfHitting};
-pub use scenes::SceneChange;
+pub use scenes::{OppositeFaces, SceneChange};
 
 use crate::caster::choose::{Rays, Structure};
 use crate::picture::{FloatPicture, Picture};
@@ -70,7 +70,8 @@ impl Cause {
 impl Cause {
     /// Whether both are one mistake to another degree.
     fn is_akin(self, other: Self) -> bool {
-        use Rule::{Epsilon, NoEpsilon, Shifted};
+        use Rule::{Epsilon, NoEpsilon, Shifted, SmallerEpsilon};
+        use SceneChange::CubeFacesSwapped;
         let is_gamma = |change| matches!(change, PixelChange::GammaEncoded | PixelChange::BytesGammaEncoded);
         match (self, other) {
             (Self::Pixels(one), Self::Pixels(other)) => one == other || is_gamma(one) && is_gamma(other),
@@ -78,11 +79,12 @@ impl Cause {
                 one == other
                     || matches!(
                         (one, other),
-                        (Epsilon { .. }, Epsilon { .. })
+                        (Epsilon { .. } | SmallerEpsilon { .. }, Epsilon { .. } | SmallerEpsilon { .. })
                             | (NoEpsilon { .. }, NoEpsilon { .. })
                             | (Shifted { .. }, Shifted { .. })
                     )
             }
+            (Self::Scene(CubeFacesSwapped { .. }), Self::Scene(CubeFacesSwapped { .. })) => true,
             _ => self == other,
         }
     }
@@ -138,6 +140,7 @@ impl<'a> Original<'a> {
                 let request = change.apply(scene, request)?;
                 Some(prepared.render(&request).ok()?.pop()?.to_picture())
             }
+            Cause::Scene(change) if !change.shows_in(self.layer()) => None,
             Cause::Scene(change) => self.picture_of(change.apply(scene, &source.text)?, request),
             Cause::Rule(rule) if rule.applies(scene, request) && rule.shows_in(self.layer()) => {
                 rules::picture(self, Some(rule))

@@ -53,6 +53,7 @@ fn primitives(placement: &Placement, meshes: &[Mesh]) -> Option<(usize, usize)> 
     match *placement.object {
         Object::Triangle { .. } => Some((0, 1)),
         Object::Box { .. } => Some((0, BOX_TRIANGLES)),
+        Object::Grid { ref surface, .. } => Some((0, surface.triangles.len())),
         Object::Mesh { mesh, .. } => Some((0, meshes.get(mesh)?.triangles.len())),
         Object::Plane { .. } => Some((2, 1)),
         _ => placement.object.shape_box().map(|_| (1, 1)),

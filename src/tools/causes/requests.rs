@@ -2,6 +2,7 @@
 
 use crate::render::Request;
 use crate::scene::material::{Material, Phong};
+use crate::scene::model::Screen;
 use crate::scene::{Camera, Color, Scene};
 use crate::trace::{Effects, Shadows};
 use serde::Serialize;
@@ -69,6 +70,8 @@ impl RequestChange {
         let effects = request.effects;
         match self {
             Self::OtherHandedness => return Some(with_camera(turned(scene.camera), request)),
+            // A view that is stretched has no longer side.
+            Self::AngleOfShorterSide if scene.model.screen != Screen::LongerSide => return None,
             Self::AngleOfShorterSide => {
                 return Some(with_camera(widened(scene.camera, request.size)?, request));
             }

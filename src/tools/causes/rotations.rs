@@ -1,11 +1,10 @@
 //! Rotations by angles in another unit.
 
-use super::transform_order::words;
+use super::transform_order::{with_objects_of, words};
 use crate::scene::Scene;
-use crate::scene::parser::parse;
 
-/// The scene of a text whose angles of rotations are radians; none where nothing is rotated.
-pub fn in_radians(text: &str) -> Option<Scene> {
+/// The scene of this text with the angles of rotations in radians; none where nothing is rotated.
+pub fn in_radians(scene: &Scene, text: &str) -> Option<Scene> {
     let mut words: Vec<String> = words(text).into_iter().map(str::to_owned).collect();
     let mut changes = false;
     for at in 0..words.len() {
@@ -21,12 +20,13 @@ pub fn in_radians(text: &str) -> Option<Scene> {
         *angle = radians.to_degrees().to_string();
         changes |= radians != 0.0;
     }
-    if changes { parse(&words.join(" ")).ok() } else { None }
+    if changes { with_objects_of(scene, &words.join(" ")) } else { None }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::parser::parse;
     use crate::world::placements;
     use glam::DMat3;
 
@@ -46,13 +46,14 @@ mod tests {
             ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
             ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
         ] {
-            let found = in_radians(&scene(text)).unwrap();
+            let found = in_radians(&parse(&scene(text)).unwrap(), &scene(text)).unwrap();
             let matrix = placements(&found).next().unwrap().matrix.matrix3;
             assert!(
                 (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
                 "{text} {matrix}"
             );
         }
-        assert!(in_radians(&scene("Translate 1 2 3")).is_none());
+        let still = scene("Translate 1 2 3");
+        assert!(in_radians(&parse(&still).unwrap(), &still).is_none());
     }
 }

@@ -12,11 +12,11 @@ use crate::renderer::Renderer;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::scene::material::{Material, Pattern};
-use crate::scene::model::Split;
+use crate::scene::model::{Highlight, Split};
 use crate::scene::{Color, Light, Object, Scene};
 use crate::stats::Quiet;
 use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::fmt;
 
@@ -56,6 +56,11 @@ pub enum Rule {
         /// The distance that is overlooked.
         distance: f64,
     },
+    /// Less is overlooked than in the program of the edition.
+    SmallerEpsilon {
+        /// The distance that is overlooked.
+        distance: f64,
+    },
     /// Rays hit the surface that they leave.
     NoEpsilon {
         /// Which rays.
@@ -63,10 +68,14 @@ pub enum Rule {
     },
     /// Surfaces seen from behind are lit by their outward normal.
     NormalsNotFlipped,
+    /// Surfaces are lit on the side that is seen, where the outside is to be lit.
+    NormalsFlipped,
     /// The cosine of a highlight is that between the mirrored light and the viewer, R.V, instead of N.H.
     HighlightsByReflection,
     /// Highlights are multiplied by the cosine of the light, N.L.
     HighlightsTimesCosine,
+    /// There are no highlights where a surface faces away from the light.
+    HighlightsOnlyWhereLit,
     /// The vector to a directional light keeps its length.
     DirectionsNotNormalised,
     /// The vector to a point light keeps its length.
@@ -119,6 +128,8 @@ pub(crate) const MAX_BOUNCES: u32 = 100;
 
 /// Distances that are overlooked, from the smallest.
 const EPSILONS: [f64; 7] = [0.0001, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
+/// Those that are less than what some editions overlook.
+const SMALL_EPSILONS: [f64; 2] = [0.0001, 0.001];
 
 impl Rule {
     /// All but that of shadow rays without an epsilon.
@@ -141,8 +152,11 @@ impl Rule {
                 Self::NormalsOfObjectSpace,
                 Self::CheckerboardCut,
                 Self::SchlickSwapped,
+                Self::NormalsFlipped,
+                Self::HighlightsOnlyWhereLit,
             ])
             .chain(EPSILONS.map(|distance| Self::Epsilon { distance }))
+            .chain(SMALL_EPSILONS.map(|distance| Self::SmallerEpsilon { distance }))
             .chain([
                 Self::NoEpsilon { rays: SelfHitting::Secondary },
                 Self::NoEpsilon { rays: SelfHitting::All },
@@ -166,7 +180,8 @@ impl Rule {
     pub(super) fn applies(self, scene: &Scene, request: &Request) -> bool {
         let effects = request.effects;
         let bounces = if has_secondary_rays(scene) { effects.bounces } else { 0 };
-        let has_shadows = effects.shadows != Shadows::None && !scene.lights.is_empty();
+        let (is_lit, is_blinn) = (!scene.lights.is_empty(), scene.model.highlight == Highlight::Blinn);
+        let has_shadows = effects.shadows != Shadows::None && is_lit;
         bounces <= MAX_BOUNCES && match self {
             Self::Shifted { .. } | Self::SinglePrecision => true,
             Self::ShadowsFromBehindLight => has_shadows && scene.lights.iter().any(is_point),
@@ -175,8 +190,10 @@ impl Rule {
             }
             Self::SamplesClamped => request.sampler.count() > 1 || request.filter.support() > 0,
             Self::RaysClamped => bounces > 0,
-            Self::LightsClamped => !scene.lights.is_empty(),
-            Self::BackgroundForCameraOnly => bounces > 0 && scene.background.color != Color::ZERO,
+            Self::LightsClamped => is_lit,
+            Self::BackgroundForCameraOnly => {
+                bounces > 0 && (scene.background.color != Color::ZERO || scene.cube_map.is_some())
+            }
             Self::NormalsByMatrix | Self::NormalsOfObjectSpace => {
                 scene.objects.iter().any(|object| matches!(object, Object::Transform { .. }))
             }
@@ -184,14 +201,20 @@ impl Rule {
                 bounces > 0 && scene.model.split == Split::Schlick && has(scene, |phong| phong.transparent)
             }
             Self::CheckerboardCut => has_pattern(scene, |pattern| pattern == Pattern::Checkerboard),
-            Self::Epsilon { .. } => has_shadows || bounces > 0,
+            Self::Epsilon { distance } => {
+                (has_shadows || bounces > 0) && scene.model.epsilon.is_none_or(|right| distance > right)
+            }
+            Self::SmallerEpsilon { distance } => {
+                (has_shadows || bounces > 0) && scene.model.epsilon.is_some_and(|right| distance < right)
+            }
             Self::NoEpsilon { rays: SelfHitting::Shadow } => has_shadows,
             Self::NoEpsilon { rays: SelfHitting::Secondary } => bounces > 0,
             Self::NoEpsilon { rays: SelfHitting::All } => has_shadows && bounces > 0,
-            Self::NormalsNotFlipped => effects.shade_back && !scene.lights.is_empty(),
-            Self::HighlightsByReflection | Self::HighlightsTimesCosine => {
-                !scene.lights.is_empty() && has(scene, |phong| phong.specular)
-            }
+            Self::NormalsNotFlipped => effects.shade_back && is_lit && is_blinn,
+            Self::NormalsFlipped => is_lit && !is_blinn,
+            Self::HighlightsByReflection => is_lit && is_blinn && has(scene, |phong| phong.specular),
+            Self::HighlightsOnlyWhereLit => is_lit && !is_blinn && has(scene, |phong| phong.specular),
+            Self::HighlightsTimesCosine => is_lit && has(scene, |phong| phong.specular),
             Self::DirectionsNotNormalised => scene.lights.iter().any(
                 |light| matches!(light, Light::Directional { direction, .. } if !direction.is_normalized()),
             ),
@@ -251,13 +274,15 @@ pub fn colors(
         let visible = rules.nearest(ray, None, &mut Quiet);
         visible.map(|visible| (rules.hit(ray, visible).t, rules.surface(ray, visible)))
     };
+    let model = renderer.scene.model;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
     match request.layers.first() {
         Some(&Layer::Depth { near, far }) => paint(&camera, &centers(), shift, &|ray| {
-            seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat((far - t.clamp(near, far)) / (far - near)))
+            seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat(model.depths.grey(t, [near, far])))
         }),
         Some(Layer::Normals) => paint(&camera, &centers(), shift, &|ray| {
-            seen(ray).map_or(Color::ZERO, |(_, surface)| surface.normal.abs())
+            let normal = seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+            model.normal_colors.color(normal)
         }),
         _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray)),
     }
@@ -287,10 +312,15 @@ fn cut_singles(colors: &FloatPicture) -> Picture {
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::NormalsFlipped => "with surfaces lit on the side that is seen instead of on their outside",
+            Self::HighlightsOnlyWhereLit => "without highlights where the surface faces away from the light",
             Self::SchlickSwapped => "with the mirrored and the refracted part of light at glass swapped",
             Self::Shifted { half_pixels } => return shifted(*half_pixels, f),
             Self::Epsilon { distance } => {
                 return write!(f, "with an epsilon of {distance} for secondary rays, which is too large");
+            }
+            Self::SmallerEpsilon { distance } => {
+                return write!(f, "with an epsilon of {distance} for secondary rays, less than the course's");
             }
             Self::ShadowsFromBehindLight => "with shadows from behind the light",
             Self::NormalFlippedInReflection => "with reflections from the flipped normal",

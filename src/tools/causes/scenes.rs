@@ -2,8 +2,10 @@
 
 use super::requests::has;
 use super::{rotations, transform_order};
+use crate::render::Layer;
 use crate::scene::material::{Material, Pattern, Phong};
-use crate::scene::model::{FaceWeights, Highlight, MeshNormals, Model, Screen};
+use crate::scene::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::scene::texels::CubeFaces;
 use crate::scene::{Color, Light, Scene};
 use serde::Serialize;
 use std::fmt;
@@ -42,16 +44,66 @@ pub enum SceneChange {
     FlatMeshes,
     /// The faces around a vertex count alike in place of by their areas, or the other way round.
     OtherFaceWeights,
-    /// The faces of the cube map on opposite sides are swapped.
-    CubeFacesSwapped,
+    /// Faces of the cube map on opposite sides are swapped.
+    CubeFacesSwapped {
+        /// Which ones.
+        faces: OppositeFaces,
+    },
+    /// Point lights are 1 / (1 + falloff d²) times as bright in place of 1 / (falloff d²).
+    FalloffFromOne,
+    /// The other way round.
+    FalloffWithoutOne,
+    /// There are highlights where there are to be none.
+    Highlights,
+    /// What is near is white in depths, in place of black.
+    NearWhite,
+    /// Normals have the colours of their absolute coordinates in place of (N + 1) / 2.
+    AbsoluteNormals,
+    /// The other way round.
+    ShiftedNormals,
     /// The transformations in a list are multiplied in the opposite order.
     ListsReversed,
     /// The matrices of nested transforms are multiplied in the opposite order.
     NestingReversed,
 }
 
+/// Faces of a cube map on opposite sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OppositeFaces {
+    /// Left and right.
+    LeftAndRight,
+    /// Up and down.
+    UpAndDown,
+    /// Front and back.
+    FrontAndBack,
+    /// All of these.
+    All,
+}
+
+impl OppositeFaces {
+    /// The pairs of neighbours in the order of the map's files.
+    fn pairs(self) -> &'static [usize] {
+        match self {
+            Self::LeftAndRight => &[0],
+            Self::UpAndDown => &[1],
+            Self::FrontAndBack => &[2],
+            Self::All => &[0, 1, 2],
+        }
+    }
+}
+
 impl SceneChange {
-    pub(super) const ALL: [Self; 18] = [
+    /// Whether it shows in a layer at all.
+    pub(super) fn shows_in(self, layer: Layer) -> bool {
+        match self {
+            Self::NearWhite => matches!(layer, Layer::Depth { .. }),
+            Self::AbsoluteNormals | Self::ShiftedNormals => layer == Layer::Normals,
+            _ => true,
+        }
+    }
+
+    pub(super) const ALL: [Self; 27] = [
         Self::NoAmbient,
         Self::BlackBackground,
         Self::NotAttenuated,
@@ -63,7 +115,16 @@ impl SceneChange {
         Self::AspectKept,
         Self::FlatMeshes,
         Self::OtherFaceWeights,
-        Self::CubeFacesSwapped,
+        Self::CubeFacesSwapped { faces: OppositeFaces::FrontAndBack },
+        Self::CubeFacesSwapped { faces: OppositeFaces::LeftAndRight },
+        Self::CubeFacesSwapped { faces: OppositeFaces::UpAndDown },
+        Self::CubeFacesSwapped { faces: OppositeFaces::All },
+        Self::FalloffFromOne,
+        Self::FalloffWithoutOne,
+        Self::Highlights,
+        Self::NearWhite,
+        Self::AbsoluteNormals,
+        Self::ShiftedNormals,
         Self::ListsReversed,
         Self::NestingReversed,
         Self::AmbientPerLight,
@@ -89,7 +150,15 @@ impl SceneChange {
             }),
             Self::CheckerboardSwapped => any(&mut changed.materials, swapped),
             // In the editions of 2003 and 2004 nothing else is usual.
-            Self::BlinnHighlights | Self::AspectKept | Self::FlatMeshes | Self::OtherFaceWeights
+            Self::BlinnHighlights
+            | Self::AspectKept
+            | Self::FlatMeshes
+            | Self::OtherFaceWeights
+            | Self::FalloffFromOne
+            | Self::FalloffWithoutOne
+            | Self::NearWhite
+            | Self::AbsoluteNormals
+            | Self::ShiftedNormals
                 if scene.model == Model::COURSE =>
             {
                 false
@@ -102,10 +171,24 @@ impl SceneChange {
                 !scene.meshes.is_empty() && replaced(&mut changed.model.normals, MeshNormals::Flat)
             }
             Self::OtherFaceWeights => !scene.meshes.is_empty() && other_weights(&mut changed.model.normals),
-            Self::CubeFacesSwapped => changed.cube_map.as_mut().is_some_and(|faces| {
-                faces.as_chunks_mut::<2>().0.iter_mut().for_each(|opposite| opposite.swap(0, 1));
-                true
-            }),
+            Self::CubeFacesSwapped { faces } => {
+                let swap = |map: &mut CubeFaces| {
+                    faces.pairs().iter().for_each(|pair| map.swap(2 * pair, 2 * pair + 1));
+                };
+                changed.cube_map.as_mut().map(swap).is_some()
+            }
+            Self::FalloffFromOne => any(&mut changed.lights, |light| with_constant(light, 1.0)),
+            Self::FalloffWithoutOne => any(&mut changed.lights, |light| with_constant(light, 0.0)),
+            Self::Highlights => {
+                scene.model.split == Split::Schlick
+                    && any_phong(&mut changed, |phong| {
+                        let color = phong.reflective;
+                        replaced(&mut phong.specular, color)
+                    })
+            }
+            Self::NearWhite => replaced(&mut changed.model.depths, Depths::NearWhite),
+            Self::AbsoluteNormals => replaced(&mut changed.model.normal_colors, NormalColors::Absolute),
+            Self::ShiftedNormals => replaced(&mut changed.model.normal_colors, NormalColors::Shifted),
             Self::AmbientPerLight => {
                 let count = changed.lights.len().max(1) as f64;
                 let ambient = count * changed.background.ambient;
@@ -113,8 +196,8 @@ impl SceneChange {
             }
             Self::ExponentDoubled => any_phong(&mut changed, |phong| scale_exponent(phong, 2.0)),
             Self::ExponentHalved => any_phong(&mut changed, |phong| scale_exponent(phong, 0.5)),
-            Self::RotationsInRadians => return rotations::in_radians(text),
-            Self::ListsReversed => return transform_order::with_lists_reversed(text),
+            Self::RotationsInRadians => return rotations::in_radians(scene, text),
+            Self::ListsReversed => return transform_order::with_lists_reversed(scene, text),
             Self::NestingReversed => return transform_order::with_nesting_reversed(scene),
         };
         changes.then_some(changed)
@@ -162,6 +245,14 @@ fn not_attenuated(light: &mut Light) -> bool {
     }
 }
 
+/// Replaces the constant part of what a light that falls off is divided by.
+fn with_constant(light: &mut Light, constant: f64) -> bool {
+    match light {
+        Light::Point { attenuation: [first, _, square], .. } if *square > 0.0 => replaced(first, constant),
+        _ => false,
+    }
+}
+
 fn reversed(light: &mut Light) -> bool {
     match light {
         Light::Directional { direction, .. } => replaced(direction, -*direction),
@@ -202,7 +293,18 @@ impl fmt::Display for SceneChange {
             Self::AspectKept => "with the view of 2004, which is not stretched",
             Self::FlatMeshes => "with the normals of the faces",
             Self::OtherFaceWeights => "with other weights of the faces around a vertex",
-            Self::CubeFacesSwapped => "with opposite faces of the cube map swapped",
+            Self::CubeFacesSwapped { faces } => match faces {
+                OppositeFaces::LeftAndRight => "with the faces left and right of the cube map swapped",
+                OppositeFaces::UpAndDown => "with the faces up and down of the cube map swapped",
+                OppositeFaces::FrontAndBack => "with the faces front and back of the cube map swapped",
+                OppositeFaces::All => "with all opposite faces of the cube map swapped",
+            },
+            Self::FalloffFromOne => "with lights divided by 1 + falloff d^2 instead of falloff d^2",
+            Self::FalloffWithoutOne => "with lights divided by falloff d^2 instead of 1 + falloff d^2",
+            Self::Highlights => "with highlights",
+            Self::NearWhite => "with depths that are white where they are near, instead of black",
+            Self::AbsoluteNormals => "with the absolute values of normals instead of (N + 1) / 2",
+            Self::ShiftedNormals => "with normals as (N + 1) / 2 instead of their absolute values",
             Self::ListsReversed => "with the transformations of a list multiplied in the other order",
             Self::AmbientPerLight => "with the ambient light once for each light",
             Self::ExponentDoubled => "with the exponents of highlights doubled",

@@ -13,9 +13,10 @@ use crate::math::ray::{Ray, Visible};
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::render::{Layer, Request};
+use crate::scene::model::Model;
 use crate::stats::{Probe, Quiet};
 use crate::tools::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
-use crate::trace::{Departure, Rules, Shadows, Tracer};
+use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -69,7 +70,13 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     let looked_at: Vec<usize> = away_from_edges.iter().copied().step_by(step).collect();
     let camera = original.renderer().camera(&original.request);
     let count = |rays: SelfHitting| {
-        let is_made = |&&at: &&usize| is_made(original, &camera, at, colors(a)[at], rays);
+        let is_made = |&&at: &&usize| {
+            let caster = original.prepared.caster();
+            match caster.world.is_of_course() {
+                true => is_made(original, caster, &camera, (at, colors(a)[at]), rays),
+                false => is_made(original, &ByModel(caster), &camera, (at, colors(a)[at]), rays),
+            }
+        };
         original.renderer().on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
     };
     let found = count(SelfHitting::All);
@@ -95,17 +102,24 @@ pub fn can_show(original: &Original) -> bool {
         && bounces <= MAX_BOUNCES
         && request.sampler.is_center()
         && request.filter.support() == 0
+        && !request.is_reduced
 }
 
 /// Whether some of the rays behind a pixel, counted from the top left, give it this colour if they hit what they leave.
-fn is_made(original: &Original, camera: &Camera, at: usize, color: Rgb, rays: SelfHitting) -> bool {
-    let Original { prepared, request, .. } = original;
+fn is_made(
+    original: &Original,
+    right: &impl Rules,
+    camera: &Camera,
+    (at, color): (usize, Rgb),
+    rays: SelfHitting,
+) -> bool {
+    let request = &original.request;
     let [width, height] = request.size;
     let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
     let ray = camera.ray(pixel, DVec2::ZERO);
     let mut chosen = 0;
     for _ in 0..MAX_CHOICES {
-        let rules = SelfHits { right: prepared.caster(), rays, chosen, passed: AtomicU32::new(0) };
+        let rules = SelfHits { right, rays, chosen, passed: AtomicU32::new(0) };
         let tracer = Tracer { rules: &rules, effects: request.effects };
         let mut bytes = [0; CHANNELS];
         truncate_to_bytes::<RED_FIRST>(&[tracer.color(&ray, &mut Quiet)], &mut bytes);
@@ -136,6 +150,10 @@ impl<R: Rules> Rules for SelfHits<'_, R> {
         self.right.world()
     }
 
+    fn model(&self) -> Model {
+        self.right.model()
+    }
+
     fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
         self.right.nearest(ray, leaves, probe)
     }
@@ -150,7 +168,7 @@ impl<R: Rules> Rules for SelfHits<'_, R> {
         }
         let number = self.passed.fetch_add(1, Ordering::Relaxed);
         match number < MAX_RAYS && self.chosen >> number & 1 != 0 {
-            true => from_other_side(self.right, why, surface, direction),
+            true => from_other_side(self.right, surface, direction),
             false => self.right.departing(why, surface, direction),
         }
     }

@@ -1,13 +1,13 @@
 //! Transformations multiplied in the other order.
 
 use crate::math::rounded_affine::RoundedAffine;
+use crate::scene::edition::Edition;
 use crate::scene::lexer::Lexer;
-use crate::scene::parser::parse;
-use crate::scene::{Object, ObjectId, Scene, TRANSFORMATIONS};
+use crate::scene::parser::read_in;
+use crate::scene::{Object, ObjectId, Scene, is_transformation};
 
-/// The scene of a text in which the transformations of each list are written in the opposite order; none where no
-/// list has two.
-pub fn with_lists_reversed(text: &str) -> Option<Scene> {
+/// The scene of this text with the transformations of each list in the opposite order; none where no list has two.
+pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {
     let words = words(text);
     let mut rest = words.as_slice();
     let (mut reversed, mut changes) = (Vec::with_capacity(words.len()), false);
@@ -20,7 +20,15 @@ pub fn with_lists_reversed(text: &str) -> Option<Scene> {
         }
         reversed.extend(list.into_iter().rev().flatten());
     }
-    if changes { parse(&reversed.join(" ")).ok() } else { None }
+    if changes { with_objects_of(scene, &reversed.join(" ")) } else { None }
+}
+
+/// The scene with the objects of a text in which only transformations are others.
+pub(super) fn with_objects_of(scene: &Scene, text: &str) -> Option<Scene> {
+    // They are the same in each edition that can read the text.
+    let reading = Edition::ALL.into_iter().find_map(|edition| read_in(edition, text).ok())?;
+    let Scene { objects, root, .. } = reading.scene;
+    Some(Scene { objects, root, ..scene.clone() })
 }
 
 pub(super) fn words(text: &str) -> Vec<&str> {
@@ -33,7 +41,7 @@ pub(super) fn words(text: &str) -> Vec<&str> {
 /// Takes the transformations that come next, each with its values.
 fn split_list<'w, 't>(words: &mut &'w [&'t str]) -> Vec<&'w [&'t str]> {
     let mut list = Vec::new();
-    while words.first().is_some_and(|word| TRANSFORMATIONS.contains(word)) {
+    while words.first().is_some_and(|word| is_transformation(word)) {
         let (transformation, rest) = words.split_at(1 + values(&words[1..]));
         list.push(transformation);
         *words = rest;
@@ -81,6 +89,7 @@ pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::parser::parse;
     use crate::world::placements;
     use glam::DAffine3;
 
@@ -107,11 +116,13 @@ mod tests {
         for (list, reversed) in pairs {
             let [list, reversed] =
                 [list, reversed].map(|list| scene(&format!("Transform {{ {list} {SPHERE} }}")));
-            let found = with_lists_reversed(&list).unwrap();
+            let right = parse(&list).unwrap();
+            let found = with_lists_reversed(&right, &list).unwrap();
             assert_eq!(matrix(&found), matrix(&parse(&reversed).unwrap()), "{list}");
-            assert_ne!(matrix(&found), matrix(&parse(&list).unwrap()), "{list}");
+            assert_ne!(matrix(&found), matrix(&right), "{list}");
         }
-        assert!(with_lists_reversed(&scene(&format!("Transform {{ Scale 1 2 3 {SPHERE} }}"))).is_none());
+        let single = scene(&format!("Transform {{ Scale 1 2 3 {SPHERE} }}"));
+        assert!(with_lists_reversed(&parse(&single).unwrap(), &single).is_none());
     }
 
     #[test]

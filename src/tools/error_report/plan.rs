@@ -7,7 +7,7 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Pattern;
 use crate::scene::Scene;
-use crate::scene::material::{Material, Pattern as TexturePattern};
+use crate::scene::material::{Material, Paint, Pattern as TexturePattern, Texture};
 use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
@@ -43,12 +43,10 @@ const FILTERS: [Filter; 4] = [
 const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 /// A list of all primitives is traced for at most so many tests of rays against primitives.
-const MOST_TESTS: usize = 50_000_000_000;
+const MOST_TESTS: u64 = 50_000_000_000;
 
-/// The settings to measure, those with the request's own filter first. What the request asks for is right;
-/// `structure` is what its rays are traced through.
-pub fn plan(scene: &Scene, world: &World, request: &Request, structure: Structure) -> Vec<Group> {
-    let own = Setting::of(request, structure);
+/// The settings to measure, those with the request's own filter first. What the request asks for, `own`, is right.
+pub fn plan(scene: &Scene, world: &World, request: &Request, own: Setting) -> Vec<Group> {
     let mut first = samples(own);
     if !first.iter().any(|setting| setting.samples == own.samples) {
         first.push(own);
@@ -90,35 +88,33 @@ fn secondary(scene: &Scene, own: Setting) -> Vec<Setting> {
 
 /// Fewer octaves than the scene has, where it has noise.
 fn octaves(scene: &Scene, own: Setting) -> Vec<Setting> {
-    let most = scene.materials.iter().filter_map(octaves_of).max().unwrap_or(0);
+    let mut materials = scene.materials.clone();
+    let most = materials.iter_mut().filter_map(octaves_of).map(|octaves| *octaves).max().unwrap_or(0);
     let powers = std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(|&n| n < most);
     let samples = EFFECTS_SAMPLES;
     powers.map(|n| Setting { axis: Axis::Octaves, samples, octaves: Some(n), ..own }).collect()
 }
 
-fn octaves_of(material: &Material) -> Option<u32> {
-    match material {
-        Material::Texture(texture) => match texture.pattern {
-            TexturePattern::Noise { octaves }
-            | TexturePattern::Marble { octaves, .. }
-            | TexturePattern::Wood { octaves, .. } => Some(octaves),
-            TexturePattern::Checkerboard => None,
-        },
-        Material::Phong(_) | Material::Painted(..) => None,
+/// The octaves of a material's noise.
+fn octaves_of(material: &mut Material) -> Option<&mut u32> {
+    let (Material::Texture(Texture { pattern, .. }) | Material::Painted(_, Paint::Pattern(pattern, _))) =
+        material
+    else {
+        return None;
+    };
+    match pattern {
+        TexturePattern::Noise { octaves }
+        | TexturePattern::Marble { octaves, .. }
+        | TexturePattern::Wood { octaves, .. } => Some(octaves),
+        TexturePattern::Checkerboard => None,
     }
 }
 
 /// The same scene with at most so many octaves of each noise.
 pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     let mut changed = scene.clone();
-    for material in &mut changed.materials {
-        let Material::Texture(texture) = material else { continue };
-        match &mut texture.pattern {
-            TexturePattern::Noise { octaves }
-            | TexturePattern::Marble { octaves, .. }
-            | TexturePattern::Wood { octaves, .. } => *octaves = most.min(*octaves),
-            TexturePattern::Checkerboard => {}
-        }
+    for octaves in changed.materials.iter_mut().filter_map(octaves_of) {
+        *octaves = most.min(*octaves);
     }
     changed
 }
@@ -131,7 +127,9 @@ fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     }
     let rays_per_sample = 1 + world.lights.len() + own.effects.bounces as usize;
     let [width, height] = request.size;
-    let tests = (4 * width * height).saturating_mul(rays_per_sample).saturating_mul(count);
+    let tests = [width, height, rays_per_sample, count]
+        .iter()
+        .fold(4_u64, |tests, &count| tests.saturating_mul(count as u64));
     let list = (tests <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));
@@ -144,6 +142,7 @@ fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::edition::Edition;
     use crate::scene::parser::parse;
 
     fn settings(materials: &str, bounces: u32) -> Vec<Setting> {
@@ -155,7 +154,8 @@ mod tests {
         .unwrap();
         let request = Request { effects: Effects { bounces, ..Effects::default() }, ..Request::new([4, 4]) };
         let world = World::new(&scene, &[]).unwrap();
-        plan(&scene, &world, &request, Structure::Any).into_iter().flat_map(|group| group.settings).collect()
+        let own = Setting::of(&request, Structure::Any, Edition::Y2004);
+        plan(&scene, &world, &request, own).into_iter().flat_map(|group| group.settings).collect()
     }
 
     fn of(axis: Axis, settings: &[Setting]) -> Vec<String> {

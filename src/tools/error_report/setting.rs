@@ -6,6 +6,7 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
+use crate::scene::edition::Edition;
 use crate::trace::{Effects, Shadows};
 
 /// How samples are placed.
@@ -85,15 +86,17 @@ pub struct Setting {
     pub octaves: Option<u32>,
     /// What rays are traced through.
     pub structure: Structure,
+    /// The edition of the course whose flags are named.
+    pub edition: Edition,
 }
 
 impl Setting {
-    /// What a request asks for.
-    pub fn of(request: &Request, structure: Structure) -> Self {
+    /// What a request asks for, in the flags of an edition.
+    pub fn of(request: &Request, structure: Structure, edition: Edition) -> Self {
         let fixed = Samples::Fixed(request.sampler.pattern(), request.sampler.count());
         let (filter, effects) = (request.filter, request.effects);
         let samples = request.adaptive.map_or(fixed, Samples::Adaptive);
-        Self { axis: Axis::Samples, samples, filter, effects, octaves: None, structure }
+        Self { axis: Axis::Samples, samples, filter, effects, octaves: None, structure, edition }
     }
 
     /// The request for the colours, with these random numbers.
@@ -126,14 +129,14 @@ impl Setting {
 
     /// What tells it from the others of its axis.
     pub fn label(&self) -> String {
-        let samples = self.samples_flag();
+        let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
         match self.axis {
             Axis::Samples => samples,
-            // Without bounces this is the default, and differs from what was asked for.
-            Axis::Secondary if self.effects.bounces == 0 => {
-                format!("{samples} -bounces 0{}", secondary_flags(&self.effects))
+            // Without bounces this is often the default, and differs from what was asked for.
+            Axis::Secondary if !secondary.starts_with(" -bounces") => {
+                format!("{samples} -bounces {}{secondary}", self.effects.bounces)
             }
-            Axis::Secondary => format!("{samples}{}", secondary_flags(&self.effects)),
+            Axis::Secondary => format!("{samples}{secondary}"),
             Axis::Octaves => {
                 format!("{samples} with at most {} octaves in the scene", self.octaves.unwrap_or_default())
             }
@@ -157,16 +160,29 @@ impl Setting {
             Shadows::Transparent => " -transparent_shadows",
         };
         let back = if shade_back { " -shade_back" } else { "" };
-        let (samples, secondary) = (self.samples_flag(), secondary_flags(&self.effects));
+        let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
         let (filter, structure) = (filter_flag(self.filter), structure_flag(self.structure));
         self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
     }
 
     fn samples_flag(&self) -> String {
         match self.samples {
-            Samples::Fixed(_, count) => format!("-{}_samples {count}", self.kind().name()),
+            Samples::Fixed(pattern, count) => format!("-{} {count}", pattern.flag(self.edition)),
             Samples::Adaptive(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
         }
+    }
+
+    /// The bounces and the weight, each unless it is the default.
+    fn secondary_flags(&self) -> String {
+        let Effects { bounces, min_weight, .. } = self.effects;
+        let mut flags = String::new();
+        if bounces != self.edition.default_bounces() {
+            flags += &format!(" -bounces {bounces}");
+        }
+        if min_weight != self.edition.default_weight() {
+            flags += &format!(" -weight {min_weight}");
+        }
+        flags
     }
 }
 
@@ -185,12 +201,6 @@ pub fn filter_flag(filter: Filter) -> String {
         Filter::Gaussian { sigma } => format!("-gaussian_filter {sigma}"),
         Filter::Mitchell { radius } => format!("-mitchell_filter {radius}"),
     }
-}
-
-fn secondary_flags(effects: &Effects) -> String {
-    let Effects { bounces, min_weight, .. } = *effects;
-    let weight = if min_weight > 0.0 { format!(" -weight {min_weight}") } else { String::new() };
-    if bounces > 0 { format!(" -bounces {bounces}{weight}") } else { weight }
 }
 
 fn structure_flag(structure: Structure) -> String {
@@ -215,6 +225,7 @@ mod tests {
             effects: Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.25 },
             octaves: None,
             structure: Structure::Grid(Resolution::Cells([3, 4, 5])),
+            edition: Edition::Y2004,
         };
         let flags =
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
@@ -234,5 +245,27 @@ mod tests {
         };
         assert_eq!(plain.flags().as_deref(), Some("-adaptive_samples 64 0.5 -box_filter 0.5"));
         assert_eq!(Setting { octaves: Some(2), ..plain }.flags(), None);
+    }
+
+    #[test]
+    fn flags_are_those_of_the_edition_and_what_is_its_default_is_none() {
+        let setting = |pattern, bounces, min_weight, edition| Setting {
+            axis: Axis::Secondary,
+            samples: Samples::Fixed(pattern, 9),
+            filter: Filter::PIXEL,
+            effects: Effects { bounces, min_weight, ..Effects::default() },
+            octaves: None,
+            structure: Structure::Any,
+            edition,
+        };
+        let flags = |setting: Setting| setting.flags().unwrap_or_default().replace(" -box_filter 0.5", "");
+        use Pattern::{Random, Uniform};
+        assert_eq!(flags(setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
+        assert_eq!(flags(setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");
+        let (fewer, usual) =
+            (setting(Uniform, 0, 0.0, Edition::Y2012A5), setting(Uniform, 4, 0.0, Edition::Y2012A5));
+        assert_eq!([flags(fewer), fewer.label()], ["-uniform_samples 9 -bounces 0"; 2]);
+        assert_eq!(flags(usual), "-uniform_samples 9");
+        assert_eq!(usual.label(), "-uniform_samples 9 -bounces 4");
     }
 }

@@ -6,7 +6,6 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Samples, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::caster::GridTooLarge;
-use crate::caster::choose::Structure;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::{Layer, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
@@ -87,7 +86,8 @@ const ADAPTIVE_SAMPLES: f64 = 16.0;
 pub struct Sweep<'a> {
     renderer: &'a Renderer,
     request: &'a Request,
-    structure: Structure,
+    /// What the command line asks for.
+    own: Setting,
     bench: Bench<'a>,
     /// Whether other filters are measured, too.
     all_filters: bool,
@@ -99,13 +99,13 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// The request and the structure are those of the command line. The renderer must have kept the scene's meshes,
+    /// The request is that of the command line, and `own` is its setting. The renderer must have kept the scene's meshes,
     /// and must have no threads of its own.
-    pub fn new(renderer: &'a Renderer, request: &'a Request, structure: Structure, bench: Bench<'a>) -> Self {
+    pub fn new(renderer: &'a Renderer, request: &'a Request, own: Setting, bench: Bench<'a>) -> Self {
         Self {
             renderer,
             request,
-            structure,
+            own,
             bench,
             all_filters: true,
             done: 0.0,
@@ -121,7 +121,7 @@ impl<'a> Sweep<'a> {
 
     /// Measures. If the watch ends it, what is finished is reported.
     pub fn run(mut self) -> Result<ErrorReport, SweepError> {
-        let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.structure);
+        let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.own);
         plan.truncate(if self.all_filters { plan.len() } else { 1 });
         let planned = plan.iter().map(|group| group.settings.len()).sum();
         let settings = plan.iter().flat_map(|group| &group.settings);
@@ -167,7 +167,7 @@ impl<'a> Sweep<'a> {
             let prepared = self
                 .bench
                 .many
-                .install(|| self.renderer.prepare_for(self.structure, &request, Tracing::Fast))?;
+                .install(|| self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast))?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -181,7 +181,7 @@ impl<'a> Sweep<'a> {
     fn numerical(&self) -> Result<Option<Numerical>, SweepError> {
         let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
         self.bench.many.install(|| {
-            let prepared = self.renderer.prepare_for(self.structure, &request, Tracing::Fast)?;
+            let prepared = self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast)?;
             Ok(numerical::measure(self.renderer, &prepared, &request)?)
         })
     }
@@ -197,7 +197,7 @@ impl<'a> Sweep<'a> {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
             if setting.axis == Axis::Structure {
                 let is_asked_for = |other: &&Measurement| {
-                    Setting { axis: Axis::Structure, structure: self.structure, ..*setting }
+                    Setting { axis: Axis::Structure, structure: self.own.structure, ..*setting }
                         == Setting { axis: Axis::Structure, ..other.setting }
                 };
                 let asked_for = measurements.iter().find(is_asked_for);

@@ -92,7 +92,7 @@ impl<'r> Objects<'r> {
             Object::Mesh { mesh, .. } => format!("{} {}", object.name(), self.scene.meshes.get(*mesh)?.name),
             _ => object.name().into(),
         };
-        let has_parts = matches!(object, Object::Box { .. } | Object::Mesh { .. });
+        let has_parts = matches!(object, Object::Box { .. } | Object::Grid { .. } | Object::Mesh { .. });
         let triangle = has_parts.then(|| primitive - run.start);
         Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
     }

@@ -5,6 +5,7 @@ use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
 use super::stoppable::{Stop, Stoppable};
 use crate::caster::Caster;
+use crate::escape::escape;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
@@ -13,12 +14,14 @@ use crate::renderer::Prepared;
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
 use crate::scene::error::SceneError;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Paint};
+use crate::scene::model::{Highlight, Model};
+use crate::scene::texels::{FACES, face};
 use crate::scene::{Color, Object};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
 use crate::trace::{Observer, Tracer};
-use crate::world::World;
+use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -51,6 +54,9 @@ pub struct PixelTree {
     pub pixel: [usize; 2],
     /// Whether there is a grid, whose cells are counted.
     pub has_grid: bool,
+    /// How the scene's language calls what a material does.
+    #[serde(skip)]
+    pub words: MaterialWords,
     /// The first of the samples that have weight.
     pub samples: Vec<SampleTree>,
     /// How many more there are.
@@ -61,6 +67,25 @@ pub struct PixelTree {
     pub color: Color,
     /// The bytes of the picture.
     pub bytes: [u8; CHANNELS],
+}
+
+/// How a language of scenes calls what a material does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialWords {
+    /// Mirrors have a reflective colour, glass a transparent one, and highlights a specular one with an exponent.
+    Reflective,
+    /// The specular colour is that of mirrors, glass and highlights, which have a shininess.
+    Specular,
+}
+
+impl MaterialWords {
+    /// Those of the scenes with this model.
+    fn of(model: &Model) -> Self {
+        match model.highlight {
+            Highlight::Blinn => Self::Reflective,
+            Highlight::Phong => Self::Specular,
+        }
+    }
 }
 
 /// A sample with the rays behind it.
@@ -160,7 +185,8 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let mut bytes = [0; CHANNELS];
         truncate_to_bytes::<RED_FIRST>(&[color], &mut bytes);
         let has_grid = self.prepared.cells().is_some();
-        Ok(PixelTree { pixel: [x, y], has_grid, samples, more_samples, left_out, color, bytes })
+        let words = MaterialWords::of(&self.prepared.renderer().scene.model);
+        Ok(PixelTree { pixel: [x, y], has_grid, words, samples, more_samples, left_out, color, bytes })
     }
 
     /// The samples of the pixel `own` that have weight for `target`: number, offset, the filter's weight, and the part of
@@ -212,7 +238,12 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let world = self.prepared.caster().world;
         let sees = node.hit.map(|hit| (hit.primitive, hit.t));
         node.close_calls.extend(self.close_calls(&node.ray, RayEnds { leaves, sees }));
-        let (Some(surface), Some(hit)) = (&mut node.surface, node.hit) else { return };
+        let (Some(surface), Some(hit)) = (&mut node.surface, node.hit) else {
+            let has_map = self.prepared.renderer().scene.cube_map.is_some();
+            node.cube_face = has_map.then(|| FACES[face(node.ray.direction).0]);
+            return;
+        };
+        surface.paint = self.paint(&surface.point, world);
         surface.object = self.objects.of(hit.primitive);
         surface.t = hit.t;
         surface.material_at = self.objects.material_position(surface.point.material);
@@ -237,6 +268,19 @@ impl<'p, 'r> Explainer<'p, 'r> {
             if is_about_zero(light.cosine) {
                 shadow.close_calls.push(CloseCall { kind: CloseCallKind::Cosine, object: None });
             }
+        }
+    }
+
+    /// What the diffuse colour at a point comes from, if not from the material itself.
+    fn paint(&self, point: &SurfacePoint, world: &World) -> Option<String> {
+        let scene = &self.prepared.renderer().scene;
+        match scene.materials.get(point.material)? {
+            &Material::Painted(_, Paint::Image(image)) => {
+                world.image_color(image, point)?;
+                Some(format!("the texture {}", escape(&scene.images.get(image)?.name)))
+            }
+            Material::Painted(_, Paint::Pattern(..)) => Some("the noise".into()),
+            Material::Phong(_) | Material::Texture(_) => None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The tree of rays behind a pixel in words.
 
 use super::objects::{MaterialPart, ObjectPart};
-use super::pixel::{PixelTree, SampleTree};
+use super::pixel::{MaterialWords, PixelTree, SampleTree};
 use super::ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
 use super::short::{Short, Triple};
 use crate::scene::material::Phong;
@@ -40,7 +40,7 @@ impl Display for PixelTree {
         writeln!(f, "{RULE}\nPIXEL ({x}, {y})")?;
         let mut lines = Lines { f: &mut *f, indent: 2 };
         if let Some((first, others)) = self.samples.split_first() {
-            write_sample(first, self.has_grid, &mut lines)?;
+            write_sample(first, Style { has_grid: self.has_grid, words: self.words }, &mut lines)?;
             others.iter().take(SHOWN_SAMPLES).try_for_each(|sample| write_briefly(sample, &mut lines))?;
             let more = others.len().saturating_sub(SHOWN_SAMPLES) as u64 + self.more_samples;
             write_more(more, "samples", &mut lines)?;
@@ -60,7 +60,14 @@ impl Display for PixelTree {
     }
 }
 
-fn write_sample(sample: &SampleTree, has_grid: bool, lines: &mut Lines) -> Result {
+/// What the text of a pixel depends on beside its rays.
+#[derive(Clone, Copy)]
+struct Style {
+    has_grid: bool,
+    words: MaterialWords,
+}
+
+fn write_sample(sample: &SampleTree, style: Style, lines: &mut Lines) -> Result {
     let SampleTree { color, rays, left_out, .. } = sample;
     lines.line(Head(sample))?;
     let mut waiting = if rays.is_empty() { vec![] } else { vec![0] };
@@ -69,7 +76,7 @@ fn write_sample(sample: &SampleTree, has_grid: bool, lines: &mut Lines) -> Resul
         shown += 1;
         let node = &rays[place];
         let indent = 4 + 2 * node.bounces.min(DEEPEST);
-        write_ray(node, has_grid, &mut Lines { f: &mut *lines.f, indent })?;
+        write_ray(node, style, &mut Lines { f: &mut *lines.f, indent })?;
         waiting.extend(node.children.iter().rev());
     }
     let mut lines = lines.deeper();
@@ -112,7 +119,8 @@ impl Display for Grouped {
     }
 }
 
-fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
+fn write_ray(node: &RayNode, style: Style, lines: &mut Lines) -> Result {
+    let Style { has_grid, words } = style;
     let ray = &node.ray;
     match node.kind {
         None => lines.line("camera ray")?,
@@ -126,23 +134,24 @@ fn write_ray(node: &RayNode, has_grid: bool, lines: &mut Lines) -> Result {
     }
     let mut lines = lines.deeper();
     lines.line(format_args!("from {} along {}", Triple(ray.origin), Triple(ray.direction)))?;
-    match &node.surface {
-        None => lines.line("sees nothing")?,
-        Some(surface) => write_surface(surface, &mut lines)?,
+    match (&node.surface, node.cube_face) {
+        (None, None) => lines.line("sees nothing")?,
+        (None, Some(face)) => lines.line(format_args!("sees nothing but the face {face} of the cube map"))?,
+        (Some(surface), _) => write_surface(surface, words, &mut lines)?,
     }
     lines.line(format_args!("counted {}", counted(node.counts, has_grid)))?;
     node.close_calls.iter().try_for_each(|call| lines.line(call))?;
     if let Some(surface) = &node.surface {
-        write_lights(surface, has_grid, &mut lines)?;
+        write_lights(surface, style, &mut lines)?;
     }
     lines.line(format_args!("own colour {}", Triple(node.color)))?;
     node.ends.iter().try_for_each(|&NotFollowed { kind, end }| {
-        lines.line(format_args!("no {} ray: {}", name(kind), Why(kind, end)))
+        lines.line(format_args!("no {} ray: {}", name(kind), Why(kind, end, words)))
     })
 }
 
-fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
-    let Surface { object, t, point, material_at, material, textures, parts, .. } = surface;
+fn write_surface(surface: &Surface, words: MaterialWords, lines: &mut Lines) -> Result {
+    let Surface { object, t, point, material_at, material, textures, parts, paint, .. } = surface;
     lines.line(format_args!("sees {} at t {}", Named(object), Short(*t)))?;
     lines.line(format_args!("point {}, normal {}", Triple(point.position), Triple(point.normal)))?;
     for texture in textures {
@@ -157,34 +166,48 @@ fn write_surface(surface: &Surface, lines: &mut Lines) -> Result {
     }
     for MaterialPart { material, at, weight, phong } in parts {
         let (named, weight) = (NamedMaterial(*material, *at), Short(*weight));
-        lines.line(format_args!("{named} weighs {weight}: {}", Colors { phong, has_exponent: true }))?;
+        let colors = Colors { phong, has_exponent: true, paint: &None, words };
+        lines.line(format_args!("{named} weighs {weight}: {colors}"))?;
     }
     // Highlights keep the exponents of their own materials.
     let (named, mixed) =
         (NamedMaterial(point.material, *material_at), if parts.is_empty() { "" } else { ", mixed" });
-    lines.line(format_args!("{named}{mixed}: {}", Colors { phong: material, has_exponent: parts.is_empty() }))
+    let colors = Colors { phong: material, has_exponent: parts.is_empty(), paint, words };
+    lines.line(format_args!("{named}{mixed}: {colors}"))
 }
 
 /// The colours of a material.
 struct Colors<'p> {
     phong: &'p Phong,
     has_exponent: bool,
+    /// What the diffuse colour comes from, if not from the material itself.
+    paint: &'p Option<String>,
+    words: MaterialWords,
 }
 
 impl Display for Colors<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Phong { diffuse, specular, exponent, reflective, transparent, index_of_refraction } = *self.phong;
         let shown = if self.has_exponent { specular } else { Color::ZERO };
-        write!(
-            f,
-            "diffuse {}, specular {}{}, reflective {}, transparent {}{}",
-            Triple(diffuse),
-            Triple(specular),
-            Power("exponent", shown, exponent),
-            Triple(reflective),
-            Triple(transparent),
-            Power("index of refraction", transparent, index_of_refraction)
-        )
+        let index = Power("index of refraction", transparent, index_of_refraction);
+        write!(f, "diffuse {}", Triple(diffuse))?;
+        if let Some(paint) = self.paint {
+            write!(f, " of {paint}")?;
+        }
+        match self.words {
+            MaterialWords::Reflective => write!(
+                f,
+                ", specular {}{}, reflective {}, transparent {}{index}",
+                Triple(specular),
+                Power("exponent", shown, exponent),
+                Triple(reflective),
+                Triple(transparent),
+            ),
+            MaterialWords::Specular => {
+                let shininess = Power("shininess", shown, exponent);
+                write!(f, ", specular {}{shininess}{index}", Triple(reflective))
+            }
+        }
     }
 }
 
@@ -207,24 +230,26 @@ impl Display for Power {
     }
 }
 
-fn write_lights(surface: &Surface, has_grid: bool, lines: &mut Lines) -> Result {
+fn write_lights(surface: &Surface, style: Style, lines: &mut Lines) -> Result {
     let Some(ambient) = surface.ambient else {
         return lines.line("seen from within, where it is black without -shade_back");
     };
     lines.line(format_args!("ambient {}", Triple(ambient)))?;
     for (number, light) in surface.lights.iter().enumerate() {
-        write_light(number, light, lines)?;
+        write_light(number, light, style.words, lines)?;
         if let Some(shadow) = &light.shadow {
-            write_shadow(light, shadow, has_grid, &mut lines.deeper())?;
+            write_shadow(light, shadow, style.has_grid, &mut lines.deeper())?;
         }
     }
     Ok(())
 }
 
-fn write_light(number: usize, light: &Lighting, lines: &mut Lines) -> Result {
+fn write_light(number: usize, light: &Lighting, words: MaterialWords, lines: &mut Lines) -> Result {
     let Lighting { incident, cosine, passed, parts: [diffuse, specular], .. } = light;
     let cosine = Short(*cosine);
-    if light.cosine <= 0.0 {
+    // By the law of the later editions there are highlights there, too.
+    let may_shine = words == MaterialWords::Specular && *specular != Color::ZERO;
+    if light.cosine <= 0.0 && !may_shine {
         return lines.line(format_args!("light {number} is behind the surface, cosine {cosine}"));
     }
     if incident.color == Color::ZERO {
@@ -286,18 +311,22 @@ fn name(kind: Secondary) -> &'static str {
 }
 
 /// Why there is no ray of a kind.
-struct Why(Secondary, PathEnd);
+struct Why(Secondary, PathEnd, MaterialWords);
 
 impl Display for Why {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self(kind, end) = *self;
-        match (end, kind) {
-            (PathEnd::NoColor, Secondary::Reflected) => f.write_str("no reflective colour"),
-            (PathEnd::NoColor, Secondary::Refracted) => f.write_str("no transparent colour"),
-            (PathEnd::Bounces, _) => f.write_str("no bounces left"),
-            (PathEnd::Weight { weight }, _) => write!(f, "weight {} is too little", Short(weight)),
-            (PathEnd::TotalReflection, _) => f.write_str("total internal reflection"),
-        }
+        let Self(kind, end, words) = *self;
+        f.write_str(match (end, kind, words) {
+            (PathEnd::NoColor, Secondary::Reflected, MaterialWords::Reflective) => "no reflective colour",
+            (PathEnd::NoColor, Secondary::Refracted, MaterialWords::Reflective) => "no transparent colour",
+            (PathEnd::NoColor, Secondary::Reflected, MaterialWords::Specular) => "no specular colour",
+            (PathEnd::NoColor, Secondary::Refracted, MaterialWords::Specular) => "the material is opaque",
+            (PathEnd::Bounces, ..) => "no bounces left",
+            (PathEnd::TotalReflection, ..) => "total internal reflection",
+            (PathEnd::Weight { weight }, ..) => {
+                return write!(f, "weight {} is too little", Short(weight));
+            }
+        })
     }
 }
 

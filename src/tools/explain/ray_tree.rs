@@ -34,6 +34,9 @@ pub struct RayNode {
     pub counts: Counts,
     /// The surface that it sees; none where it sees the background.
     pub surface: Option<Surface>,
+    /// The face of the cube map that it sees where it meets nothing.
+    #[serde(skip)]
+    pub cube_face: Option<&'static str>,
     /// The colour of the surface by itself, or the background's.
     pub color: Color,
     /// The secondary rays that were not followed.
@@ -67,6 +70,9 @@ pub struct Surface {
     pub material_at: Option<Position>,
     /// The material, with its textures evaluated.
     pub material: Phong,
+    /// What the diffuse colour comes from, if not from the material itself.
+    #[serde(skip)]
+    pub paint: Option<String>,
     /// The textures of the material, each with the weight of its first child.
     pub textures: Vec<TextureWeight>,
     /// The materials that the textures mix; none where there is only one.
@@ -168,6 +174,7 @@ impl RayNode {
             hit: None,
             counts: Counts::default(),
             surface: None,
+            cube_face: None,
             color: Color::ZERO,
             ends: vec![],
             children: vec![],
@@ -337,6 +344,7 @@ impl Surface {
             point: *point,
             material_at: None,
             material: *material,
+            paint: None,
             textures: vec![],
             parts: vec![],
             ambient: None,

@@ -5,6 +5,7 @@ use super::filter::flag_of;
 use crate::render::{Layer, Request};
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Pattern;
+use crate::scene::edition::Edition;
 use crate::trace::{Effects, Shadows};
 use glam::DVec2;
 use std::fmt;
@@ -26,6 +27,8 @@ pub enum Idle {
     OneSample,
     /// All that shapes colours: only other pictures are asked for.
     NoColors,
+    /// `-shade_back`: surfaces are lit as from outside, whichever side is seen.
+    LitAsOutside,
 }
 
 impl fmt::Display for Idle {
@@ -41,6 +44,9 @@ impl fmt::Display for Idle {
             }
             Self::NothingRandom => f.write_str("effect: no samples are random, jittered or adaptive"),
             Self::OneSample => f.write_str("effect: it weighs only the sample at the pixel's centre"),
+            Self::LitAsOutside => {
+                f.write_str("effect in this edition: surfaces look the same from both sides")
+            }
             Self::NoColors => f.write_str("effect: no picture of colours is asked for"),
         }
     }
@@ -61,18 +67,16 @@ pub fn sampling_without_effect(request: &Request) -> Vec<Warning> {
         .collect()
 }
 
-/// A warning about the flags that shape colours, for a request that shows none.
-pub fn colors_not_asked_for(request: &Request) -> Option<Warning> {
+/// A warning about the flags that shape colours, for a request that shows none. They are those of an edition of the course.
+pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Warning> {
     let Request { effects, sampler, adaptive, filter, .. } = *request;
     let Effects { shadows, shade_back, bounces, min_weight } = effects;
     let is_shown = request.layers.iter().any(|layer| matches!(layer, Layer::Filter { .. }));
     let samples = match (adaptive, sampler.pattern()) {
         (Some(adaptive), _) => Some(format!("-adaptive_samples {} {}", adaptive.most, adaptive.error)),
-        (None, Pattern::Random) => Some(format!("-random_samples {}", sampler.count())),
         (None, Pattern::Displaced) => Some("-jitter".into()),
-        (None, Pattern::Jittered) => Some(format!("-jittered_samples {}", sampler.count())),
         (None, Pattern::Uniform) if sampler.is_center() => None,
-        (None, Pattern::Uniform) => Some(format!("-uniform_samples {}", sampler.count())),
+        (None, pattern) => Some(format!("-{} {}", pattern.flag(edition), sampler.count())),
     };
     let flags: Vec<String> = [
         shade_back.then(|| "-shade_back".into()),
@@ -82,7 +86,7 @@ pub fn colors_not_asked_for(request: &Request) -> Option<Warning> {
             Shadows::Transparent => Some("-transparent_shadows".into()),
         },
         (bounces > 0).then(|| format!("-bounces {bounces}")),
-        (min_weight > 0.0).then(|| format!("-weight {min_weight}")),
+        (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
         samples,
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
         (filter != Filter::PIXEL && !is_shown).then(|| flag_of(&filter)),

@@ -3,7 +3,7 @@
 use super::{Warning, known};
 use crate::math::aabb::Aabb;
 use crate::primitive::shape::Shape;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Paint, Phong};
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color, Light, MaterialId, Scene};
 use crate::trace::{Effects, Shadows};
@@ -88,14 +88,22 @@ fn is_too_far(position: DVec3, color: Color, attenuation: [f64; 3], world: &Worl
     }
     let [a0, a1, a2] = attenuation;
     let factor = 1.0 / (a0 + a1 * distance + a2 * distance * distance);
-    let brightness = |material: &Material| match material {
-        Material::Phong(phong) | Material::Painted(phong, _) => {
-            (phong.diffuse.abs() + phong.specular.abs()).max_element()
-        }
-        Material::Texture(_) => 0.0,
-    };
     let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
     color.abs().max_element() * factor * brightest < QUARTER_LEVEL
+}
+
+/// How bright a material is at most in the light of one, unless it is less than white.
+fn brightness(material: &Material) -> f64 {
+    let of = |diffuse: Color, phong: &Phong| (diffuse.abs() + phong.specular.abs()).max_element();
+    match material {
+        Material::Painted(phong, Paint::Pattern(_, colors)) => {
+            colors.iter().map(|&color| of(color, phong)).fold(0.0, f64::max)
+        }
+        // The picture may be white.
+        Material::Painted(phong, Paint::Image(_)) => of(phong.diffuse.max(Color::ONE), phong),
+        Material::Phong(phong) => of(phong.diffuse, phong),
+        Material::Texture(_) => 0.0,
+    }
 }
 
 /// A lower bound on the distance to a surface; infinite if there are no surfaces.

@@ -3,6 +3,7 @@
 use super::idle::Idle;
 use super::{Warning, known};
 use crate::scene::material::{Material, Pattern};
+use crate::scene::model::Highlight;
 use crate::scene::{MaterialId, Scene};
 use crate::trace::{Effects, Shadows};
 use std::fmt;
@@ -42,10 +43,11 @@ struct Secondary {
     both: bool,
 }
 
-/// Warnings about `-bounces` and `-weight` where they decide about no ray, and about shadows that nothing tints.
+/// Warnings about `-bounces` and `-weight` where they decide about no ray, about shadows that nothing tints, and about a
+/// light from behind that there is anyway.
 /// `says_no_bounces` tells that there is a `-bounces 0`, which is meant: the course's commands have it with a `-weight`.
 pub fn without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Warning> {
-    let Effects { bounces, min_weight, shadows, .. } = *effects;
+    let Effects { bounces, min_weight, shadows, shade_back } = *effects;
     let heaviest = used(scene).map(|(_, it)| it.reflected.max(it.refracted)).fold(0.0, f64::max);
     let idle = |flag: String, reason: Idle| Warning::IdleFlags { flags: vec![flag], reason };
     let of_bounces = match bounces {
@@ -62,7 +64,9 @@ pub fn without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -
     let nothing_transmits = used(scene).all(|(_, it)| it.refracted == 0.0);
     let of_shadows = (shadows == Shadows::Transparent && nothing_transmits)
         .then(|| idle("-transparent_shadows".into(), Idle::NothingTransmits));
-    of_bounces.into_iter().chain(of_shadows).collect()
+    let of_backs = (shade_back && scene.model.highlight == Highlight::Phong)
+        .then(|| idle("-shade_back".into(), Idle::LitAsOutside));
+    of_bounces.into_iter().chain(of_shadows).chain(of_backs).collect()
 }
 
 /// A warning for the first material that reflects or transmits light where no ray is followed, as there is no

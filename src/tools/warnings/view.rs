@@ -4,6 +4,7 @@ use super::{Warning, known};
 use crate::math::robust::unit;
 use crate::render::{Layer, Request, Watch};
 use crate::renderer::Prepared;
+use crate::scene::model::Screen;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
 use crate::world::World;
@@ -79,8 +80,8 @@ pub fn nothing_visible(
         return Some(Warning::NothingVisible { at, sight: Sight::Empty });
     }
     let centers =
-        Request { layers: vec![Layer::Normals], camera: request.camera, ..Request::new(request.size) };
-    // Normals have unit length, and where nothing is hit the picture is black.
+        Request { layers: vec![Layer::SignedNormals], camera: request.camera, ..Request::new(request.size) };
+    // Normals have unit length, and where nothing is hit they are zero.
     let mut take_row = |_: usize, row: &[Color]| match row.iter().all(|&color| color == Color::ZERO) {
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
@@ -101,34 +102,46 @@ fn sight(prepared: &Prepared, request: &Request) -> Sight {
         return Sight::Unknown;
     };
     let camera = request.camera.unwrap_or(renderer.scene.camera);
-    Screen::new(&camera, request.size).sight(bounds.corners(), (bounds.min + bounds.max) / 2.0)
+    let spread = renderer.scene.model.screen;
+    View::new(&camera, request.size, spread).sight(bounds.corners(), (bounds.min + bounds.max) / 2.0)
 }
 
-/// A camera's screen, in coordinates to the right, up and ahead.
-struct Screen {
+/// What a camera sees, in coordinates to the right, up and ahead.
+struct View {
     center: DVec3,
-    /// Right, up and ahead.
+    /// The products of a vector with these are its coordinates.
     axes: [DVec3; 3],
     is_perspective: bool,
     /// Half of the screen's width and height: at distance 1 for a perspective camera.
     half: [f64; 2],
-    /// The side of a pixel.
-    pixel: f64,
+    /// The width and height of a pixel.
+    pixel: [f64; 2],
 }
 
-impl Screen {
-    fn new(camera: &Camera, size: [usize; 2]) -> Self {
+impl View {
+    fn new(camera: &Camera, size: [usize; 2], spread: Screen) -> Self {
         let (Camera::Orthographic { center, direction, up, .. }
         | Camera::Perspective { center, direction, up, .. }) = *camera;
         let ahead = unit(direction);
         let right = unit(ahead.cross(unit(up)));
-        let (is_perspective, longer) = match *camera {
+        let (is_perspective, screen) = match *camera {
             Camera::Orthographic { size, .. } => (false, size),
             Camera::Perspective { angle, .. } => (true, 2.0 * libm::tan((angle / 2.0).to_radians())),
         };
-        let pixel = longer / size[0].max(size[1]) as f64;
-        let half = size.map(|n| n as f64 * pixel / 2.0);
-        Self { center, axes: [right, right.cross(ahead), ahead], is_perspective, half, pixel }
+        let across = right.cross(ahead);
+        let longer = size[0].max(size[1]);
+        let (spans, axes) = match spread {
+            Screen::BothSides { up_as_written } if is_perspective => {
+                let up = if up_as_written { up } else { across };
+                // `up` may lean. The coordinates along such axes are products with their dual basis.
+                let (rise, lean) = (across.dot(up), ahead.dot(up));
+                (size.map(|n| (n - 1).max(1)), [right, across / rise, ahead - across * (lean / rise)])
+            }
+            _ => ([longer; 2], [right, across, ahead]),
+        };
+        let pixel = spans.map(|span| screen / span as f64);
+        let half = [0, 1].map(|axis| size[axis] as f64 * pixel[axis] / 2.0);
+        Self { center, axes, is_perspective, half, pixel }
     }
 
     /// Where a box with these corners is seen.
@@ -151,8 +164,33 @@ impl Screen {
             let (min, max) = seen.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &x| {
                 (f64::min(min, x), f64::max(max, x))
             });
-            max - min < self.pixel
+            max - min < self.pixel[axis]
         });
         if is_ahead && is_small { Sight::TooSmall } else { Sight::Unknown }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point's coordinates are the factors of right, up as the picture has it, and ahead.
+    #[test]
+    fn coordinates_are_those_of_the_picture() {
+        let up = DVec3::new(0.0, 2.0, -1.0);
+        let camera =
+            Camera::Perspective { center: DVec3::ZERO, direction: DVec3::NEG_Z * 3.0, up, angle: 90.0 };
+        for (spread, up, half) in [
+            (Screen::BothSides { up_as_written: true }, up, [11.0 / 10.0, 6.0 / 5.0]),
+            (Screen::BothSides { up_as_written: false }, DVec3::Y, [11.0 / 10.0, 6.0 / 5.0]),
+            (Screen::LongerSide, DVec3::Y, [1.0, 6.0 / 11.0]),
+        ] {
+            let view = View::new(&camera, [11, 6], spread);
+            let point = 3.0 * (DVec3::NEG_Z + 0.1 * DVec3::X + 0.2 * up);
+            let found = DVec3::from_array(view.axes.map(|axis| axis.dot(point)));
+            assert!((found - DVec3::new(0.3, 0.6, 3.0)).length() < 1e-14, "{found}");
+            let difference = DVec3::new(view.half[0] - half[0], view.half[1] - half[1], 0.0);
+            assert!(difference.length() < 1e-14, "{:?}", view.half);
+        }
     }
 }

@@ -13,6 +13,7 @@ use raytracer::scene_io::load;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Clone)]
 pub struct Named {
@@ -143,6 +144,9 @@ pub fn scaled(named: &Named, power: i32) -> Named {
             Object::Plane { offset, .. } => *offset *= f,
             Object::Triangle { vertices, .. } => vertices.iter_mut().for_each(|v| *v *= f),
             Object::Box { min, max, .. } => (*min, *max) = (*min * f, *max * f),
+            Object::Grid { surface, .. } => {
+                Arc::make_mut(surface).vertices.iter_mut().for_each(|v| *v *= f);
+            }
         }
     }
     large.meshes.iter_mut().flat_map(|mesh| &mut mesh.vertices).for_each(|v| *v *= f);

@@ -11,6 +11,7 @@ use raytracer::image_io::{Format, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::model::Shows;
 use raytracer::scene_io;
 use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
 use std::ffi::{OsStr, OsString};
@@ -131,7 +132,8 @@ impl References {
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
     let request = Request { layers: vec![layer], ..options.request() };
     let is_of_scene = matches!(layer, Layer::Color | Layer::Depth { .. } | Layer::Normals);
-    let source = if is_of_scene && !options.visualize_grid {
+    let shows_scene = !options.visualize_grid && renderer.scene.model.shows == Shows::Scene;
+    let source = if is_of_scene && shows_scene {
         let original = Original::new(renderer, Structure::Any, &request);
         Source::Scene(Box::new(original.ok_or("there is no memory for the picture")?))
     } else {

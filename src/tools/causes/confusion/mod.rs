@@ -86,6 +86,10 @@ fn cases() -> Vec<Case> {
         Case::new("scene7_05_glass_sphere.txt", picture(tinted)),
         Case::new("scene6_12_faceted_gem.txt", picture(back)),
         Case::new("scene2_05_inside_sphere.txt", picture(back)),
+        Case::new("editions/screen_2012a4.txt", picture(shadows)),
+        // Rays that are split at glass have many choices.
+        Case::new("editions/glass_2012a5.txt", Request { size: [40, 30], ..picture(shadows) }),
+        Case::new("editions/mirrors_2019.txt", picture(shadows)),
     ]
 }
 

@@ -4,7 +4,7 @@
 use super::{Case, cases, named};
 use crate::caster::choose::Structure;
 use crate::picture::Picture;
-use crate::render::{Request, Tracing};
+use crate::render::{Layer, Request, Tracing};
 use crate::tools::causes::finding::find_causes;
 use crate::tools::causes::{
     Cause, Finding, Original, PixelChange, RequestChange, Rule, SceneChange, SelfHitting, rules,
@@ -125,6 +125,7 @@ fn are_alike(one: Cause, other: Cause) -> bool {
         (Cause::Request(RequestChange::AngleNotHalved), Cause::Request(RequestChange::AngleOfShorterSide)),
         (Cause::Scene(SceneChange::BlackBackground), Cause::Rule(Rule::BackgroundForCameraOnly)),
         (Cause::Request(RequestChange::NoShadows), Cause::Rule(Rule::Epsilon { distance: 0.3 })),
+        (Cause::Request(RequestChange::NoShadows), Cause::Rule(Rule::GlassWithoutShadows)),
         (Cause::Rule(Rule::RaysClamped), Cause::Rule(Rule::SamplesClamped)),
         (Cause::Request(RequestChange::Shadows), Cause::Request(RequestChange::TransparentShadows)),
         (Cause::Pixels(PixelChange::OneLevelBrighter), Cause::Pixels(PixelChange::RoundedUp)),
@@ -207,7 +208,7 @@ fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_nam
                 words(name)
             }
             (None, Finding::Speckles { .. }) => {
-                if !hits_itself(*cause) {
+                if !darkens_scattered_pixels(*cause) {
                     wrong_names.push(format!("{cause:?}: {found}"));
                 }
                 "scattered pixels, since epsilon is too small".to_owned()
@@ -218,8 +219,9 @@ fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_nam
     }
 }
 
-fn hits_itself(cause: Cause) -> bool {
-    matches!(cause, Cause::Rule(Rule::NoEpsilon { .. } | Rule::ReflectionFromBelow))
+/// Whether pixels are as dark as in a shadow of their own: also where the side that is seen faces away from the light.
+fn darkens_scattered_pixels(cause: Cause) -> bool {
+    matches!(cause, Cause::Rule(Rule::NoEpsilon { .. } | Rule::ReflectionFromBelow | Rule::NormalsFlipped))
 }
 
 /// What is found of two mistakes, a line of the table each.
@@ -282,20 +284,10 @@ fn the_page_shows_what_is_named() {
     // Nothing is so near to anything else in these scenes.
     let small = [0.0001, 0.001].map(|distance| Cause::Rule(Rule::Epsilon { distance }));
     let is_made = |cause: &Cause| alone.iter().any(|row| row.made == *cause && row.named > 0);
-    // Scenes of later editions show these; `tests/program/editions.rs` tries them.
-    let is_of_later = |cause: &Cause| {
-        matches!(
-            cause,
-            Cause::Scene(
-                SceneChange::BlinnHighlights
-                    | SceneChange::AspectKept
-                    | SceneChange::FlatMeshes
-                    | SceneChange::OtherFaceWeights
-                    | SceneChange::CubeFacesSwapped
-            ) | Cause::Rule(Rule::SchlickSwapped)
-        )
-    };
-    let expected = Cause::all().skip(1).filter(|cause| !is_of_later(cause));
+    // These show in other layers.
+    let is_of_colors =
+        |cause: &Cause| !matches!(cause, Cause::Scene(change) if !change.shows_in(Layer::Color));
+    let expected = Cause::all().skip(1).filter(is_of_colors);
     let missing: Vec<Cause> = expected.filter(|cause| !is_made(cause)).collect();
     assert_eq!(missing, small);
     assert!(both.len() == 2 * PAIRS && 2 * nothing < both.len(), "{nothing} of {}", both.len());

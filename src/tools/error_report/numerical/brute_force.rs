@@ -3,6 +3,7 @@
 use crate::math::ray::{Ray, Visible};
 use crate::primitive::shape::Form;
 use crate::primitive::triangle::Shear;
+use crate::scene::model::Model;
 use crate::stats::Probe;
 use crate::trace::Rules;
 use crate::world::{Primitive, World};
@@ -29,6 +30,10 @@ impl BruteForce<'_> {
 impl Rules for BruteForce<'_> {
     fn world(&self) -> &World {
         self.world
+    }
+
+    fn model(&self) -> Model {
+        self.world.model
     }
 
     fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Visible> {

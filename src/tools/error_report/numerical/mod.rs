@@ -137,10 +137,14 @@ mod tests {
     fn measured(scene: &str, bounces: u32) -> Numerical {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
+        measured_by(&renderer, bounces)
+    }
+
+    fn measured_by(renderer: &Renderer, bounces: u32) -> Numerical {
         let effects = Effects { shadows: Shadows::Opaque, bounces, ..Effects::default() };
         let request = Request { effects, ..Request::new([24, 18]) };
         let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).unwrap();
-        measure(&renderer, &prepared, &request).unwrap().unwrap()
+        measure(renderer, &prepared, &request).unwrap().unwrap()
     }
 
     #[test]
@@ -160,6 +164,20 @@ mod tests {
             single += rough.error;
         }
         assert!(single > 1e-3);
+    }
+
+    #[test]
+    fn scenes_of_later_editions_mean_what_their_models_say() {
+        for (scene, bounces) in [
+            ("editions/screen_2012a4.txt", 0),
+            ("editions/glass_2012a5.txt", 2),
+            ("editions/mirrors_2019.txt", 2),
+        ] {
+            let Numerical { program, single: rough, .. } = measured(scene, bounces);
+            assert_eq!((program.hits, program.bytes), (0, 0), "{scene}: {program:?}");
+            // A flat surface, or another epsilon, would be an error of many levels.
+            assert!(rough.error < 0.5, "{scene}: {rough:?}");
+        }
     }
 
     #[test]

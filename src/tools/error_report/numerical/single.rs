@@ -4,6 +4,7 @@
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::sphere::Sphere;
+use crate::scene::model::Model;
 use crate::stats::Probe;
 use crate::trace::Rules;
 use crate::world::{Primitive, SurfacePoint, World};
@@ -30,8 +31,8 @@ impl SingleRay {
         Self {
             origin: ray.origin.as_vec3(),
             direction: ray.direction.as_vec3(),
-            // An orthographic camera also sees what is behind it.
-            t_min: if ray.t_min < 0.0 { ray.t_min as f32 } else { EPSILON },
+            // An orthographic camera also sees what is behind it, and some models have an epsilon of their own.
+            t_min: if ray.t_min == 0.0 { EPSILON } else { ray.t_min as f32 },
             t_max: ray.t_max as f32,
         }
     }
@@ -99,6 +100,10 @@ impl Rules for SinglePrecision<'_> {
         self.world
     }
 
+    fn model(&self) -> Model {
+        self.world.model
+    }
+
     fn nearest<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Visible> {
         let ray = SingleRay::new(ray);
         let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
@@ -112,13 +117,15 @@ impl Rules for SinglePrecision<'_> {
 
     fn surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
         let position = SingleRay::new(ray).at(t as f32);
-        SurfacePoint {
+        let flat = SurfacePoint {
             position: position.as_dvec3(),
             normal: self.normal(position, primitive).as_dvec3(),
             material: self.world.material_of(primitive),
             primitive: None,
-            triangle: None,
-        }
+            triangle: Some(primitive).filter(|&id| self.world.is_triangle(id)),
+        };
+        let smooth = self.world.smooth_normal(&flat);
+        SurfacePoint { normal: smooth.map_or(flat.normal, |normal| normal.as_vec3().as_dvec3()), ..flat }
     }
 }
 

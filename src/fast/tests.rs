@@ -1,0 +1,162 @@
+use super::*;
+use crate::caster::Instructions;
+use crate::caster::choose::Layout;
+use crate::scene::Scene;
+use crate::scene::edition::Edition;
+use crate::scene::mesh::Mesh;
+use crate::scene::model::Model;
+use crate::scene::parser::{parse, read_in};
+use crate::scene::texels::Texels;
+use crate::stats::Counts;
+use crate::trace::Tracer;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// One vertex far away makes every pixel that its triangle may cover unsure.
+#[test]
+fn rays_that_rasterization_leaves_are_counted() {
+    let size = [100, 80];
+    let to_cast = |far: &str, footprint| {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
+             Group {{ numObjects 1 Material {{ }}
+             Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
+        );
+        let scene = parse(&text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let caster = Caster::new(&world, None).unwrap();
+        let camera = Camera::new(&scene.camera, size);
+        let effects = Effects::default();
+        let demand = Demand { size, columns: 0..size[0], footprint, colors: 0, effects };
+        let tracer = FastTracer::new(&camera, &caster, demand);
+        let rows = tracer.rows(0..size[1]);
+        [rows.visibility.as_ref(), None].map(|visibility| tracer.rays_to_cast(visibility, 0..size[1]))
+    };
+    let [near, all] = to_cast("1", Some(Footprint::Center));
+    assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
+    let [far, _] = to_cast("1e12", Some(Footprint::Center));
+    assert!(far > 1000, "{far}");
+    assert_eq!(to_cast("1", None), [0, 0]);
+}
+
+/// What the later editions have: glass, mirrors, highlights, a noise and a picture as colours, meshes, one of which is
+/// mirrored, a cube map, and a camera that looks down. All of it is moved up so far.
+fn later(up: f64) -> (Scene, Vec<Mesh>) {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 {} 6 direction .1 -.25 -1 up .1 1 .2 angle 40 }}
+         Lights {{ numLights 2 DirectionalLight {{ direction -.4 -.7 -.6 color .6 .6 .5 }}
+         PointLight {{ position -2 {} 2 color 1 .9 .8 falloff .2 }} }}
+         Background {{ color .2 .3 .4 ambientLight .1 .2 .1 cubeMap sky }}
+         Materials {{ numMaterials 4
+         Material {{ diffuseColor .1 .1 .2 specularColor .9 .8 .9 shininess 9 refractionIndex 1.5 }}
+         Material {{ diffuseColor .8 .5 .3 specularColor .3 .2 .2 shininess 0 texture tiles.bmp }}
+         Material {{ specularColor .2 .2 .2 shininess 3
+         Noise {{ color .7 .5 .3 color .2 .1 0 octaves 3 frequency 6 amplitude 5 }} }}
+         Material {{ diffuseColor .4 .5 .4 specularColor .3 .3 .3 shininess 20 }} }}
+         Group {{ numObjects 2
+         MaterialIndex 3 Plane {{ normal 0 1 0 offset {up} }}
+         Transform {{ Translate 0 {up} 0 Group {{ numObjects 5
+         MaterialIndex 0 Transform {{ Translate -1 .8 0 TriangleMesh {{ obj_file gem.obj }} }}
+         MaterialIndex 1 Transform {{ Translate 1 .6 .5 Scale -1 .7 1 TriangleMesh {{ obj_file gem.obj }} }}
+         MaterialIndex 2 Sphere {{ center 0 .5 1.2 radius .5 }}
+         MaterialIndex 0 Transform {{ Translate .2 1.6 -1 Scale 1 .5 .7 Sphere {{ center 0 0 0 radius 1 }} }}
+         MaterialIndex 3 Triangle {{ vertex0 -3 0 -2 vertex1 3 .2 -2 vertex2 0 3 -3 }} }} }} }}",
+        up + 1.8,
+        up + 3.0
+    );
+    let mut scene = read_in(Edition::Y2012A5, &text).expect("a scene").scene;
+    for (k, image) in scene.images.iter_mut().enumerate() {
+        let rgb = (0..3 * 5 * 4).map(|i| (i * (37 + 2 * k) % 256) as u8).collect();
+        image.texels = Arc::new(Texels { size: [5, 4], rgb, divides_last: k % 2 == 0 });
+    }
+    let vertices = DVec3::AXES.into_iter().flat_map(|axis| [axis, -0.8 * axis]).collect();
+    let triangles: Vec<_> = (0..8u32)
+        .map(|k| {
+            let [x, y, z] = [k & 1, 2 + (k >> 1 & 1), 4 + (k >> 2)];
+            if k.count_ones() % 2 == 0 { [x, y, z] } else { [x, z, y] }
+        })
+        .collect();
+    let corners = |k: usize| [[0.0, 0.0], [1.0, 0.1 * k as f64], [0.3, 1.0]].map(DVec2::from);
+    for file in &mut scene.meshes {
+        file.texture_coordinates = Arc::new((0..8).map(|k| (k != 5).then(|| corners(k))).collect());
+    }
+    let gem = Mesh { vertices, triangles };
+    let meshes = scene.meshes.iter().map(|_| gem.clone()).collect();
+    (scene, meshes)
+}
+
+/// How many pixels of a picture are known without casting their rays, and how many colours are those of the background.
+/// All colours are compared with the tracer's.
+fn compared(
+    world: &World,
+    camera: &Camera,
+    size: [usize; 2],
+    effects: Effects,
+    is_center: bool,
+) -> [usize; 2] {
+    let footprint = Some(if is_center { Footprint::Center } else { Footprint::Pixel });
+    let mut found = [0; 2];
+    for instructions in Instructions::available() {
+        let caster = Caster::with(world, Layout::Grid([4; 3]), instructions).expect("a grid");
+        // So many that there are shadow maps.
+        let demand = Demand { size, columns: 0..size[0], footprint, colors: 1 << 20, effects };
+        let fast = FastTracer::new(camera, &caster, demand);
+        assert_eq!(fast.shadow_maps.is_some(), effects.shadows == Shadows::Opaque);
+        let rows = fast.rows(0..size[1]);
+        let unsure = rows.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
+        found[0] = size[0] * size[1] - unsure;
+        let tracer = Tracer { rules: &ByModel(&caster), effects };
+        let (mut packet, mut colors) = (SamplePacket::default(), PacketColors::default());
+        for j in 0..size[1] {
+            let mut row = rows.row();
+            let columns: Vec<usize> = (0..size[0]).collect();
+            for columns in columns.chunks(SamplePacket::SIZE) {
+                packet.clear();
+                for &column in columns {
+                    let part = (column * 7 + j * 3) as f64 * 0.618_033_988_749_894_9;
+                    let offset = DVec2::new(part.fract() - 0.5, (0.4 * part).fract() - 0.5);
+                    packet.push(column, if is_center { DVec2::ZERO } else { offset }, true);
+                }
+                row.trace(j, Wanted { hits: true, surfaces: true, colors: true }, &mut packet, &mut colors);
+                for (sample, color) in packet.samples().iter().zip(&colors) {
+                    let ray =
+                        camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
+                    let expected = tracer.color(&ray, &mut Counts::default());
+                    let bits = |color: crate::scene::Color| color.to_array().map(f64::to_bits);
+                    assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.model);
+                    found[1] += usize::from(expected == world.background_along(ray.direction));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Those of the editions, and others with such epsilons that they matter.
+fn models() -> Vec<Model> {
+    let editions = [Edition::Y2012A4, Edition::Y2012A5, Edition::Y2019].map(Edition::model);
+    let coarse = |model: Model| Model { epsilon: Some(0.7), ..model };
+    let smooth = Model { normals: editions[2].normals, ..editions[1] };
+    editions.into_iter().chain([smooth, coarse(editions[0]), coarse(smooth)]).collect()
+}
+
+#[test]
+fn all_models_have_the_colours_of_the_tracer() {
+    let size = [39, 26];
+    for (model, up) in models().into_iter().flat_map(|model| [(model, 0.0), (model, 1e14)]) {
+        let (mut scene, meshes) = later(up);
+        scene.model = model;
+        let world = World::new(&scene, &meshes).expect("a world");
+        let camera = Camera::with_screen(&scene.camera, size, model.screen);
+        for shadows in [Shadows::None, Shadows::Opaque, Shadows::Transparent] {
+            let effects = Effects { shadows, shade_back: false, bounces: 3, min_weight: 0.0 };
+            for is_center in [true, false] {
+                let [known, missed] = compared(&world, &camera, size, effects, is_center);
+                if up == 0.0 {
+                    let least = if is_center { 500 } else { 200 };
+                    assert!(known > least && missed > 100, "{known} {missed} {model:?}");
+                }
+            }
+        }
+    }
+}
