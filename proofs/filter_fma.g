@@ -7,9 +7,9 @@
 #@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
 #@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
 #
-# The derivation is the same as in filter_portable.g, with two differences. A sum of three products is computed from
-# the third one on, so that the first is rounded once, the second twice, and the third three times. In a difference of
-# two products only one product is rounded.
+# The derivation is the same as in filter_portable.g, with two differences. In a sum of three products each of the first
+# two is rounded together with the sum, so that the first is rounded once, the second twice, and the third three times.
+# In a difference of two products only one product is rounded.
 
 EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;

@@ -9,6 +9,9 @@
 #
 # The names are those of src/caster/blocks/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
 #
+# Sums of three products are computed from the third one on, so that the first is rounded twice, and the others three
+# times: as a product, and in the sums.
+#
 # Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4, which
 # changes no rounding. Then all of them are at most 1, and t is at most MAX_DEPTH. Edges and what is computed from
 # them, u, v, w, n, det and n.s, are divided by b or b^2, which need not be powers of two. Hence their roundings are
@@ -81,9 +84,9 @@ q2 = dt0 * s1 - dt1 * s0;
 
 # u = e.q, where q is (qe - pq) (1 + rq): the factors that roundings contribute to each product, and the parts of the
 # error.
-e0 = ef0 * (1 + re0); tu0 = (1 + rq0) * (1 + ru0) * (1 + ru3) * (1 + ru4); x0 = ef0 * (tu0 - 1 - re0);
+e0 = ef0 * (1 + re0); tu0 = (1 + rq0) * (1 + ru0) * (1 + ru4); x0 = ef0 * (tu0 - 1 - re0);
 e1 = ef1 * (1 + re1); tu1 = (1 + rq1) * (1 + ru1) * (1 + ru3) * (1 + ru4); x1 = ef1 * (tu1 - 1 - re1);
-e2 = ef2 * (1 + re2); tu2 = (1 + rq2) * (1 + ru2) * (1 + ru4); x2 = ef2 * (tu2 - 1 - re2);
+e2 = ef2 * (1 + re2); tu2 = (1 + rq2) * (1 + ru2) * (1 + ru3) * (1 + ru4); x2 = ef2 * (tu2 - 1 - re2);
 u = e0 * (dt1 * s2 - dt2 * s1) + e1 * (dt2 * s0 - dt0 * s2) + e2 * (dt0 * s1 - dt1 * s0);
 uf = ef0 * (qe0 - pq0) * tu0 + ef1 * (qe1 - pq1) * tu1 + ef2 * (qe2 - pq2) * tu2;
 of_products = -(ef0 * tu0 * pq0 + ef1 * tu1 * pq1 + ef2 * tu2 * pq2);
@@ -95,12 +98,12 @@ u_edges = of_products + of_second + of_s + of_d;
 u_error = u_edges + of_sum;
 
 # det = n.d, and n.s.
-td0 = (1 + rd0) * (1 + rd3) * (1 + rd4); y0 = (1 + rn0) * td0 * df0 - dt0;
-ts0 = (1 + rs0) * (1 + rs3) * (1 + rs4); z0 = (1 + rn0) * ts0 * sf0 - s0;
+td0 = (1 + rd0) * (1 + rd4); y0 = (1 + rn0) * td0 * df0 - dt0;
+ts0 = (1 + rs0) * (1 + rs4); z0 = (1 + rn0) * ts0 * sf0 - s0;
 td1 = (1 + rd1) * (1 + rd3) * (1 + rd4); y1 = (1 + rn1) * td1 * df1 - dt1;
 ts1 = (1 + rs1) * (1 + rs3) * (1 + rs4); z1 = (1 + rn1) * ts1 * sf1 - s1;
-td2 = (1 + rd2) * (1 + rd4); y2 = (1 + rn2) * td2 * df2 - dt2;
-ts2 = (1 + rs2) * (1 + rs4); z2 = (1 + rn2) * ts2 * sf2 - s2;
+td2 = (1 + rd2) * (1 + rd3) * (1 + rd4); y2 = (1 + rn2) * td2 * df2 - dt2;
+ts2 = (1 + rs2) * (1 + rs3) * (1 + rs4); z2 = (1 + rn2) * ts2 * sf2 - s2;
 det = n0 * dt0 + n1 * dt1 + n2 * dt2;
 detf = (n0 + m0) * (1 + rn0) * df0 * td0 + (n1 + m1) * (1 + rn1) * df1 * td1 + (n2 + m2) * (1 + rn2) * df2 * td2;
 det_sum = n0 * y0 + n1 * y1 + n2 * y2;
@@ -211,21 +214,21 @@ t / MAX_DEPTH in [-1, 1] /\
 bound in [0, 0x1p-17] /\
 |rp| <= 1b-24
 ->
-|sz0| <= 526336b-40 /\
-|dy0| <= 231424b-40 /\
+|sz0| <= 395264b-40 /\
+|dy0| <= 165888b-40 /\
 |sz1| <= 526336b-40 /\
 |dy1| <= 231424b-40 /\
-|sz2| <= 395264b-40 /\
-|dy2| <= 165888b-40 /\
-|x0| <= 329728b-40 /\
-|y0| <= 296960b-40 /\
-|z0| <= 657408b-40 /\
+|sz2| <= 526336b-40 /\
+|dy2| <= 231424b-40 /\
+|x0| <= 264192b-40 /\
+|y0| <= 231424b-40 /\
+|z0| <= 526336b-40 /\
 |x1| <= 329728b-40 /\
 |y1| <= 296960b-40 /\
 |z1| <= 657408b-40 /\
-|x2| <= 264192b-40 /\
-|y2| <= 231424b-40 /\
-|z2| <= 526336b-40 /\
+|x2| <= 329728b-40 /\
+|y2| <= 296960b-40 /\
+|z2| <= 657408b-40 /\
 |u_edges| <= 37b-25 /\
 |u_edges / V_EDGE_ROUNDINGS| <= 1b-24 /\
 |of_sum / V_AREA_ROUNDINGS| <= 0x.fffp-24 /\

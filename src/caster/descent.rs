@@ -5,7 +5,7 @@ use crate::caster::blocks::triangle8::LANES;
 use crate::caster::build::AccelerationStructure;
 use crate::caster::query::{FilterState, RayQuery};
 use crate::caster::ray_entry::{Entry, ray_entry};
-use crate::caster::tree::box8::{BoxKernel, BoxRay, Meeting};
+use crate::caster::tree::box8::{BoxRay, Meeting, meet};
 use crate::caster::tree::{Branch, LEAF, MAX_LEVELS, SMALL, Small, Tree};
 #[cfg(target_arch = "x86_64")]
 use crate::math::instructions::Avx2;
@@ -19,7 +19,7 @@ use arrayvec::ArrayVec;
 const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 
 /// A kernel that descends trees by calling a function that is not inlined, so that the loop over the cells stays small.
-pub(crate) trait DescentKernel: Kernel + BoxKernel {
+pub(crate) trait DescentKernel: Kernel {
     /// Looks for a nearer hit in a branch of a tree in the frame of the filter's ray, and returns whether there is one.
     fn descend<P: Probe, const ANY: bool>(
         self,
@@ -123,7 +123,7 @@ impl AccelerationStructure {
             } else {
                 probe.cell();
                 let node = &tree.nodes[child as usize];
-                let meeting = kernel.meet(node, &box_ray, filter_state.ray.max_depth);
+                let meeting = meet(kernel, node, &box_ray, filter_state.ray.max_depth);
                 self.first_child::<ANY>(tree, &node.children, &meeting, &mut stack)
             };
             child = match next {

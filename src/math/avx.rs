@@ -1,11 +1,12 @@
-//! The AVX implementation of [`F64x4`]: four floats in one register. For rays it is the fast counterpart of
-//! [`Scalar`](super::f64x4::Scalar) and gives the same bits.
+//! The AVX implementations of [`F64x4`], four floats in one register, and of [`F32Lanes`], eight of single precision. For
+//! rays the former is the fast counterpart of [`Scalar`](super::f64x4::Scalar) and gives the same bits.
 
+use super::f32_lanes::{F32Lanes, LANES};
 use super::f64x4::{EXPONENT_SHIFT, F64x4, ROUND_TO_INTEGER};
 use super::instructions::Avx2;
 use super::number::Number;
 use std::arch::x86_64::*;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 
 /// Four floats in an AVX register, together with the proof that the processor has AVX. The operations are
 /// fast only in functions that are themselves compiled for AVX; elsewhere each one becomes a function call.
@@ -226,5 +227,128 @@ impl Div for Avx {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         self.with(avx!(self.proof, _mm256_div_pd(self.lanes, other.lanes)))
+    }
+}
+
+/// Eight floats of single precision in an AVX register, with the same proof.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx8 {
+    lanes: __m256,
+    proof: Avx2,
+}
+
+impl Avx8 {
+    /// Wraps other lanes with the proof of this value.
+    #[inline(always)]
+    fn with(self, lanes: __m256) -> Self {
+        Self { lanes, ..self }
+    }
+}
+
+impl F32Lanes for Avx8 {
+    type Proof = Avx2;
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn splat(proof: Avx2, x: f32) -> Self {
+        Self { lanes: avx!(proof, _mm256_set1_ps(x)), proof }
+    }
+
+    #[inline(always)]
+    fn load(proof: Avx2, numbers: &[f32; LANES], _: usize) -> Self {
+        Self { lanes: bytemuck::cast(*numbers), proof }
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut [f32; LANES], _: usize) {
+        *numbers = bytemuck::cast(self.lanes);
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_min_ps(self.lanes, other.lanes)))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_max_ps(self.lanes, other.lanes)))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.with(avx!(self.proof, _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.lanes)))
+    }
+
+    #[inline(always)]
+    fn negated_with(self, other: Self) -> Self {
+        let sign = avx!(self.proof, _mm256_and_ps(other.lanes, _mm256_set1_ps(-0.0)));
+        self.with(avx!(self.proof, _mm256_xor_ps(self.lanes, sign)))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_fmadd_ps(self.lanes, b.lanes, c.lanes)))
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_fmsub_ps(self.lanes, b.lanes, c.lanes)))
+    }
+
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_cmp_ps::<_CMP_GE_OQ>(self.lanes, other.lanes)))
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_cmp_ps::<_CMP_GT_OQ>(self.lanes, other.lanes)))
+    }
+
+    #[inline(always)]
+    fn sign_set(self) -> u32 {
+        avx!(self.proof, _mm256_movemask_ps(self.lanes)) as u32
+    }
+
+    #[inline(always)]
+    fn lanes_with(proof: Avx2, ids: &[u32; LANES], _: usize, either: [u32; 2]) -> u32 {
+        let ids: __m256i = bytemuck::cast(*ids);
+        avx!(proof, {
+            let a = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[0] as i32));
+            let b = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[1] as i32));
+            _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(a, b))) as u32
+        })
+    }
+}
+
+impl BitAnd for Avx8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_and_ps(self.lanes, other.lanes)))
+    }
+}
+
+impl Add for Avx8 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_add_ps(self.lanes, other.lanes)))
+    }
+}
+
+impl Sub for Avx8 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_sub_ps(self.lanes, other.lanes)))
+    }
+}
+
+impl Mul for Avx8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.with(avx!(self.proof, _mm256_mul_ps(self.lanes, other.lanes)))
     }
 }

@@ -67,16 +67,20 @@ pub const EXPONENT_SHIFT: i32 = 52;
 pub struct Scalar([f64; 4]);
 
 impl Scalar {
+    // Each lane is named, because a function of the standard library, such as an array's `map`, is not always inlined.
+
     /// Applies `f` to each lane.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(f))
+        let [x, y, z, w] = self.0;
+        Self([f(x), f(y), f(z), f(w)])
     }
 
     /// Applies `f` to each pair of lanes.
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        let ([x, y, z, w], other) = (self.0, other.0);
+        Self([f(x, other[0]), f(y, other[1]), f(z, other[2]), f(w, other[3])])
     }
 }
 

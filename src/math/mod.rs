@@ -7,6 +7,7 @@ pub mod exact_product;
 pub(crate) mod exact_sum;
 pub(crate) mod exp;
 pub mod extremes;
+pub(crate) mod f32_lanes;
 pub(crate) mod f64x4;
 pub mod instructions;
 pub(crate) mod lanes;

@@ -38,9 +38,15 @@
 //! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
 //! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
 
-use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES};
+use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES, NONE};
+#[cfg(target_arch = "x86_64")]
+use crate::math::avx::{Avx, Avx8};
+use crate::math::f32_lanes::F32Lanes;
 use crate::math::f64x4::{F64x4, Scalar};
+#[cfg(target_arch = "x86_64")]
+use crate::math::instructions::Avx2;
 use crate::math::instructions::{Instructions, Portable};
+use wide::f32x4;
 
 /// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
 /// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
@@ -85,16 +91,82 @@ impl Verdict {
         let negated_bound = block.error_bounds.depth;
         [(depth + negated_bound) / det, (depth - negated_bound) / det]
     }
+
+    /// Tests a part of a block, and enters the hits. The numbers for their depths are stored only if there are any.
+    #[inline(always)]
+    fn test_part<F: F32Lanes>(
+        &mut self,
+        proof: F::Proof,
+        block: &Block,
+        part: usize,
+        ray: &FilterRay,
+        left_out: [u32; 2],
+    ) {
+        let (o, d) = (splat::<F>(proof, &ray.origin), splat::<F>(proof, &ray.direction));
+        let corner = load::<F>(proof, &block.corner, part);
+        let [e1, e2] = [load::<F>(proof, &block.edges[0], part), load::<F>(proof, &block.edges[1], part)];
+        let n = load::<F>(proof, &block.normal, part);
+        let s = [corner[0] - o[0], corner[1] - o[1], corner[2] - o[2]];
+        let q = F::cross(d, s);
+        let (det, u, v, depth) = (F::dot(n, d), F::dot(e2, q), F::dot(e1, q), F::dot(n, s));
+        // All quantities are negated where the determinant is negative.
+        let (u, v, depth) = (u.negated_with(det), v.negated_with(det), depth.negated_with(det));
+        let det = det.abs();
+        let w = det - (u + v);
+        // In an empty lane all of them are NaN, which fails the comparisons.
+        let inside = u.min(v).min(w);
+        let before = F::splat(proof, ray.max_depth).mul_sub(det, depth);
+        let depth_inside = depth.min(before);
+        let FilterErrorBounds { edge, depth: along } = block.error_bounds;
+        let (edge_bound, depth_bound) = (F::splat(proof, edge), F::splat(proof, along));
+        let possible = (inside.at_least(edge_bound) & depth_inside.at_least(depth_bound)).sign_set();
+        if possible == 0 {
+            return;
+        }
+        let left_out = F::lanes_with(proof, &block.index.ids, part, left_out);
+        let possible = possible & !left_out;
+        if possible == 0 {
+            return;
+        }
+        let (edge_bound, depth_bound) = (F::splat(proof, -edge), F::splat(proof, -along));
+        let certain = (inside.above(edge_bound) & depth_inside.above(depth_bound)).sign_set();
+        depth.store(&mut self.depth, part);
+        det.store(&mut self.det, part);
+        self.possible |= possible << (part * F::COUNT);
+        self.certain |= (certain & !left_out) << (part * F::COUNT);
+    }
 }
 
-/// An implementation of the filter. It is at the same time the proof that the processor has its instructions.
-/// The verdicts of different kernels may differ, but all of them are correct, so that hits do not depend on
-/// the kernel.
+/// Instructions for the inner loops, and at the same time the proof that the processor has them. The verdicts of different
+/// kernels may differ, but all of them are correct, so that hits do not depend on the kernel.
 pub(crate) trait Kernel: Copy {
-    /// The lanes in double precision for the same instructions.
+    /// The lanes in single precision.
+    type F32: F32Lanes<Proof = Self>;
+    /// The lanes in double precision.
     type F64x4: F64x4<Proof = Self>;
+
     /// Tests a block against a ray. The triangles with one of two ids are left out.
-    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict;
+    #[inline(always)]
+    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+        let mut verdict = Verdict::NONE;
+        verdict.test_part::<Self::F32>(self, block, 0, ray, left_out);
+        // No lane after an empty one is in use.
+        if Self::F32::COUNT < LANES && block.index.ids[Self::F32::COUNT] != NONE {
+            verdict.test_part::<Self::F32>(self, block, 1, ray, left_out);
+        }
+        verdict
+    }
+}
+
+impl Kernel for Portable {
+    type F32 = f32x4;
+    type F64x4 = Scalar;
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Kernel for Avx2 {
+    type F32 = Avx8;
+    type F64x4 = Avx;
 }
 
 /// Tests a block against a ray with an instruction set chosen at run time, for tests of the filter alone.
@@ -106,167 +178,22 @@ pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay, left_out
     }
 }
 
-impl Kernel for Portable {
-    type F64x4 = Scalar;
-
-    #[inline(always)]
-    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-        let FilterErrorBounds { edge: edge_error_bound, depth: depth_error_bound } = block.error_bounds;
-        let mut verdict = Verdict::NONE;
-        for lane in (0..LANES).filter(|&lane| !left_out.contains(&block.index.ids[lane])) {
-            let [e1, e2] = block.edges.map(|edge| edge.map(|c| c[lane]));
-            let n = block.normal.map(|c| c[lane]);
-            let [dx, dy, dz, _] = ray.direction;
-            let s: [f32; 3] = std::array::from_fn(|axis| block.corner[axis][lane] - ray.origin[axis]);
-            let q = cross([dx, dy, dz], s);
-            let (det, u, v, depth) = (dot(n, [dx, dy, dz]), dot(e2, q), dot(e1, q), dot(n, s));
-            // All quantities are negated where the determinant is negative.
-            let (u, v, depth) = if det < 0.0 { (-u, -v, -depth) } else { (u, v, depth) };
-            let det = det.abs();
-            let w = det - (u + v);
-            let inside = u.min(v).min(w);
-            let before = ray.max_depth * det - depth;
-            // An empty lane, which holds NaN, fails the comparisons. `min` ignores a NaN in one operand, but
-            // in an empty lane all three operands are NaN.
-            let possible =
-                inside >= edge_error_bound && depth >= depth_error_bound && before >= depth_error_bound;
-            let certain =
-                inside > -edge_error_bound && depth > -depth_error_bound && before > -depth_error_bound;
-            verdict.possible |= (possible as u32) << lane;
-            verdict.certain |= (certain as u32) << lane;
-            verdict.depth[lane] = depth;
-            verdict.det[lane] = det;
-        }
-        verdict
-    }
-}
-
+/// Each of the first three numbers in all lanes of its axis.
 #[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn splat<F: F32Lanes>(proof: F::Proof, [x, y, z, _]: &[f32; 4]) -> [F; 3] {
+    [F::splat(proof, *x), F::splat(proof, *y), F::splat(proof, *z)]
 }
 
+/// A part of the three axes of eight lanes.
 #[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[cfg(target_arch = "x86_64")]
-mod avx2 {
-    //! The kernel for AVX2 and FMA: each quantity of the eight lanes is in one register.
-
-    use super::*;
-    use crate::math::avx::Avx;
-    use crate::math::instructions::Avx2;
-    use std::arch::x86_64::*;
-
-    impl Kernel for Avx2 {
-        type F64x4 = Avx;
-
-        #[inline(always)]
-        fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-            // SAFETY: `self` proves that the processor has AVX2 and FMA.
-            unsafe { test(block, ray, left_out) }
-        }
-    }
-
-    // No value of these instructions goes through a function of the standard library, such as an array's `map`: that
-    // is not compiled for them, so that each call would pass its values through memory unless it happens to be
-    // inlined.
-
-    /// The three axes of eight lanes.
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn load(axes: &[[f32; LANES]; 3]) -> [__m256; 3] {
-        [bytemuck::cast(axes[0]), bytemuck::cast(axes[1]), bytemuck::cast(axes[2])]
-    }
-
-    /// Each of the first three lanes in all lanes of its axis.
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn splat([x, y, z, _]: [f32; 4]) -> [__m256; 3] {
-        [_mm256_set1_ps(x), _mm256_set1_ps(y), _mm256_set1_ps(z)]
-    }
-
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn store(lanes: __m256) -> [f32; LANES] {
-        bytemuck::cast(lanes)
-    }
-
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn cross(a: [__m256; 3], b: [__m256; 3]) -> [__m256; 3] {
-        [
-            _mm256_fmsub_ps(a[1], b[2], _mm256_mul_ps(a[2], b[1])),
-            _mm256_fmsub_ps(a[2], b[0], _mm256_mul_ps(a[0], b[2])),
-            _mm256_fmsub_ps(a[0], b[1], _mm256_mul_ps(a[1], b[0])),
-        ]
-    }
-
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn dot(a: [__m256; 3], b: [__m256; 3]) -> __m256 {
-        _mm256_fmadd_ps(a[0], b[0], _mm256_fmadd_ps(a[1], b[1], _mm256_mul_ps(a[2], b[2])))
-    }
-
-    /// The set of lanes with one of two ids.
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn lanes_with(ids: &[u32; LANES], either: [u32; 2]) -> u32 {
-        let ids: __m256i = bytemuck::cast(*ids);
-        let a = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[0] as i32));
-        let b = _mm256_cmpeq_epi32(ids, _mm256_set1_epi32(either[1] as i32));
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(a, b))) as u32
-    }
-
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn test(block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-        let (o, d) = (splat(ray.origin), splat(ray.direction));
-        let corner = load(&block.corner);
-        let (e1, e2, n) = (load(&block.edges[0]), load(&block.edges[1]), load(&block.normal));
-        let s =
-            [_mm256_sub_ps(corner[0], o[0]), _mm256_sub_ps(corner[1], o[1]), _mm256_sub_ps(corner[2], o[2])];
-        let q = cross(d, s);
-        let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
-        // All quantities are negated where the determinant is negative.
-        let sign_bit = _mm256_set1_ps(-0.0);
-        let sign = _mm256_and_ps(det, sign_bit);
-        let det = _mm256_andnot_ps(sign_bit, det);
-        let (u, v, depth) = (_mm256_xor_ps(u, sign), _mm256_xor_ps(v, sign), _mm256_xor_ps(depth, sign));
-        let w = _mm256_sub_ps(det, _mm256_add_ps(u, v));
-        let inside = _mm256_min_ps(_mm256_min_ps(u, v), w);
-        let before = _mm256_fmsub_ps(_mm256_set1_ps(ray.max_depth), det, depth);
-        let depth_inside = _mm256_min_ps(depth, before);
-        let FilterErrorBounds { edge, depth: along } = block.error_bounds;
-        let (edge_error_bound, depth_error_bound) = (_mm256_set1_ps(edge), _mm256_set1_ps(along));
-        let possible = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(inside, edge_error_bound),
-            _mm256_cmp_ps::<_CMP_GE_OQ>(depth_inside, depth_error_bound),
-        );
-        let possible = _mm256_movemask_ps(possible) as u32;
-        if possible == 0 {
-            return Verdict::NONE;
-        }
-        let left_out = lanes_with(&block.index.ids, left_out);
-        let possible = possible & !left_out;
-        if possible == 0 {
-            return Verdict::NONE;
-        }
-        let certain = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_xor_ps(edge_error_bound, sign_bit)),
-            _mm256_cmp_ps::<_CMP_GT_OQ>(depth_inside, _mm256_xor_ps(depth_error_bound, sign_bit)),
-        );
-        let certain = _mm256_movemask_ps(certain) as u32 & !left_out;
-        Verdict { possible, certain, depth: store(depth), det: store(det) }
-    }
+fn load<F: F32Lanes>(proof: F::Proof, [x, y, z]: &[[f32; LANES]; 3], part: usize) -> [F; 3] {
+    [F::load(proof, x, part), F::load(proof, y, part), F::load(proof, z, part)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::blocks::triangle8::{BlockIndex, Frame, NONE};
+    use crate::caster::blocks::triangle8::{BlockIndex, Frame};
     use crate::math::aabb::Aabb;
     use crate::scene::mesh::Mesh;
     use crate::scene::parser::parse;

@@ -15,9 +15,9 @@
 //! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
 //! 2^-58.
 
-use crate::caster::blocks::filter::FilterRay;
+use crate::caster::blocks::filter::{FilterRay, Kernel};
 use crate::caster::blocks::triangle8::LANES;
-use crate::math::instructions::Portable;
+use crate::math::f32_lanes::F32Lanes;
 
 /// The distance by which boxes are padded on each side, in roundings of single precision.
 const PADDING_ROUNDINGS: f64 = 16.0;
@@ -93,83 +93,71 @@ pub struct Meeting {
     pub entries: [f32; LANES],
 }
 
-/// An implementation of the test for an instruction set.
-pub(crate) trait BoxKernel: Copy {
-    /// The boxes that a ray may meet up to a maximum depth.
-    fn meet(self, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting;
+/// The boxes that a ray may meet up to a maximum depth.
+#[inline(always)]
+pub(crate) fn meet<K: Kernel>(kernel: K, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
+    let mut entries = [0.0; LANES];
+    let mut set = meet_part::<K::F32>(kernel, node, 0, ray, max_depth, &mut entries);
+    if K::F32::COUNT < LANES {
+        set |= meet_part::<K::F32>(kernel, node, 1, ray, max_depth, &mut entries) << K::F32::COUNT;
+    }
+    Meeting { set, entries }
 }
 
-impl BoxKernel for Portable {
-    #[inline(always)]
-    fn meet(self, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
-        let mut meeting = Meeting { set: 0, entries: [0.0; LANES] };
-        for lane in 0..LANES {
-            let (mut entry, mut exit) = (0.0f32, max_depth);
-            for axis in 0..3 {
-                let (faces, near) = (&node.faces[axis], ray.near[axis]);
-                let depth = |face: usize| faces[face][lane] * ray.inverse[axis] - ray.origin[axis];
-                entry = entry.max(depth(near));
-                exit = exit.min(depth(1 - near));
-            }
-            meeting.set |= u32::from(entry <= exit) << lane;
-            meeting.entries[lane] = entry;
-        }
-        meeting
-    }
+/// The boxes of a part that a ray may meet. All depths at which it enters them are stored.
+#[inline(always)]
+fn meet_part<F: F32Lanes>(
+    proof: F::Proof,
+    node: &Box8,
+    part: usize,
+    ray: &BoxRay,
+    max_depth: f32,
+    entries: &mut [f32; LANES],
+) -> u32 {
+    let ([ix, iy, iz], [ox, oy, oz]) = (ray.inverse, ray.origin);
+    let x = [F::splat(proof, ix), F::splat(proof, ox)];
+    let y = [F::splat(proof, iy), F::splat(proof, oy)];
+    let z = [F::splat(proof, iz), F::splat(proof, oz)];
+    let [near_x, near_y, near_z] = ray.near;
+    let entry = F::max(
+        F::max(depths(proof, node, part, 0, near_x, x), depths(proof, node, part, 1, near_y, y)),
+        F::max(depths(proof, node, part, 2, near_z, z), F::splat(proof, 0.0)),
+    );
+    let exit = F::min(
+        F::min(depths(proof, node, part, 0, near_x ^ 1, x), depths(proof, node, part, 1, near_y ^ 1, y)),
+        F::min(depths(proof, node, part, 2, near_z ^ 1, z), F::splat(proof, max_depth)),
+    );
+    entry.store(entries, part);
+    exit.at_least(entry).sign_set()
 }
 
-#[cfg(target_arch = "x86_64")]
-mod avx2 {
-    use super::*;
-    use crate::math::instructions::Avx2;
-    use std::arch::x86_64::*;
-
-    impl BoxKernel for Avx2 {
-        #[inline(always)]
-        fn meet(self, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
-            // SAFETY: `self` proves that the processor has AVX2 and FMA.
-            unsafe { meet(node, ray, max_depth) }
-        }
-    }
-
-    /// The depths at which the ray meets one face of each box along an axis.
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn depths(node: &Box8, ray: &BoxRay, axis: usize, face: usize) -> __m256 {
-        let faces: __m256 = bytemuck::cast(node.faces[axis][face & 1]);
-        _mm256_fmsub_ps(faces, _mm256_set1_ps(ray.inverse[axis]), _mm256_set1_ps(ray.origin[axis]))
-    }
-
-    #[target_feature(enable = "avx2,fma")]
-    #[inline]
-    fn meet(node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
-        let [x, y, z] = ray.near;
-        let entries = _mm256_max_ps(
-            _mm256_max_ps(depths(node, ray, 0, x), depths(node, ray, 1, y)),
-            _mm256_max_ps(depths(node, ray, 2, z), _mm256_setzero_ps()),
-        );
-        let exits = _mm256_min_ps(
-            _mm256_min_ps(depths(node, ray, 0, x ^ 1), depths(node, ray, 1, y ^ 1)),
-            _mm256_min_ps(depths(node, ray, 2, z ^ 1), _mm256_set1_ps(max_depth)),
-        );
-        let set = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(entries, exits)) as u32;
-        Meeting { set, entries: bytemuck::cast(entries) }
-    }
+/// The depths at which the ray meets one face of each box along an axis, along which its inverse direction and its origin
+/// times that are these.
+#[inline(always)]
+fn depths<F: F32Lanes>(
+    proof: F::Proof,
+    node: &Box8,
+    part: usize,
+    axis: usize,
+    face: usize,
+    [inverse, origin]: [F; 2],
+) -> F {
+    F::load(proof, &node.faces[axis][face & 1], part).mul_sub(inverse, origin)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::instructions::Instructions;
+    use crate::math::instructions::{Instructions, Portable};
     use crate::math::worst_case::Rng;
     use glam::DVec3;
 
     fn meet(instructions: Instructions, node: &Box8, ray: &FilterRay) -> Meeting {
         let box_ray = &BoxRay::new(ray);
         match instructions {
-            Instructions::Portable => Portable.meet(node, box_ray, ray.max_depth),
+            Instructions::Portable => super::meet(Portable, node, box_ray, ray.max_depth),
             #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(avx2) => avx2.meet(node, box_ray, ray.max_depth),
+            Instructions::Avx2(avx2) => super::meet(avx2, node, box_ray, ray.max_depth),
         }
     }
 
