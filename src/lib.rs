@@ -41,6 +41,8 @@
 pub mod shortcut;
 #[doc(hidden)]
 pub mod escape;
+#[doc(hidden)]
+pub mod shell;
 pub mod memory;
 #[doc(hidden)]
 pub mod undisturbed;

@@ -4,7 +4,6 @@
 
 mod start;
 mod terminal;
-#[cfg(target_os = "linux")]
 mod allocator;
 mod signals;
 mod streams;

@@ -1,8 +1,9 @@
 //! Progress: one line on standard error that tells how far a run has come.
 
+use crate::app::terminal;
 use raytracer::cli::ShowProgress;
 use raytracer::render;
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{Write, stderr};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -37,7 +38,7 @@ pub struct ProgressLine {
 impl ProgressLine {
     /// The progress of work that starts now.
     pub fn new(wish: ShowProgress) -> Self {
-        let sink = Sink::of(wish, stderr().is_terminal());
+        let sink = Sink::of(wish, terminal::has_reader());
         let next = Mutex::new(if sink == Sink::Lines { LINE_INTERVAL } else { DELAY });
         Self { sink, start: Instant::now(), next }
     }

@@ -1,12 +1,7 @@
 //! How the program was started: which standard streams were closed, and whether it outlives its terminal.
 
-#[cfg(target_os = "linux")]
-pub use linux::{ignores_hangup, is_closed};
-
-#[cfg(all(unix, not(target_os = "linux")))]
-pub use elsewhere::ignores_hangup;
-#[cfg(not(target_os = "linux"))]
-pub use elsewhere::is_closed;
+#[cfg(unix)]
+pub use unix::{ignores_hangup, is_closed};
 
 /// A standard stream.
 #[derive(Clone, Copy)]
@@ -17,8 +12,8 @@ pub enum Stream {
 
 /// Before `main` starts, the standard library opens `/dev/null` in place of a closed descriptor: nothing is read from
 /// it, and writes to it vanish. So the descriptors are looked at before that.
-#[cfg(target_os = "linux")]
-mod linux {
+#[cfg(unix)]
+mod unix {
     use super::Stream;
     use libc::{STDIN_FILENO, STDOUT_FILENO};
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,7 +25,8 @@ mod linux {
     // SAFETY: the section holds pointers to functions of the C calling convention, which the loader calls once,
     // before `main` and before there are other threads. This one needs nothing that has to be initialized.
     #[used]
-    #[unsafe(link_section = ".init_array")]
+    #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__mod_init_func"))]
+    #[cfg_attr(not(target_vendor = "apple"), unsafe(link_section = ".init_array"))]
     static LOOK: extern "C" fn() = look;
 
     extern "C" fn look() {
@@ -63,18 +59,8 @@ mod linux {
     }
 }
 
-#[cfg(not(target_os = "linux"))]
-mod elsewhere {
-    use super::Stream;
-
-    /// Cannot be told.
-    pub fn is_closed(_: Stream) -> bool {
-        false
-    }
-
-    /// Cannot be told.
-    #[cfg(unix)]
-    pub fn ignores_hangup() -> bool {
-        false
-    }
+/// Cannot be told.
+#[cfg(not(unix))]
+pub fn is_closed(_: Stream) -> bool {
+    false
 }

@@ -4,6 +4,7 @@ use crate::app::products::KeptPart;
 use raytracer::cli::{Options, Output, command_of_merge, command_of_rest};
 use raytracer::escape::escape;
 use raytracer::render::{Layer, Request, Window};
+use raytracer::shell::Shell;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -35,10 +36,10 @@ pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[KeptPart
     let lost = pairs().filter(is_lost).map(|(output, _)| format!(", nothing of {}", shown(&output.file)));
     let lost: String = lost.collect();
     let rest = Window { y: all.y + rows, height: all.height - rows, ..all };
-    let rest = command_of_rest(argv, rest);
+    let rest = command_of_rest(argv, rest, Shell::OF_SYSTEM);
     let program = argv.first().map_or(OsStr::new("raytracer"), OsString::as_os_str);
     let merge = |(output, part): &(&Output, &PathBuf)| {
-        format!("then: {}", command_of_merge(program, part, &output.file, options.region))
+        format!("then: {}", command_of_merge(program, [part, &output.file], options.region, Shell::OF_SYSTEM))
     };
     let first = format!("{stopped}; wrote {}{lost}; the rest: {rest}", written.join(", "));
     std::iter::once(first).chain(parts.iter().map(merge)).collect()

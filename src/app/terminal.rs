@@ -8,9 +8,31 @@ use std::time::Duration;
 /// The words before a message, and their colours.
 const LABELS: [(&str, &str); 3] = [("error:", "1;31"), ("warning:", "1;33"), ("WARNING:", "1;33")];
 
-/// Whether messages go to a person.
+/// Whether messages go to a person, at a terminal that understands control sequences.
 pub fn has_reader() -> bool {
-    stderr().is_terminal()
+    stderr().is_terminal() && understands_sequences()
+}
+
+/// Whether the terminal of standard error understands control sequences: every one does.
+#[cfg(not(windows))]
+fn understands_sequences() -> bool {
+    true
+}
+
+/// Whether the console of standard error understands control sequences: from Windows 10 on, if it is asked to.
+#[cfg(windows)]
+fn understands_sequences() -> bool {
+    use std::os::windows::io::AsRawHandle;
+    use windows_sys::Win32::System::Console::{
+        ENABLE_VIRTUAL_TERMINAL_PROCESSING, GetConsoleMode, SetConsoleMode,
+    };
+    let console = stderr().as_raw_handle();
+    let mut mode = 0;
+    // SAFETY: the handle is that of standard error, which the program does not close, and only `mode` is written.
+    unsafe {
+        GetConsoleMode(console, &mut mode) != 0
+            && SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0
+    }
 }
 
 /// A message with its labels in colour, where a terminal shows it and nobody has asked for none (no-color.org).

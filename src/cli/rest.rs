@@ -4,9 +4,9 @@ use super::flag::{Flag, Value};
 use super::flags;
 use super::raw::{is_flag, named};
 use super::section::Section;
-use crate::escape::shell_word;
 use crate::image_io::beside;
 use crate::render::Window;
+use crate::shell::Shell;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
@@ -18,25 +18,25 @@ fn is_dropped(flag: &Flag) -> bool {
     flag.name == flags::REGION.name || flag.conflicts(&flags::REGION) || flag.section == Section::Comparison
 }
 
-/// The command line that renders this region with all else as in `argv`, whose first word is the program's name. A
-/// shell reads it as it stands.
-pub fn command_of_rest(argv: &[OsString], region: Window) -> String {
+/// The command line that renders this region with all else as in `argv`, whose first word is the program's name.
+/// `shell` reads it as it stands.
+pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> String {
     let Window { x, y, width, height } = region;
     let (program, mut words) = argv
         .split_first()
         .map_or(("raytracer".as_ref(), &[][..]), |(program, words)| (program.as_os_str(), words));
-    let mut line = vec![shell_word(program)];
+    let mut line = vec![shell.program(program)];
     while let Some((word, rest)) = words.split_first() {
         let count = rest.iter().take_while(|word| !is_flag(word.as_encoded_bytes())).count();
         let (values, after) = rest.split_at(count);
-        line.extend(kept(word, values));
+        line.extend(kept(word, values, shell));
         words = after;
     }
     format!("{} -region {x} {y} {width} {height}", line.join(" "))
 }
 
 /// A flag and its values for the rest.
-fn kept(word: &OsStr, values: &[OsString]) -> Vec<String> {
+fn kept(word: &OsStr, values: &[OsString], shell: Shell) -> Vec<String> {
     let flag = named(word);
     if flag.is_some_and(is_dropped) {
         return vec![];
@@ -45,19 +45,24 @@ fn kept(word: &OsStr, values: &[OsString]) -> Vec<String> {
     let is_file =
         |index| flag.and_then(|flag| flag.values.get(index)).is_some_and(|value: &Value| value.is_output);
     let value = |(index, value): (usize, &OsString)| match is_file(index) {
-        true if value != "-" => shell_word(beside(Path::new(value), REST)),
-        _ => shell_word(value),
+        true if value != "-" => shell.word(beside(Path::new(value), REST)),
+        _ => shell.word(value),
     };
-    std::iter::once(shell_word(word)).chain(values.iter().enumerate().map(value)).collect()
+    std::iter::once(shell.word(word)).chain(values.iter().enumerate().map(value)).collect()
 }
 
 /// The command line that makes a picture of the part that is there and its rest. `region` is what they make, if that is
 /// not the whole.
-pub fn command_of_merge(program: &OsStr, part: &Path, file: &Path, region: Option<Window>) -> String {
+pub fn command_of_merge(
+    program: &OsStr,
+    [part, file]: [&Path; 2],
+    region: Option<Window>,
+    shell: Shell,
+) -> String {
     let region = region
         .map_or(String::new(), |Window { x, y, width, height }| format!(" -region {x} {y} {width} {height}"));
-    let [program, part, file, rest] =
-        [program, part.as_ref(), file.as_ref(), beside(file, REST).as_ref()].map(shell_word::<&OsStr>);
+    let [part, file, rest] = [part, file, &beside(file, REST)].map(|file| shell.word(file));
+    let program = shell.program(program);
     format!("{program} -merge {part} {rest} -output {file}{region}")
 }
 
@@ -67,8 +72,8 @@ mod tests {
 
     const REGION: Window = Window { x: 0, y: 7, width: 9, height: 2 };
 
-    fn rest_of(words: &[&str]) -> String {
-        command_of_rest(&words.iter().map(OsString::from).collect::<Vec<_>>(), REGION)
+    fn rest_of(words: &[&str], shell: Shell) -> String {
+        command_of_rest(&words.iter().map(OsString::from).collect::<Vec<_>>(), REGION, shell)
     }
 
     #[test]
@@ -87,22 +92,38 @@ mod tests {
             ("rt -render_filter f.tga 3 -stats -input s.txt -grid auto", "rt -stats -input s.txt -grid auto"),
         ] {
             let words: Vec<&str> = line.split(' ').collect();
-            assert_eq!(rest_of(&words), format!("{rest} -region 0 7 9 2"), "{line}");
+            assert_eq!(rest_of(&words, Shell::Posix), format!("{rest} -region 0 7 9 2"), "{line}");
         }
-        let [program, scene, picture] = ["my tracer", "it's.txt", "a b.rest.tga"].map(shell_word);
+    }
+
+    #[test]
+    fn the_shells_of_a_system_read_the_lines_as_they_stand() {
+        let words = ["C:/my tracers/rt", "-input", "it's.txt", "-output", "a b.tga"];
+        let merge = |shell| {
+            command_of_merge(words[0].as_ref(), ["a b.partial.tga", "a b.tga"].map(Path::new), None, shell)
+        };
         assert_eq!(
-            rest_of(&["my tracer", "-input", "it's.txt", "-output", "a b.tga"]),
-            format!("{program} -input {scene} -output {picture} -region 0 7 9 2")
+            [rest_of(&words, Shell::Posix), merge(Shell::Posix)],
+            [
+                "'C:/my tracers/rt' -input 'it'\\''s.txt' -output 'a b.rest.tga' -region 0 7 9 2",
+                "'C:/my tracers/rt' -merge 'a b.partial.tga' 'a b.rest.tga' -output 'a b.tga'",
+            ]
+        );
+        assert_eq!(
+            [rest_of(&words, Shell::Windows), merge(Shell::Windows)],
+            [
+                r#"& "C:\my tracers\rt" -input "it's.txt" -output "a b.rest.tga" -region 0 7 9 2"#,
+                r#"& "C:\my tracers\rt" -merge "a b.partial.tga" "a b.rest.tga" -output "a b.tga""#,
+            ]
         );
     }
 
     #[test]
     fn the_part_and_the_rest_become_the_picture() {
         let merge = |region| {
-            command_of_merge("rt".as_ref(), Path::new("a b.partial.tga"), Path::new("a b.tga"), region)
+            command_of_merge("rt".as_ref(), ["a.partial.tga", "a.tga"].map(Path::new), region, Shell::Posix)
         };
-        let [part, rest, picture] = ["a b.partial.tga", "a b.rest.tga", "a b.tga"].map(shell_word);
-        let whole = format!("rt -merge {part} {rest} -output {picture}");
+        let whole = "rt -merge a.partial.tga a.rest.tga -output a.tga";
         assert_eq!(merge(None), whole);
         assert_eq!(merge(Some(REGION)), format!("{whole} -region 0 7 9 2"));
     }

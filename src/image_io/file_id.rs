@@ -10,16 +10,11 @@ use std::path::{Path, PathBuf};
 /// What two names have in common if they mean the same file, by links, by other ways through the folders, or because
 /// the system takes two names for one, such as `a.tga` and `A.tga`.
 #[derive(Clone, Debug)]
-pub enum FileId {
-    /// A file that exists.
-    Existing(Inode),
-    /// A file that does not exist yet.
-    New {
-        /// The folder that it will be in.
-        folder: Inode,
-        /// Its path, without links to it.
-        path: PathBuf,
-    },
+pub struct FileId {
+    /// The file, if it exists.
+    existing: Option<Inode>,
+    /// The folder that it is or will be in, and its path without links to it.
+    place: Option<(Inode, PathBuf)>,
 }
 
 /// A file or a folder, by its device and its index on the device.
@@ -31,38 +26,41 @@ type Inode = PathBuf;
 
 impl FileId {
     /// The file that `path` leads to, which need not exist. None for pipes and devices, which hold nothing that could
-    /// be lost, and if the folder cannot be read.
+    /// be lost, and if the folder of one that does not exist cannot be read.
     pub fn of(path: &Path) -> Option<Self> {
-        match fs::metadata(path) {
-            Ok(found) if found.is_file() => inode(path, &found).map(Self::Existing),
-            Ok(_) => None,
-            Err(_) => {
-                let path = follow_links(path).ok()?;
-                path.file_name()?;
-                let folder = folder_of(&path);
-                let folder = inode(folder, &fs::metadata(folder).ok()?)?;
-                Some(Self::New { folder, path })
-            }
-        }
+        let existing = match fs::metadata(path) {
+            Ok(found) if found.is_file() => Some(inode(path, &found)?),
+            Ok(_) => return None,
+            Err(_) => None,
+        };
+        let place = follow_links(path).ok().filter(|path| path.file_name().is_some()).and_then(|path| {
+            let folder = folder_of(&path);
+            Some((inode(folder, &fs::metadata(folder).ok()?)?, path))
+        });
+        (existing.is_some() || place.is_some()).then_some(Self { existing, place })
     }
 
     /// Whether the file exists.
     pub fn exists(&self) -> bool {
-        matches!(self, Self::Existing(_))
+        self.existing.is_some()
     }
 
-    /// Whether both are one file.
+    /// Whether both are one file. Disks that do not tell capitals from small letters may give each spelling of a name a
+    /// number of its own (exFAT through FUSE does), so the names are compared even if both files exist.
     pub fn is_same(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Existing(one), Self::Existing(other)) => one == other,
-            (Self::New { folder, path }, Self::New { folder: other_folder, path: other }) => {
-                let is_one =
-                    |[a, b]: [&OsStr; 2]| a == b || may_be_one([a, b]) && are_one([a, b], folder_of(path));
-                folder == other_folder
-                    && path.file_name().zip(other.file_name()).is_some_and(|(a, b)| is_one([a, b]))
-            }
-            _ => false,
-        }
+        let is_one_name = |(folder, path): &(Inode, PathBuf), (other_folder, other): &(Inode, PathBuf)| {
+            let names = path.file_name().zip(other.file_name());
+            folder == other_folder
+                && names
+                    .is_some_and(|(a, b)| a == b || may_be_one([a, b]) && are_one([a, b], folder_of(path)))
+        };
+        self.existing.is_some() && self.existing == other.existing
+            || self.exists() == other.exists()
+                && self
+                    .place
+                    .as_ref()
+                    .zip(other.place.as_ref())
+                    .is_some_and(|(one, other)| is_one_name(one, other))
     }
 }
 

@@ -3,8 +3,8 @@
 use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
-use crate::escape::shell_word;
 use crate::render::Cost;
+use crate::shell::Shell;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::Path;
@@ -97,7 +97,7 @@ pub fn command_line(input: &Path, words: &[String], cost: Option<Cost>, output: 
     let head = ["raytracer".to_owned(), "-input".to_owned(), name(input)];
     let tail = kind.into_iter().map(str::to_owned).chain([output]);
     let words = head.into_iter().chain(words.iter().cloned()).chain(tail);
-    words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" ")
+    words.map(|word| Shell::OF_SYSTEM.word(word)).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

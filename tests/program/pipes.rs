@@ -147,7 +147,7 @@ fn a_full_standard_output_is_an_error() {
 }
 
 /// The run of a line by a shell, with what follows it in the shell's language.
-#[cfg(target_os = "linux")]
+#[cfg(unix)]
 fn by_shell(folder: &Folder, line: &str) -> crate::support::Run {
     let program = env!("CARGO_BIN_EXE_raytracer");
     let mut shell = Command::new("sh");
@@ -155,7 +155,7 @@ fn by_shell(folder: &Folder, line: &str) -> crate::support::Run {
     finish(&mut shell)
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(unix)]
 #[test]
 fn a_closed_standard_output_is_an_error_before_anything_is_rendered() {
     let folder = Folder::with_scene(&sphere());

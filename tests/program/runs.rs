@@ -205,3 +205,28 @@ fn a_grid_whose_contents_do_not_fit_into_memory_is_one_line() {
     assert_eq!(folder.names(), ["s.txt"]);
     run("-size 9 9 -visualize_grid -output o.tga").ok();
 }
+
+#[test]
+fn names_in_other_capitals_are_one_file_where_the_disk_says_so() {
+    let folder = Folder::with_scene(&sphere());
+    folder.write("probe", "");
+    let is_one = folder.path().join("PROBE").exists();
+    let cases = [
+        ("-output a.tga -normals A.tga", ["a.tga", "A.tga"], "`a.tga` and `A.tga` are the same file"),
+        // Both are there, or one of them.
+        ("-output a.tga -normals A.tga", ["a.tga", "A.tga"], "`a.tga` and `A.tga` are the same file"),
+        ("-output S.TXT tga", ["s.txt", "S.TXT"], "`S.TXT` is the scene `s.txt`, which would be lost"),
+    ];
+    for (flags, names, expected) in cases {
+        let run = folder.run(&format!("-input s.txt -size 9 9 {flags}"));
+        if is_one {
+            assert_eq!(only_line(&run.message(2)), format!("error: {expected}"));
+            folder.write("a.tga", "an earlier picture");
+        } else {
+            run.ok();
+            let [one, other] = names.map(|name| folder.read(name));
+            assert!(one != other, "{names:?}");
+        }
+        assert_eq!(folder.read("s.txt"), sphere().as_bytes());
+    }
+}

@@ -10,10 +10,11 @@ use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
-use raytracer::escape::{quoted, shell_word};
+use raytracer::escape::quoted;
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene_io;
+use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
@@ -68,7 +69,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let written = told_files(options.progress, reporting.report_files());
-    Ok(Outcome { text: text(&report, &answers), written, passes })
+    Ok(Outcome { text: text(&report, &answers, Shell::OF_SYSTEM), written, passes })
 }
 
 /// The page and the table in a folder, which is made if there is none.
@@ -117,7 +118,7 @@ fn command(options: &Options, setting: &Setting) -> Vec<String> {
     let [width, height] = options.size;
     let mut words = vec![
         "raytracer".into(),
-        format!("-input {}", shell_word(&*input)),
+        format!("-input {}", Shell::OF_SYSTEM.word(&*input)),
         format!("-size {width} {height}"),
     ];
     words.extend(separate(&setting.flags().unwrap_or_default()));

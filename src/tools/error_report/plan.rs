@@ -43,7 +43,7 @@ const FILTERS: [Filter; 4] = [
 const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 /// A list of all primitives is traced for at most so many tests of rays against primitives.
-const MOST_TESTS: usize = 50_000_000_000;
+const MOST_TESTS: u64 = 50_000_000_000;
 
 /// The settings to measure, those with the request's own filter first. What the request asks for is right;
 /// `structure` is what its rays are traced through.
@@ -131,7 +131,9 @@ fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     }
     let rays_per_sample = 1 + world.lights.len() + own.effects.bounces as usize;
     let [width, height] = request.size;
-    let tests = (4 * width * height).saturating_mul(rays_per_sample).saturating_mul(count);
+    let tests = [width, height, rays_per_sample, count]
+        .iter()
+        .fold(4_u64, |tests, &count| tests.saturating_mul(count as u64));
     let list = (tests <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));

@@ -2,6 +2,7 @@
 
 use super::setting::separate;
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
+use crate::shell::Shell;
 use crate::stats::RULE;
 use std::fmt::Write;
 
@@ -12,11 +13,12 @@ const MOST_ROWS: usize = 12;
 const COLUMNS: usize = 100;
 
 /// The answers, one as a command or several as rows, and the front of all filters. The page and the table have the rest.
-pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
+/// `shell` reads the command.
+pub fn text(report: &ErrorReport, answers: &[Answer<'_>], shell: Shell) -> String {
     let mut lines = vec![RULE.to_owned(), "SPEED AGAINST ERROR".to_owned()];
     match answers {
         [] => lines.push("  nothing was measured".into()),
-        [answer] => add_answer(&mut lines, answer),
+        [answer] => add_answer(&mut lines, answer, shell),
         several => add_answers(&mut lines, several),
     }
     add_front(&mut lines, report);
@@ -26,7 +28,7 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     lines.into_iter().map(|line| line + "\n").collect()
 }
 
-fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>) {
+fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>, shell: Shell) {
     let Answer { target, chosen, command } = answer;
     let (seconds, error) = (chosen.least(), chosen.error);
     lines.push(match answer.is_reached() {
@@ -37,11 +39,14 @@ fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>) {
             )
         }
     });
-    // The shells of Windows have no common sign for a line that goes on.
-    if cfg!(windows) {
-        lines.push(command.join(" "));
-    } else {
-        lines.extend(wrapped(command, "    ", "      ", " \\"));
+    lines.extend(to_paste(command, shell));
+}
+
+/// The lines of a command, which `shell` reads as they stand.
+fn to_paste(command: &[String], shell: Shell) -> Vec<String> {
+    match shell.continuation() {
+        Some(end) => wrapped(command, "    ", "      ", end),
+        None => vec![command.join(" ")],
     }
 }
 
@@ -133,6 +138,15 @@ fn wrapped(words: &[String], first: &str, next: &str, end: &str) -> Vec<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_command_goes_on_in_the_next_line_where_the_shells_have_a_sign_for_it() {
+        let command: Vec<String> = (0..30).map(|n| format!("-flag{n} {n}")).collect();
+        assert_eq!(to_paste(&command, Shell::Windows), [command.join(" ")]);
+        let lines = to_paste(&command, Shell::Posix);
+        let (last, others) = lines.split_last().unwrap();
+        assert!(others.len() > 1 && others.iter().all(|line| line.ends_with(" \\")) && !last.ends_with('\\'));
+    }
 
     #[test]
     fn lines_end_before_the_last_column() {
