@@ -38,6 +38,7 @@ use crate::math::instructions::Portable;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::stats::{Probe, Quiet};
 use crate::world::World;
+#[cfg(target_arch = "x86_64")]
 use glam::DVec2;
 use std::sync::{Arc, OnceLock};
 

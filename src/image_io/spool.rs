@@ -125,7 +125,9 @@ mod tests {
             (0..pieces).for_each(|index| spool.overwrite(index * piece.len(), &piece).unwrap());
             spool.write_all(b"end").unwrap();
             assert_eq!(spool.file.is_some(), pieces * piece.len() > IN_MEMORY);
-            assert_eq!(folder.path().read_dir().unwrap().count(), 0, "the file has no name");
+            // On Windows it has a name until it is closed.
+            let names = usize::from(cfg!(windows) && spool.file.is_some());
+            assert_eq!(folder.path().read_dir().unwrap().count(), names, "the file has no name");
             let mut target = tempfile::tempfile().unwrap();
             spool.copy_to(&target).unwrap();
             let mut found = Vec::new();

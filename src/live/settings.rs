@@ -186,7 +186,8 @@ mod tests {
     #[test]
     fn the_command_line_can_be_copied() {
         let shown = command_line(Path::new("my scenes/a.txt"), &words("-size 7 9"), None, None);
-        assert_eq!(shown, "raytracer -input 'my scenes/a.txt' -size 7 9 -output picture.png");
+        let scene = if cfg!(windows) { "\"my scenes/a.txt\"" } else { "'my scenes/a.txt'" };
+        assert_eq!(shown, format!("raytracer -input {scene} -size 7 9 -output picture.png"));
         let shown = command_line(Path::new("a.txt"), &[], Some(Cost::Tests), Some(Path::new("c.png")));
         assert_eq!(shown, "raytracer -input a.txt -cost_map tests c.png");
     }

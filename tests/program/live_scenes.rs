@@ -64,6 +64,7 @@ fn meshes_lie_beside_the_scene() {
     }
     let secret = outside.path().join("secret.obj").to_string_lossy().into_owned();
     let up = format!("../{}/secret.obj", outside.path().file_name().expect("a name").to_string_lossy());
+    #[cfg_attr(not(unix), allow(unused_mut))]
     let mut names = vec![
         secret.clone(),
         up.clone(),

@@ -21,6 +21,7 @@ mod editions;
 mod error_report;
 mod floats;
 mod farm;
+#[cfg(unix)]
 mod grade;
 mod image_files;
 mod json;

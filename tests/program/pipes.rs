@@ -1,6 +1,8 @@
 //! Standard input and output, pipes and devices in place of files.
 
-use crate::support::{Folder, finish, nobody, only_line, program, scene, sphere};
+#[cfg(unix)]
+use crate::support::only_line;
+use crate::support::{Folder, finish, nobody, program, scene, sphere};
 use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};

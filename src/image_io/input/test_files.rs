@@ -108,7 +108,7 @@ impl Folder {
     pub(super) fn complaint(&self, name: &str, bytes: &[u8]) -> String {
         let shown = self.read(name, bytes).unwrap_err().to_string();
         assert_eq!(shown.lines().count(), 1, "{shown}");
-        shown.replace(&*self.0.path().to_string_lossy(), "F")
+        shown.replace(&*self.0.path().to_string_lossy(), "F").replace("F\\", "F/")
     }
 }
 
