@@ -246,7 +246,7 @@ fn climb(seed: u64, generations: u64, kernel: usize, bound: Bound) -> (f32, Tria
 #[test]
 fn the_filters_error_bounds_are_needed() {
     const SEED: u64 = 4019;
-    let generations = rays(200, 20_000);
+    let generations = rays(400, 20_000);
     let still = FilterRay { origin: [0.0; 4], direction: [0.0; 4], max_depth: 0.0 };
     let kernels = verdicts(&bytemuck::Zeroable::zeroed(), &still).len();
     for kernel in 0..kernels {
