@@ -13,8 +13,9 @@ use std::thread;
 /// tree and the number of bounces do not matter.
 const STACK: usize = 2 << 20;
 
-/// What a thread takes beside its stack: guard pages, and the stack on which an overflow is reported.
-const BESIDE_STACK: usize = 1 << 16;
+/// What a thread takes beside its stack: guard pages, the stack on which an overflow is reported, and what the heap of the
+/// C library grows by. That library ends the program if it has no memory for what a thread has to drop when it ends.
+const BESIDE_STACK: usize = (1 << 16) + (1 << 20);
 
 /// A pool in which only this thread works at first. To start the others takes as long as a small picture.
 pub struct Crew {
