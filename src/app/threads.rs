@@ -13,9 +13,12 @@ use std::thread;
 /// tree and the number of bounces do not matter.
 const STACK: usize = 2 << 20;
 
-/// What a thread takes beside its stack: guard pages, the stack on which an overflow is reported, and what the heap of the
-/// C library grows by. That library ends the program if it has no memory for what a thread has to drop when it ends.
-const BESIDE_STACK: usize = (1 << 16) + (1 << 20);
+/// What a thread takes beside its stack: guard pages, and the stack on which an overflow is reported.
+const BESIDE_STACK: usize = 1 << 16;
+
+/// What the heap of the C library grows by. That library ends the program if it has no memory for the list of what a
+/// thread drops when it ends.
+const HEAP_GROWTH: usize = 1 << 20;
 
 /// A pool in which only this thread works at first. To start the others takes as long as a small picture.
 pub struct Crew {
@@ -148,7 +151,7 @@ fn start(count: usize) -> Result<Vec<Waiting>, Refused> {
     let (running, is_running) = channel::<()>();
     for _ in 0..count {
         // Without it, the thread would end the program.
-        if memory::ask((STACK + BESIDE_STACK) as u64).is_err() {
+        if memory::ask((STACK + BESIDE_STACK + HEAP_GROWTH) as u64).is_err() {
             return refused(waiting, &NoMemory { bytes: (count * (STACK + BESIDE_STACK)) as u64 });
         }
         let (sender, receiver) = channel::<ThreadBuilder>();
