@@ -2,6 +2,7 @@
 
 use crate::support::{Folder, scene};
 use std::fmt::Write as _;
+use std::path::MAIN_SEPARATOR;
 
 /// A scene of a white mesh before black, seen along the z axis: the square from 0 to 4.
 fn picture_of(name: &str) -> String {
@@ -162,6 +163,8 @@ fn names_of_other_systems_are_read_or_corrected() {
     for name in ["parts/Cube.OBJ", "parts\\Cube.OBJ", ".\\parts\\Cube.OBJ"] {
         assert_eq!(run(name).ok().stderr, "", "{name}");
     }
+    // Some disks do not tell capitals from small letters.
+    let tells_capitals = !folder.path().join("parts/cube.obj").exists();
     for (name, hint) in [
         ("parts/Cube.obj", "did you mean `parts/Cube.OBJ`?"),
         ("parts/cube.obj", "did you mean `parts/Cube.OBJ`?"),
@@ -169,7 +172,11 @@ fn names_of_other_systems_are_read_or_corrected() {
         ("\"parts/Cube.OBJ\"", "a name has neither quotes nor blanks"),
         ("'my parts/Cube.OBJ'", "a name has neither quotes nor blanks"),
     ] {
-        let message = run(name).message(1);
+        if !tells_capitals && name.eq_ignore_ascii_case("parts/Cube.OBJ") {
+            assert_eq!(run(name).ok().stderr, "", "{name}");
+            continue;
+        }
+        let message = run(name).message(1).replace(MAIN_SEPARATOR, "/");
         assert!(message.ends_with(&format!("\n  hint: {hint}\n")), "{name}: {message}");
         assert_eq!(message.matches("error: ").count(), 1, "{name}: {message}");
     }
