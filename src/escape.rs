@@ -1,6 +1,7 @@
 //! Escapes text from files and arguments, so that it is safe on a terminal, in a page and in a table.
 
 use std::ffi::OsStr;
+use std::fmt::{self, Write};
 
 /// The number of characters after which a quoted word is truncated.
 const MAX_QUOTED: usize = 200;
@@ -38,21 +39,25 @@ pub fn prints(character: char) -> bool {
     matches!(character, '\'' | '"' | '\\') || character.escape_debug().count() == 1
 }
 
-/// A text that is nothing but text in HTML, also between quotes. Control characters, and those that change the
-/// direction of writing, are written as escape sequences.
-pub fn html(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for character in escape(text).chars() {
-        match character {
-            '&' => shown += "&amp;",
-            '<' => shown += "&lt;",
-            '>' => shown += "&gt;",
-            '"' => shown += "&quot;",
-            '\'' => shown += "&#39;",
-            other => shown.push(other),
+/// Escapes text for HTML, also between quotes. Templates apply it to every value that they show. Control characters, and
+/// those that change the direction of writing, become escape sequences.
+#[derive(Clone, Copy, Debug)]
+pub struct Html;
+
+impl askama::filters::Escaper for Html {
+    fn write_escaped_str<W: Write>(&self, mut page: W, text: &str) -> fmt::Result {
+        for character in escape(text).chars() {
+            match character {
+                '&' => page.write_str("&amp;")?,
+                '<' => page.write_str("&lt;")?,
+                '>' => page.write_str("&gt;")?,
+                '"' => page.write_str("&quot;")?,
+                '\'' => page.write_str("&#39;")?,
+                other => page.write_char(other)?,
+            }
         }
+        Ok(())
     }
-    shown
 }
 
 /// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a
@@ -66,6 +71,7 @@ pub fn csv_field(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use askama::filters::Escaper;
 
     #[test]
     fn escaped_text_cannot_steer_a_terminal() {
@@ -80,7 +86,9 @@ mod tests {
 
     #[test]
     fn text_is_nothing_but_text_in_a_page() {
-        assert_eq!(html("<a b=\"'&\u{202e}"), "&lt;a b=&quot;&#39;&amp;\\u{202e}");
+        let mut page = String::new();
+        Html.write_escaped_str(&mut page, "<a b=\"'&\u{202e}").unwrap();
+        assert_eq!(page, "&lt;a b=&quot;&#39;&amp;\\u{202e}");
     }
 
     #[test]

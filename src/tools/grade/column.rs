@@ -79,6 +79,17 @@ impl CellWord {
             Self::Ungraded => "no reference",
         }
     }
+
+    /// The mark of a cell in a page.
+    pub fn mark(self) -> &'static str {
+        match self {
+            Self::Passed => "\u{2713}",
+            Self::Failed => "\u{2717}",
+            Self::Missing => "\u{2013} missing",
+            Self::Unusable => "! unusable",
+            Self::Ungraded => "?",
+        }
+    }
 }
 
 impl Cell {

@@ -1,23 +1,17 @@
-//! The page of a grading: one file, without anything from elsewhere.
+//! The page of a grading: one file that needs nothing else. Its text stands in `templates/grade.html`.
 
-use super::{Cell, CellWord, Column, Score, Table};
-use crate::escape::html;
+use super::{Cell, Column, Score, Table};
 use crate::image_io::embedded::{Embedded, file, thumbnail_file};
 use crate::picture::Picture;
 use crate::tools::compare::{Comparison, Tolerance};
+use askama::Template;
 use rayon::prelude::*;
-
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
-
-/// Only what stands in the page itself is shown and run.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'";
 
 /// A page under construction, which takes one column after the other.
 #[derive(Debug, Default)]
 pub struct Page {
     thumbnails: Embedded,
-    /// Those that a click shows.
+    /// The pictures that a click shows.
     pictures: Embedded,
     columns: Vec<Shown>,
 }
@@ -54,136 +48,40 @@ impl Page {
         self.columns.push(Shown::default());
     }
 
-    /// The page of a table with the columns that were added.
+    /// Returns the page of a table with the columns that were added.
     pub fn finish(&self, table: &Table) -> String {
-        let thumbnails = self.thumbnails.files().into_iter().enumerate();
-        let thumbnails: String = thumbnails
-            .map(|(index, file)| format!(".t{index}{{background-image:url(data:image/png;base64,{file})}}\n"))
-            .collect();
-        let pictures = self.pictures.files().join("\",\"");
-        let pictures = if pictures.is_empty() { pictures } else { format!("\"{pictures}\"") };
-        let head = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-             <meta name=\"viewport\" content=\"width=device-width\">\n<title>Pictures graded</title>\n\
-             <style>\n{STYLE}{thumbnails}</style>\n</head>\n"
-        );
-        let (summary, rows, notes) = (summary(table), self.rows(table), notes(table));
+        let (thumbnails, pictures) = (self.thumbnails.files(), self.pictures.files());
+        Filled { table, columns: &self.columns, thumbnails, pictures }.to_string()
+    }
+}
+
+#[derive(Template)]
+#[template(path = "grade.html")]
+struct Filled<'p> {
+    table: &'p Table,
+    columns: &'p [Shown],
+    thumbnails: Vec<&'p str>,
+    pictures: Vec<&'p str>,
+}
+
+impl<'p> Filled<'p> {
+    fn columns(&self) -> impl Iterator<Item = (&'p Column, &'p Shown)> {
+        self.table.columns.iter().zip(self.columns)
+    }
+
+    /// The measures of a difference.
+    fn details(&self, column: &Column, comparison: &Comparison) -> String {
+        let largest = comparison.largest.map_or(String::new(), |largest| largest.to_string());
         format!(
-            "{head}<body>\n{summary}<main><table>\n{}{rows}</table></main>\n{notes}{DIALOG}\
-             <script type=\"application/json\" id=\"pictures\">[{pictures}]</script>\n\
-             <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-            self.header(table)
+            "{}: {} of {} pixels differ, {} by more than one level. Largest difference {largest}. Root mean square \
+             error {:.3} levels.",
+            column.picture,
+            comparison.pixels_that_differ(),
+            comparison.pixels(),
+            comparison.pixels_differing_by_more_than(1),
+            comparison.root_mean_square_error
         )
     }
-
-    fn header(&self, table: &Table) -> String {
-        let columns = table.columns.iter().zip(&self.columns);
-        let cells: String = columns
-            .map(|(column, shown)| {
-                let name = html(&column.picture);
-                let result = match &column.problem {
-                    None => Score::of(&column.cells).to_string(),
-                    Some(problem) => format!("<em>no reference: {}</em>", html(problem)),
-                };
-                format!(
-                    "<th scope=\"col\">{}{name}<small>{result}</small></th>\n",
-                    thumbnail(shown.thumbnail)
-                )
-            })
-            .collect();
-        format!("<thead><tr><td></td>\n{cells}</tr></thead>\n")
-    }
-
-    fn rows(&self, table: &Table) -> String {
-        let row = |(row, name): (usize, &String)| {
-            let columns = table.columns.iter().zip(&self.columns);
-            let cells: String = columns.map(|(column, shown)| cell(column, row, shown)).collect();
-            let (name, score) = (html(name), table.score_of_row(row));
-            format!("<tr><th scope=\"row\">{name}<small>{score}</small></th>\n{cells}</tr>\n")
-        };
-        table.names.iter().enumerate().map(row).collect()
-    }
-}
-
-/// Where a click shows the pictures of a cell.
-const DIALOG: &str = "<dialog><form method=\"dialog\"><button>Close</button></form><h2></h2><p></p><div>\
-    <figure><canvas></canvas><figcaption>A: handed in</figcaption></figure>\
-    <figure><canvas></canvas><figcaption>B: the reference</figcaption></figure>\
-    <figure><canvas></canvas><figcaption></figcaption></figure>\
-    <figure><canvas></canvas><figcaption></figcaption><button type=\"button\">Stop</button></figure>\
-    </div></dialog>\n";
-
-fn summary(table: &Table) -> String {
-    let score = table.score();
-    let (passed, graded) = (score.passed, score.graded());
-    let (names, pictures) = (table.names.len(), table.columns.len());
-    let condition = match table.tolerance {
-        Tolerance { levels: 0, pixels: 0 } => "it equals the reference".to_owned(),
-        Tolerance { levels, pixels } => {
-            format!("at most {pixels} of its pixels differ from the reference by more than {levels} levels")
-        }
-    };
-    format!(
-        "<header><h1>{passed} of {graded} pictures pass</h1>\n<p>Names: {names}. Pictures: {pictures}. A picture passes \
-         if {condition}. A cause is judged by the part of a picture where many pixels differ. A click on a picture \
-         that differs shows it beside the reference.</p></header>\n"
-    )
-}
-
-fn notes(table: &Table) -> String {
-    if table.notes.is_empty() {
-        return String::new();
-    }
-    let items: String = table.notes.iter().map(|note| format!("<li>{}</li>\n", html(note))).collect();
-    let count = table.notes.len();
-    format!("<details><summary>Not graded: {count}</summary><ul>\n{items}</ul></details>\n")
-}
-
-fn thumbnail(index: Option<usize>) -> String {
-    index.map_or(String::new(), |index| format!("<i class=\"t{index}\"></i>"))
-}
-
-fn cell(column: &Column, row: usize, shown: &Shown) -> String {
-    let cell = &column.cells[row];
-    let (class, mark) = match cell.verdict() {
-        CellWord::Passed => ("passed", "\u{2713}"),
-        CellWord::Failed => ("failed", "\u{2717}"),
-        CellWord::Missing => ("missing", "\u{2013} missing"),
-        CellWord::Unusable => ("unusable", "! unusable"),
-        CellWord::Ungraded => ("ungraded", "?"),
-    };
-    let reason =
-        column.reason(row).map_or(String::new(), |reason| format!("<small>{}</small>", html(&reason)));
-    match cell {
-        Cell::Equal => {
-            format!("<td class=\"{class}\">{}<b>{mark}</b>{reason}</td>\n", thumbnail(shown.thumbnail))
-        }
-        Cell::Different { comparison, picture, .. } => {
-            let [small, whole] = shown.different[*picture];
-            let (count, reference) = (comparison.pixels_that_differ(), shown.reference.unwrap_or(whole));
-            let (title, thumbnail) = (details(&column.picture, comparison), thumbnail(Some(small)));
-            format!(
-                "<td class=\"{class}\" data-a=\"{whole}\" data-b=\"{reference}\" title=\"{title}\"><button>\
-                 {thumbnail}<b>{mark} {count} px</b>{reason}</button></td>\n"
-            )
-        }
-        _ => format!("<td class=\"{class}\"><b>{mark}</b>{reason}</td>\n"),
-    }
-}
-
-/// The measures of a difference, escaped.
-fn details(picture: &str, comparison: &Comparison) -> String {
-    let largest = comparison.largest.map_or(String::new(), |largest| largest.to_string());
-    let text = format!(
-        "{picture}: {} of {} pixels differ, {} by more than one level. Largest difference {largest}. Root mean \
-         square error {:.3} levels.",
-        comparison.pixels_that_differ(),
-        comparison.pixels(),
-        comparison.pixels_differing_by_more_than(1),
-        comparison.root_mean_square_error
-    );
-    html(&text)
 }
 
 #[cfg(test)]
