@@ -36,7 +36,20 @@ impl Run {
 pub fn program(folder: &Path, words: impl IntoIterator<Item = impl Into<OsString>>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_raytracer"));
     command.args(words.into_iter().map(Into::into)).current_dir(folder).stdin(Stdio::null());
+    #[cfg(unix)]
+    handle_hangup(&mut command);
     command
+}
+
+/// Lets the program handle SIGHUP. `nohup cargo test` ignores the signal, and programs inherit that.
+#[cfg(unix)]
+fn handle_hangup(command: &mut Command) {
+    use nix::sys::signal::{SigHandler, Signal, signal};
+    use std::os::unix::process::CommandExt;
+    // SAFETY: between fork and exec the closure only makes the system call `sigaction`, which is safe there.
+    unsafe {
+        command.pre_exec(|| Ok(signal(Signal::SIGHUP, SigHandler::SigDfl).map(drop)?));
+    }
 }
 
 pub fn finish(command: &mut Command) -> Run {
