@@ -116,6 +116,33 @@ fn a_tolerance_makes_it_a_check() {
 }
 
 #[test]
+fn a_tolerance_is_proposed_that_failed_pictures_pass() {
+    let folder = Folder::with_scene(&sphere());
+    for name in ["ref", "class/near", "class/far"] {
+        make(&folder, name);
+    }
+    folder.run("-input s.txt -size 120 100 -output ref/o.tga").ok();
+    let right = folder.read("ref/o.tga");
+    let mut near = right.clone();
+    near[18_000..18_150].fill(0);
+    folder.write("class/near/o.tga", near);
+    folder.write("class/far/o.tga", [&right[..18], &vec![0; right.len() - 18]].concat());
+    let run = folder.run("-grade class -reference ref").ok();
+    assert_eq!(run.stderr, "note: 1 of the 2 failed pictures pass with `-tolerance 1 50`\n");
+    assert_eq!(folder.run("-grade class -reference ref -tolerance 1 50").stderr, "");
+}
+
+#[test]
+fn a_grading_without_any_reference_is_an_error() {
+    let folder = folder();
+    folder.write("commands.txt", "rt -input none.txt -output o.tga");
+    let run = folder.run("-grade class -commands commands.txt -report page.html");
+    let message = run.message(1);
+    assert!(message.ends_with("error: there is no reference to grade by\n"), "{message}");
+    assert!(!folder.names().contains(&"page.html".to_owned()));
+}
+
+#[test]
 fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
     let folder = Folder::with_scene(&sphere().replace("0 0 0 radius .7", ".3 .2 0 radius .5"));
     folder.write("commands.txt", COMMANDS);

@@ -16,6 +16,10 @@ pub use summary::summary;
 use crate::tools::compare::Tolerance;
 use std::fmt;
 
+/// The difference that a correct tracer in single precision may show: its silhouettes are up to a pixel off in a few
+/// places, and its colours by a level.
+const USUAL_TOLERANCE: Tolerance = Tolerance { levels: 1, pixels: 50 };
+
 /// The results of a grading.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -88,6 +92,22 @@ impl Table {
     /// The score of all names.
     pub fn score(&self) -> Score {
         Score::of(self.columns.iter().flat_map(|column| &column.cells))
+    }
+
+    /// Says how many of the failed pictures pass with [`USUAL_TOLERANCE`], if any does.
+    pub fn tolerance_hint(&self) -> Option<String> {
+        let cells = || self.columns.iter().flat_map(|column| &column.cells);
+        let passes = |cell: &&Cell| match cell {
+            // In a tiny picture 50 pixels may be all that it shows.
+            Cell::Different { comparison, passes: false, .. } => {
+                USUAL_TOLERANCE.accepts(comparison) && comparison.pixels() >= 200 * USUAL_TOLERANCE.pixels
+            }
+            _ => false,
+        };
+        let (passing, failed) = (cells().filter(passes).count(), self.score().failed);
+        let Tolerance { levels, pixels } = USUAL_TOLERANCE;
+        (passing > 0)
+            .then(|| format!("{passing} of the {failed} failed pictures pass with `-tolerance {levels} {pixels}`"))
     }
 
     /// Whether all pictures have a reference and pass.

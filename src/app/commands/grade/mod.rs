@@ -56,9 +56,15 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems
         .for_each(|(name, problem)| tell(&format!("warning: no reference for {}: {problem}", escape(name))));
+    if columns.iter().all(|column| column.problem.is_some()) {
+        return Err(failed("there is no reference to grade by").into());
+    }
     let notes = folder.notes(&references, &columns);
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
     tell_other_names(&table, tell);
+    if let (None, Some(hint)) = (options.tolerance, table.tolerance_hint()) {
+        tell(&format!("note: {hint}"));
+    }
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
         complete.add(page.complete(&shown.finish(&table)).map_err(failed)?)?;
