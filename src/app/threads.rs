@@ -70,6 +70,12 @@ impl Crew {
     }
 }
 
+/// Limits the threads that are wanted to those that find work: a picture is shared by its rows, and building a grid by
+/// the cores.
+pub fn useful(wanted: Option<usize>, rows: usize) -> Option<usize> {
+    wanted.map(|wanted| wanted.min(rows.max(cores())))
+}
+
 /// Where the threads of a pool run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum PoolPlace {

@@ -151,7 +151,10 @@ fn a_refusal_says_how_much_would_be_needed() {
         ("-input plain.txt", "plain.txt: error: not enough memory: at least 3.1 MB are needed"),
         ("-input copies.txt", "copies.txt: error: not enough memory: at least 10.8 MB are needed"),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
-        ("-input one.txt -threads 4096", "error: `-threads`: the system does not start 4095 more"),
+        (
+            "-input one.txt -size 1 5000 -threads 4096",
+            "error: `-threads`: the system does not start 4095 more",
+        ),
     ] {
         let message = run_within(&folder, least(&folder) + 1500, line).message(1);
         let errors = message.lines().filter(|line| !line.starts_with("warning: "));
@@ -201,6 +204,16 @@ fn the_live_page_refuses_beforehand_and_goes_on() {
     assert_eq!(typed(1, "large.obj"), Some(refused("349.0 MB")));
     assert_eq!(typed(50, "m.obj"), Some(refused("384.0 MB")));
     assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
+}
+
+#[test]
+fn more_threads_than_rows_are_not_started() {
+    let folder = folder();
+    let run = folder.run("-input one.txt -stats -size 8 8 -threads 4096").ok();
+    let line = run.stdout.lines().find(|line| line.contains("threads")).expect("the number of threads");
+    let count: usize = line.split_whitespace().last().unwrap().parse().unwrap();
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert!(count <= cores.max(8), "{line}");
 }
 
 /// The variable that the library of threads reads has no effect: `-threads` alone decides.

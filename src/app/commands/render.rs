@@ -6,7 +6,7 @@ use crate::app::page;
 use crate::app::pictures::{Rendered, read_picture, render};
 use crate::app::signals::Signals;
 use crate::app::streams;
-use crate::app::threads::Crew;
+use crate::app::threads::{Crew, useful};
 use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, JsonTarget, Options};
 use raytracer::distinct_files::WrittenFiles;
@@ -30,7 +30,7 @@ pub fn run(
     signals: &mut Signals,
     tell: &dyn Fn(&str),
 ) -> Result<Outcome, End> {
-    let crew = Crew::new(options.threads)?;
+    let crew = Crew::new(useful(options.threads, options.size[1]))?;
     let told = RefCell::new(vec![]);
     let tell = |line: &str| {
         told.borrow_mut().push(line.to_owned());

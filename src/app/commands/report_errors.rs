@@ -27,8 +27,8 @@ use std::time::{Duration, Instant};
 pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
     let ErrorReporting { options, target, .. } = reporting;
     let written = WrittenFiles::of_error_reporting(reporting)?;
-    let (many, one) =
-        (threads::pool(options.threads, PoolPlace::Apart)?, threads::pool(Some(1), PoolPlace::Apart)?);
+    let many = threads::pool(threads::useful(options.threads, options.size[1]), PoolPlace::Apart)?;
+    let one = threads::pool(Some(1), PoolPlace::Apart)?;
     streams::check_input(options)?;
 
     let start = Instant::now();

@@ -78,8 +78,9 @@ pub fn against_samples(group: &MeasuredFilter) -> String {
         let slope = group.slope(series.kind)?;
         // The fitted line runs through the mean of the logarithms, which the middle point is close to.
         let fitted: Vec<Point> = series.points().copied().filter(|[n, _]| *n >= 4.0).collect();
-        let mean =
-            |axis: usize| fitted.iter().map(|point| libm::log(point[axis])).sum::<f64>() / fitted.len() as f64;
+        let mean = |axis: usize| {
+            fitted.iter().map(|point| libm::log(point[axis])).sum::<f64>() / fitted.len() as f64
+        };
         let at = |n: f64| [n, libm::exp(mean(1) + slope * (libm::log(n) - mean(0)))];
         let points = vec![at(fitted.first()?[0]), at(fitted.last()?[0])];
         Some(Line { class: format!("fit {}", series.kind.name()), points })

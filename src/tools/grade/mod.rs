@@ -106,8 +106,9 @@ impl Table {
         };
         let (passing, failed) = (cells().filter(passes).count(), self.score().failed);
         let Tolerance { levels, pixels } = USUAL_TOLERANCE;
-        (passing > 0)
-            .then(|| format!("{passing} of the {failed} failed pictures pass with `-tolerance {levels} {pixels}`"))
+        (passing > 0).then(|| {
+            format!("{passing} of the {failed} failed pictures pass with `-tolerance {levels} {pixels}`")
+        })
     }
 
     /// Whether all pictures have a reference and pass.
