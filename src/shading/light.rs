@@ -44,7 +44,7 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
 /// longer. It is so for the same vectors, because a length is a square root: where it is not zero, it is at least
 /// 1e-162.
 #[inline(always)]
-pub(super) fn unit_or_zero(v: DVec3) -> DVec3 {
+pub fn unit_or_zero(v: DVec3) -> DVec3 {
     let length = v.length();
     if length > 0.0 && length <= f64::MAX { v * (1.0 / length) } else { DVec3::ZERO }
 }

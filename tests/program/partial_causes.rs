@@ -156,9 +156,7 @@ fn speckles_are_told_from_specks() {
     write(&folder, &transformed(&tga, |x, y| if at(x, y) { dark.at(x, y) } else { tga.at(x, y) }));
     let found = cause(&folder, flags);
     assert!(
-        found.ends_with(
-            " scattered pixels lie in a shadow of their own: epsilon is too small for shadow rays"
-        ),
+        found.ends_with(" scattered pixels show shadow acne: epsilon is too small for shadow rays"),
         "{found}"
     );
     write(
@@ -207,10 +205,6 @@ fn the_speckles_of_single_precision_are_known() {
     for (epsilon, is_known) in [(0.0, true), (2e-7, true), (1e-3, false)] {
         write(&folder, &sphere_in_single_precision(150, epsilon));
         let found = cause(&folder, "-size 150 150 -shadows");
-        assert_eq!(
-            found.contains("scattered pixels lie in a shadow of their own"),
-            is_known,
-            "{epsilon}: {found}"
-        );
+        assert_eq!(found.contains("scattered pixels show shadow acne"), is_known, "{epsilon}: {found}");
     }
 }

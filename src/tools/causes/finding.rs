@@ -330,7 +330,7 @@ impl fmt::Display for Finding {
             }
             Self::Speckles { pixels, rays } => {
                 let (seen, meant) = match rays {
-                    SelfHitting::Shadow => ("lie in a shadow of their own", "shadow rays"),
+                    SelfHitting::Shadow => ("show shadow acne", "shadow rays"),
                     SelfHitting::Secondary => {
                         ("mirror or refract themselves", "reflected and refracted rays")
                     }

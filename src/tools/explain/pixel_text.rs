@@ -6,8 +6,10 @@ use super::ray_tree::{Crossing, LightBlocker, Lighting, NotFollowed, RayNode, Sh
 use super::short::{Short, Triple};
 use crate::scene::material::Phong;
 use crate::scene::{Color, MaterialId, Position};
+use crate::shading::light::unit_or_zero;
 use crate::stats::{Counts, RULE};
 use crate::trace::{PathEnd, Secondary};
+use glam::DVec3;
 use std::fmt::{Display, Formatter, Result};
 
 /// From this depth on, lines are not indented any further: a mirror hall may be thousands of rays deep.
@@ -142,7 +144,7 @@ fn write_ray(node: &RayNode, style: Style, lines: &mut Lines) -> Result {
     lines.line(format_args!("counted {}", counted(node.counts, has_grid)))?;
     node.close_calls.iter().try_for_each(|call| lines.line(call))?;
     if let Some(surface) = &node.surface {
-        write_lights(surface, style, &mut lines)?;
+        write_lights(surface, -ray.direction, style, &mut lines)?;
     }
     lines.line(format_args!("own colour {}", Triple(node.color)))?;
     node.ends.iter().try_for_each(|&NotFollowed { kind, end }| {
@@ -230,13 +232,14 @@ impl Display for Power {
     }
 }
 
-fn write_lights(surface: &Surface, style: Style, lines: &mut Lines) -> Result {
+fn write_lights(surface: &Surface, to_viewer: DVec3, style: Style, lines: &mut Lines) -> Result {
     let Some(ambient) = surface.ambient else {
         return lines.line("seen from within, where it is black without -shade_back");
     };
     lines.line(format_args!("ambient {}", Triple(ambient)))?;
     for (number, light) in surface.lights.iter().enumerate() {
         write_light(number, light, style.words, lines)?;
+        write_directions(surface, light, to_viewer, style.words, &mut lines.deeper())?;
         if let Some(shadow) = &light.shadow {
             write_shadow(light, shadow, style.has_grid, &mut lines.deeper())?;
         }
@@ -257,6 +260,41 @@ fn write_light(number: usize, light: &Lighting, words: MaterialWords, lines: &mu
     }
     let [diffuse, specular] = [diffuse, specular].map(|&part| Triple(*passed * part));
     lines.line(format_args!("light {number}: diffuse {diffuse}, specular {specular}, cosine {cosine}"))
+}
+
+/// Writes the vectors of the lighting formula: towards the light and, if there is a highlight, that of its cosine.
+fn write_directions(
+    surface: &Surface,
+    light: &Lighting,
+    to_viewer: DVec3,
+    words: MaterialWords,
+    lines: &mut Lines,
+) -> Result {
+    let (to_light, shown) = (light.incident.direction, Triple(light.incident.direction));
+    let is_behind = words == MaterialWords::Reflective && light.cosine <= 0.0;
+    if is_behind || light.parts[1] == Color::ZERO {
+        return lines.line(format_args!("L {shown} towards the light"));
+    }
+    let normal = surface.point.normal;
+    let normal = if normal.dot(to_viewer) < 0.0 { -normal } else { normal };
+    match words {
+        MaterialWords::Reflective => {
+            let half_way = unit_or_zero(to_light + to_viewer);
+            let cosine = Short(normal.dot(half_way));
+            lines.line(format_args!(
+                "L {shown} towards the light, half-way vector H {}, N.H {cosine}",
+                Triple(half_way)
+            ))
+        }
+        MaterialWords::Specular => {
+            let mirrored = 2.0 * to_viewer.dot(normal) * normal - to_viewer;
+            let cosine = Short(mirrored.dot(to_light));
+            lines.line(format_args!(
+                "L {shown} towards the light, mirrored view R {}, R.L {cosine}",
+                Triple(mirrored)
+            ))
+        }
+    }
 }
 
 fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut Lines) -> Result {
@@ -335,7 +373,6 @@ mod tests {
     use super::*;
     use crate::math::ray::Ray;
     use crate::shading::light::Incident;
-    use glam::DVec3;
 
     struct OneShadow(Lighting);
 
