@@ -5,6 +5,7 @@ use crate::cli::{Converting, ErrorReporting, Grading, JsonTarget, Merging, Optio
 use crate::escape::quoted;
 use crate::image_io::{FileId, part_beside};
 use crate::render::Layer;
+use crate::scene_io::LoadedScene;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -142,6 +143,13 @@ impl WrittenFiles {
             }
             None => Ok(()),
         }
+    }
+
+    /// An error if one of the files is a mesh or a picture that the scene names.
+    pub fn check_loaded(&self, loaded: &LoadedScene) -> Result<(), SameFile> {
+        loaded.mesh_files.iter().try_for_each(|mesh| self.check_read(ReadAs::Mesh, mesh))?;
+        let mut pictures = loaded.scene.images.iter().filter_map(|image| image.file.as_deref());
+        pictures.try_for_each(|picture| self.check_read(ReadAs::Picture, picture))
     }
 
     /// Whether one of the files exists: what does not cannot be read.

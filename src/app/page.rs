@@ -99,7 +99,7 @@ mod server {
         let opened = Arc::new(Mutex::new(None));
         let to_remove = opened.clone();
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
-        if signals.end_after(remove).is_err() {
+        if signals.end_after(remove.clone()).is_err() {
             return Ok(());
         }
         let port = page.port.unwrap_or(0);
@@ -110,6 +110,7 @@ mod server {
             open_browser(&url, opened);
         }
         server.run();
+        remove();
         Ok(())
     }
 

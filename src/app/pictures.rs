@@ -10,7 +10,7 @@ use crate::app::warned;
 use crate::app::{End, failed};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Comparison, Options, Output};
-use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::fingerprint;
 use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile, read_clamped_picture};
@@ -85,9 +85,7 @@ pub fn render(
     };
     let loaded = scene_io::load_announcing(input, &options.hints(), &announce);
     let mut loaded = loaded.map_err(|error| error.to_string())?;
-    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
-    let images = loaded.scene.images.iter().filter_map(|image| image.file.as_deref());
-    images.into_iter().try_for_each(|image| written.check_read(ReadAs::Picture, image))?;
+    written.check_loaded(&loaded)?;
     let settled = options.in_edition(loaded.choice.edition);
     let options = &settled;
     if let Some(note) = loaded.choice.note() {

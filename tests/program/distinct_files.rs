@@ -180,6 +180,19 @@ fn what_a_report_writes_is_no_scene_and_no_mesh_and_differs() {
         refuse(&folder, "-input s.txt -size 4 4 -error_report er", read, message);
         std::fs::remove_file(path(file)).unwrap();
     }
+    folder.write("t.ppm", "P3 1 1 255 9 9 9");
+    folder.write(
+        "textured.txt",
+        "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }
+        Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }
+        Background { color 0 0 0 ambientLight 0 0 0 }
+        Materials { numMaterials 1 Material { diffuseColor 1 1 1 texture t.ppm } }
+        Group { numObjects 1 MaterialIndex 0 TriangleMesh { obj_file m.obj } }",
+    );
+    symlink(path("t.ppm"), path("er/report.csv")).unwrap();
+    let line = "-edition 2012a4 -input textured.txt -size 4 4 -error_report er";
+    refuse(&folder, line, "t.ppm", "`er/report.csv` is the picture `t.ppm`, which would be lost");
+    std::fs::remove_file(path("er/report.csv")).unwrap();
     symlink("report.html", path("er/report.csv")).unwrap();
     let message = folder.run("-input s.txt -size 4 4 -error_report er").message(2);
     assert_eq!(only_line(&message), "error: `er/report.html` and `er/report.csv` are the same file");

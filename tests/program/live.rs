@@ -268,3 +268,26 @@ fn only_the_pictures_of_the_line_are_written() {
     let nothing = Server::start(folder.path(), "");
     assert_eq!(nothing.ask("/save", &view(0, "")).unwrap_err().0, 422);
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_that_is_ended_removes_the_file_that_opened_it() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_scene(&sphere());
+    folder.write("xdg-open", "#!/bin/sh\n");
+    let opener = folder.path().join("xdg-open");
+    std::fs::set_permissions(opener, PermissionsExt::from_mode(0o755)).unwrap();
+    let temporary = folder.path().join("temporary");
+    std::fs::create_dir(&temporary).unwrap();
+    let mut command = folder.command("-input s.txt -gui -port 0 -threads 1");
+    let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap());
+    command.env("PATH", path).env("DISPLAY", ":0").env("TMPDIR", &temporary);
+    let mut server = Server::of(command);
+    let files = || std::fs::read_dir(&temporary).unwrap().count();
+    while files() == 0 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert_eq!(server.post("/quit", &[], b"{}").expect("an answer").0, 200);
+    assert!(server.child.wait().unwrap().success());
+    assert_eq!(files(), 0);
+}

@@ -8,7 +8,7 @@ use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
-use raytracer::distinct_files::{ReadAs, WrittenFiles};
+use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{TextFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
@@ -92,7 +92,7 @@ fn open(
     let loaded = threads
         .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
         .map_err(|error| error.to_string())?;
-    loaded.mesh_files.iter().try_for_each(|mesh| written.check_read(ReadAs::Mesh, mesh))?;
+    written.check_loaded(&loaded)?;
     if loaded.scene.lights.is_empty() {
         tell("WARNING:  No lights specified");
     }
