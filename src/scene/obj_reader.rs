@@ -241,16 +241,11 @@ impl<'a> Reader<'a> {
             polygon.clear();
             polygon.extend(corners.iter().map(|&corner| self.vertices[corner as usize - 1]));
             let found = triangulate(&polygon);
-            if found.crosses_itself {
+            if found.fault.is_some() {
                 self.crossings.add(face.offset, || DoubtKind::Crossing);
             }
-            // New points are behind all vertices, which are counted from 1.
-            let new = self.vertices.len() + 1;
-            self.vertices.extend(found.new_points);
-            let index = |corner: usize| {
-                corners.get(corner).copied().unwrap_or_else(|| (new + corner - corners.len()) as u32)
-            };
-            triangles.extend(found.triangles.into_iter().map(|triangle| triangle.map(index)));
+            triangles
+                .extend(found.triangles.into_iter().map(|triangle| triangle.map(|corner| corners[corner])));
         }
         let mut vertices = std::mem::take(&mut self.vertices);
         keep_used(&mut vertices, &mut triangles);
