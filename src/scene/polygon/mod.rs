@@ -63,20 +63,35 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     if turn < 0 {
         own.reverse();
     }
-    let plane = projection.flattened(&points(&own));
-    let mut found: Vec<u32> = vec![];
-    Earcut::new().earcut_slice(&plane, &[], &mut found);
-    let cut = found.as_chunks().0.iter().map(|&[a, b, c]| [a, b, c].map(|place| place as usize));
-    let mut places = seams::closed(cut.collect(), &plane);
+    let (mut outline, mut places) = cut(&points(&own), projection);
+    if !has_area_of(&outline, &places) {
+        // A corner on another edge may be off it by rounding, on the wrong side.
+        let through: Vec<usize> =
+            seams::through_corners(&outline).into_iter().map(|place| own[place]).collect();
+        let (touching, others) = cut(&points(&through), projection);
+        if has_area_of(&touching, &others) {
+            (own, outline, places) = (through, touching, others);
+        }
+    }
     let fault = match places.is_empty() {
         true if turn == 0 => Some(OutlineFault::EnclosesNothing),
         true => return Triangulation { triangles: whole_fan(), fault: None },
-        false => (!has_area_of(&plane, &places)).then_some(OutlineFault::Crosses),
+        false => (!has_area_of(&outline, &places)).then_some(OutlineFault::Crosses),
     };
     if (turn < 0) != is_backwards {
         places.iter_mut().for_each(|triangle| triangle.reverse());
     }
     Triangulation { triangles: of_polygon(places, own), fault }
+}
+
+/// An outline that turns to the left, flattened, and its triangles.
+fn cut(outline: &[DVec3], projection: DroppedAxis) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
+    let plane = projection.flattened(outline);
+    let mut found: Vec<u32> = vec![];
+    Earcut::new().earcut_slice(&plane, &[], &mut found);
+    let triangles = found.as_chunks().0.iter().map(|&[a, b, c]| [a, b, c].map(|place| place as usize));
+    let closed = seams::closed(triangles.collect(), &plane);
+    (plane, closed)
 }
 
 /// Whether the areas of all triangles, counted as positive, sum to that of the outline, but for the rounding of its

@@ -36,6 +36,22 @@ pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3
     closed
 }
 
+/// The outline by its places, where each edge goes through the corners that lie on it.
+pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
+    let count = outline.len();
+    let mut all = vec![];
+    for from in 0..count {
+        let edge = [from, (from + 1) % count];
+        let mut on_edge: Vec<usize> = (0..count).filter(|&corner| is_within(corner, edge, outline)).collect();
+        let distance =
+            |corner: usize| (0..2).map(|k| (outline[corner][k] - outline[from][k]).abs()).sum::<f64>();
+        on_edge.sort_by(|&one, &other| distance(one).total_cmp(&distance(other)));
+        all.push(from);
+        all.extend(on_edge);
+    }
+    all
+}
+
 /// Whether a corner lies between the ends of an edge, on the line through them but for rounding.
 fn is_within(corner: usize, edge: [usize; 2], outline: &[[f64; 2]]) -> bool {
     let [[px, py], [ax, ay], [bx, by]] = [corner, edge[0], edge[1]].map(|place| outline[place]);

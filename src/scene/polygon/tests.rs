@@ -430,7 +430,7 @@ fn a_convex_polygon_is_a_fan() {
             .enumerate()
             .map(|(k, &[x, y])| DVec3::new(x, y, if k == 1 { 0.1 } else { 0.0 }))
             .collect();
-    assert!(triangulate(&around).fault.is_some());
+    assert_eq!(triangulate(&around).triangles.len(), 4);
     // A triangle that is flat only in the projection stays.
     let square = |y: f64| {
         [DVec3::ZERO, DVec3::new(1.0, y, 0.0), 2.0 * DVec3::X, DVec3::new(2.0, 0.0, 2.0), 2.0 * DVec3::Z]
