@@ -235,7 +235,8 @@ impl<'a> Normal<'a> {
 
     /// A number. Those that other programs write for what is not finite are not finite.
     fn number(&self, word: &str, rule: &str) -> Result<f64, MeshError> {
-        let is_nan = || word.to_ascii_lowercase().trim_start_matches(['-', '+']).starts_with("nan(");
+        let unsigned = word.strip_prefix(['-', '+']).unwrap_or(word);
+        let is_nan = || unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("nan("));
         match word.parse() {
             Ok(number) => Ok(number),
             Err(_) if is_nan() => Ok(f64::NAN),

@@ -55,8 +55,9 @@ pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
 /// Whether a corner lies between the ends of an edge, on the line through them but for rounding.
 fn is_within(corner: usize, edge: [usize; 2], outline: &[[f64; 2]]) -> bool {
     let [[px, py], [ax, ay], [bx, by]] = [corner, edge[0], edge[1]].map(|place| outline[place]);
-    let is_between = |a: f64, p: f64, b: f64| (a < p && p < b) || (b < p && p < a);
+    let is_in_box = (ax.min(bx)..=ax.max(bx)).contains(&px) && (ay.min(by)..=ay.max(by)).contains(&py);
+    let is_end = [px, py] == [ax, ay] || [px, py] == [bx, by];
     let (left, right) = ((bx - ax) * (py - ay), (by - ay) * (px - ax));
     let rounding = 8.0 * UNIT_ROUNDOFF * (left.abs() + right.abs());
-    (is_between(ax, px, bx) || is_between(ay, py, by)) && (left - right).abs() <= rounding
+    is_in_box && !is_end && (left - right).abs() <= rounding
 }
