@@ -65,6 +65,7 @@ fn write_model(hasher: &mut SipHasher13, renderer: &Renderer) {
     }
     write_block(hasher, format!("{:?}", renderer.scene.model).as_bytes());
     renderer.scene.images.iter().for_each(|image| write_block(hasher, &image.texels.rgb));
+    renderer.scene.meshes.iter().for_each(|mesh| hasher.write_u64(mesh.vertices as u64));
     let coordinates = renderer.scene.meshes.iter().flat_map(|mesh| mesh.texture_coordinates.iter());
     for coordinate in coordinates.flatten().flatten().flat_map(|corner| corner.to_array()) {
         hasher.write(&coordinate.to_le_bytes());

@@ -6,12 +6,11 @@ mod named_files;
 use crate::scene::edition::{Choice, Clues, Edition};
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Paint};
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::texels::{ImageFile, Texels};
-use crate::scene::texture_coordinates::Corners;
 use crate::scene::warning::SceneWarning;
 use crate::scene::{MeshFile, Scene};
 pub use error::LoadError;
@@ -135,12 +134,10 @@ pub fn load_source(
 /// A mesh that a scene names.
 #[derive(Debug)]
 pub struct FoundMesh {
-    /// The mesh.
-    pub mesh: Mesh,
-    /// Its file.
+    /// What its file has.
+    pub content: ObjFile,
+    /// The file.
     pub file: PathBuf,
-    /// The texture coordinates of its triangles, if they were asked for.
-    pub texture_coordinates: Vec<Option<Corners>>,
     /// What the file says without an error, but hardly on purpose.
     pub warnings: Vec<SceneWarning>,
 }
@@ -174,8 +171,9 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
             }
             let (mut meshes, mut mesh_files) = (vec![], vec![]);
             for (found, named) in found.into_iter().zip(&mut scene.meshes) {
-                named.texture_coordinates = Arc::new(found.texture_coordinates);
-                meshes.push(found.mesh);
+                named.vertices = found.content.vertices;
+                named.texture_coordinates = Arc::new(found.content.texture_coordinates);
+                meshes.push(found.content.mesh);
                 mesh_files.push(found.file);
                 warnings.extend(found.warnings);
             }

@@ -5,7 +5,7 @@ use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mesh::{Mesh, memory_for, parse_obj};
+use crate::scene::mesh::{Mesh, ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
 use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
@@ -102,24 +102,25 @@ impl Stage {
     ) -> Result<(Choice, Renderer), Vec<SceneMessage>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
-        let find = |name: &str| match self.meshes.get(name) {
-            Some(mesh) => Ok(mesh.clone()),
+        let first = &self.first.renderer.scene;
+        let find = |name: &str, is_textured| match self.meshes.get(name) {
+            Some(mesh) => {
+                let known = first.meshes.iter().find(|file| file.name == name).cloned().unwrap_or_default();
+                let texture_coordinates = known.texture_coordinates.to_vec();
+                Ok(ObjFile {
+                    mesh: mesh.clone(),
+                    vertices: known.vertices,
+                    texture_coordinates,
+                    doubts: vec![],
+                })
+            }
             None if files.replace(files.get() + 1) >= MAX_MESHES => {
                 Err(refused(name, format!("a page opens at most {MAX_MESHES} meshes")))
             }
-            None => mesh_beside(name, folder),
+            None => mesh_beside(name, folder, is_textured),
         };
-        let first = &self.first.renderer.scene;
-        let coordinates = |name: &str| {
-            let known = first.meshes.iter().find(|file| file.name == name);
-            known.map_or(vec![], |file| file.texture_coordinates.to_vec())
-        };
-        let read = |file: &MeshFile, _, _| match find(&file.name) {
-            Ok(mesh) => {
-                let texture_coordinates = coordinates(&file.name);
-                let (file, warnings) = (PathBuf::from(&file.name), vec![]);
-                Ok(FoundMesh { mesh, file, texture_coordinates, warnings })
-            }
+        let read = |file: &MeshFile, _, is_textured| match find(&file.name, is_textured) {
+            Ok(content) => Ok(FoundMesh { content, file: PathBuf::from(&file.name), warnings: vec![] }),
             Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
         };
         // Pictures are those of the command line's scene, which may stand anywhere.
@@ -172,7 +173,7 @@ fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
 }
 
 /// Reads a mesh that lies in the scene's folder or below it; no way leads out of there, nor does a link.
-fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
+fn mesh_beside(name: &str, folder: &Path, is_textured: bool) -> Result<ObjFile, Problem> {
     let is_inside = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
     if !is_inside {
         return Err(refused(name, "a page opens meshes beside the scene only".into()));
@@ -189,7 +190,7 @@ fn mesh_beside(name: &str, folder: &Path) -> Result<Mesh, Problem> {
     }
     memory::ask(memory_for(found.len())).map_err(Problem::Memory)?;
     let bytes = fs::read(&file).map_err(failed)?;
-    parse_obj(&bytes).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
+    read_obj(&bytes, is_textured).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
 }
 
 fn refused(name: &str, reason: String) -> Problem {

@@ -189,7 +189,7 @@ impl Problem {
     /// Advice in one line on what is wrong in a mesh file, if there is any.
     pub fn mesh_hint(&self) -> Option<String> {
         match self {
-            Self::BadMesh { error, .. } => error.fault.hint(),
+            Self::BadMesh { error, .. } => error.hint.clone(),
             _ => None,
         }
     }

@@ -11,12 +11,7 @@ const MAX_SHOWN: usize = 100;
 /// Every character takes one column, so that the caret is aligned: a tab becomes a blank, and an unprintable
 /// character becomes the replacement character. Of a long line only the part around the caret is shown.
 pub fn with_caret(text: &str, at: Position) -> String {
-    line_with_caret(line_of(text, at.line), at)
-}
-
-/// The same for the line itself.
-pub fn line_with_caret(line: &str, at: Position) -> String {
-    let (line, caret) = clipped(line, at.column as usize);
+    let (line, caret) = clipped(line_of(text, at.line), at.column as usize);
     let number = at.line.to_string();
     let width = number.len().max(5);
     format!("{number:>width$} | {line}\n{:>width$} | {:caret$}^", "", "")

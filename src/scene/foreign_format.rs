@@ -1,123 +1,69 @@
 //! Recognizes files of other formats that are given as OBJ, so that the error names the true reason.
 
-use std::fmt;
+/// A format that is not OBJ: its name, and advice in one line.
+pub type Foreign = (&'static str, &'static str);
 
-/// A format that is not OBJ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ForeignFormat {
-    /// Text in UTF-16 or UTF-32.
-    WideText,
-    /// Any other file that is no text.
-    Binary,
-    /// A compressed file.
-    Compressed,
-    /// The program's output of a compiler, whose files are called `.obj` too.
-    ObjectCode,
-    /// What stands for a large file where Git LFS did not fetch it.
-    LfsPointer,
-    /// A page of the web, or another file in XML.
-    Markup,
-    /// A material library, which belongs to an OBJ file.
-    Materials,
-    /// A 3D model in another format.
-    Model(&'static str),
-}
+const EXPORT: &str = "export the mesh as OBJ";
 
-/// How files of a 3D model begin.
-const MODELS: [(&[u8], &str); 15] = [
-    (b"ply\n", "PLY"),
-    (b"ply\r", "PLY"),
-    (b"glTF", "binary glTF"),
-    (b"OFF", "OFF"),
-    (b"COFF", "OFF"),
-    (b"NOFF", "OFF"),
-    (b"Kaydara FBX Binary", "FBX"),
-    (b"; FBX", "FBX"),
-    (b"BLENDER", "a Blender file"),
-    (b"#VRML", "VRML"),
-    (b"#X3D", "X3D"),
-    (b"xof ", "DirectX"),
-    (b"DRACO", "Draco"),
-    (b"#USDA", "USD"),
-    (b"PXR-USDC", "USD"),
+/// Formats by how their files begin, in capitals or small letters.
+const FORMATS: [(Foreign, &[&[u8]]); 13] = [
+    (("PLY", EXPORT), &[b"ply\n", b"ply\r"]),
+    (("binary glTF", EXPORT), &[b"glTF"]),
+    (("OFF", EXPORT), &[b"OFF", b"COFF", b"NOFF"]),
+    (("FBX", EXPORT), &[b"Kaydara FBX Binary", b"; FBX"]),
+    (("a Blender file", EXPORT), &[b"BLENDER"]),
+    (("VRML", EXPORT), &[b"#VRML"]),
+    (("X3D", EXPORT), &[b"#X3D"]),
+    (("DirectX", EXPORT), &[b"xof "]),
+    (("Draco", EXPORT), &[b"DRACO"]),
+    (("USD", EXPORT), &[b"#USDA", b"PXR-USDC"]),
+    (
+        ("compressed", "unpack it"),
+        &[b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf"],
+    ),
+    // Executables of Unix and Windows, and object files of Windows for three kinds of processor.
+    (
+        ("a program or the output of a compiler", EXPORT),
+        &[b"\x7fELF", b"MZ\x90", b"\x64\x86", b"\x4c\x01", b"\x64\xaa"],
+    ),
+    (("a pointer of Git LFS", "fetch it with `git lfs pull`"), &[b"version https://git-lfs"]),
 ];
 
-impl ForeignFormat {
-    /// The format of a file that is certainly not OBJ, by how it begins.
-    pub fn of(bytes: &[u8]) -> Option<Self> {
-        let starts_with =
-            |start: &[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
-        let text = bytes.trim_ascii_start();
-        if is_wide_text(bytes) {
-            return Some(Self::WideText);
-        }
-        if is_binary_stl(bytes) {
-            return Some(Self::Model("binary STL"));
-        }
-        if bytes.starts_with(b"solid") && contains(bytes, b"facet") {
-            return Some(Self::Model("STL"));
-        }
-        if let Some((_, name)) = MODELS.iter().find(|(start, _)| starts_with(start)) {
-            return Some(Self::Model(name));
-        }
-        if bytes.starts_with(b"MM") && has_length(bytes, 2, 0) {
-            return Some(Self::Model("3DS"));
-        }
-        match text {
-            [b'<', b'!' | b'?' | b'a'..=b'z' | b'A'..=b'Z', ..] => return Some(Self::Markup),
-            [b'{', ..] => return Some(Self::Model("JSON, as in glTF")),
-            _ => {}
-        }
-        const COMPRESSED: [&[u8]; 6] =
-            [b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf"];
-        // Executables of Unix and Windows, and object files of Windows for three kinds of processor.
-        const CODE: [&[u8]; 5] = [b"\x7fELF", b"MZ\x90", b"\x64\x86", b"\x4c\x01", b"\x64\xaa"];
-        if COMPRESSED.iter().any(|start| bytes.starts_with(start)) {
-            Some(Self::Compressed)
-        } else if CODE.iter().any(|start| bytes.starts_with(start)) {
-            Some(Self::ObjectCode)
-        } else if bytes.starts_with(b"version https://git-lfs") {
-            Some(Self::LfsPointer)
-        } else {
-            None
-        }
+/// The format of a file that is certainly not OBJ, by how it begins.
+pub fn foreign(bytes: &[u8]) -> Option<Foreign> {
+    let starts_with =
+        |start: &&[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
+    if is_wide_text(bytes) {
+        return Some(("UTF-16 or UTF-32 text", "save the file as UTF-8"));
     }
-
-    /// What a text without faces probably is, if it is not OBJ.
-    pub fn of_no_mesh(bytes: &[u8]) -> Option<Self> {
-        if bytes.contains(&0) {
-            return Some(Self::Binary);
-        }
-        let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
-        lines.any(|line| line.trim_ascii_start().starts_with(b"newmtl")).then_some(Self::Materials)
+    if is_binary_stl(bytes) {
+        return Some(("binary STL", EXPORT));
     }
-
-    /// Advice in one line.
-    pub fn hint(self) -> &'static str {
-        match self {
-            Self::WideText => "save the file as UTF-8",
-            Self::Compressed => "unpack it",
-            Self::LfsPointer => "fetch it with `git lfs pull`",
-            Self::Markup => "it may be a page that was downloaded in place of the mesh",
-            Self::Materials => "name the `.obj` file that it belongs to",
-            Self::Binary | Self::ObjectCode | Self::Model(_) => "export the mesh as OBJ",
+    if bytes.starts_with(b"solid") && bytes.windows(5).any(|word| word == b"facet") {
+        return Some(("STL", EXPORT));
+    }
+    if let Some((format, _)) = FORMATS.iter().find(|(_, starts)| starts.iter().any(starts_with)) {
+        return Some(*format);
+    }
+    let length = bytes.get(2..).and_then(|rest| rest.first_chunk()).map(|&length| u32::from_le_bytes(length));
+    match bytes.trim_ascii_start() {
+        _ if bytes.starts_with(b"MM") && length == Some(bytes.len() as u32) => Some(("3DS", EXPORT)),
+        [b'<', b'!' | b'?' | b'a'..=b'z' | b'A'..=b'Z', ..] => {
+            Some(("HTML or XML", "it may be a page that was downloaded in place of the mesh"))
         }
+        [b'{', ..] => Some(("JSON, as in glTF", EXPORT)),
+        _ => None,
     }
 }
 
-impl fmt::Display for ForeignFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::WideText => write!(f, "UTF-16 or UTF-32 text"),
-            Self::Binary => write!(f, "binary"),
-            Self::Compressed => write!(f, "compressed"),
-            Self::ObjectCode => write!(f, "a program or the output of a compiler"),
-            Self::LfsPointer => write!(f, "a pointer of Git LFS"),
-            Self::Markup => write!(f, "HTML or XML"),
-            Self::Materials => write!(f, "a material library"),
-            Self::Model(name) => write!(f, "{name}"),
-        }
+/// What a text without faces probably is, if it is not OBJ.
+pub fn foreign_without_faces(bytes: &[u8]) -> Option<Foreign> {
+    if bytes.contains(&0) {
+        return Some(("binary", EXPORT));
     }
+    let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+    let is_library = lines.any(|line| line.trim_ascii_start().starts_with(b"newmtl"));
+    is_library.then_some(("a material library", "name the `.obj` file that it belongs to"))
 }
 
 /// Whether a text has a byte order mark of UTF-16 or UTF-32, or zero bytes where these have them in the words of OBJ.
@@ -142,16 +88,6 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
     count.is_some_and(|&count| bytes.len() as u64 == 84 + TRIANGLE * u64::from(u32::from_le_bytes(count)))
 }
 
-/// Whether the file's length stands at `offset`, after which it is `less` than the whole.
-fn has_length(bytes: &[u8], offset: usize, less: usize) -> bool {
-    let length = bytes.get(offset..).and_then(|rest| rest.first_chunk());
-    length.is_some_and(|&length| u32::from_le_bytes(length) as usize + less == bytes.len())
-}
-
-fn contains(bytes: &[u8], word: &[u8]) -> bool {
-    bytes.windows(word.len()).any(|window| window == word)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,26 +96,29 @@ mod tests {
     fn formats_are_known_by_how_they_begin() {
         let stl = [&[b's'; 80][..], &1_u32.to_le_bytes(), &[0; 50]].concat();
         for (bytes, expected) in [
-            (&b"\xff\xfev\0 \0"[..], ForeignFormat::WideText),
-            (b"\xfe\xff\0v\0 ", ForeignFormat::WideText),
-            (b"v\0 \0x\0", ForeignFormat::WideText),
-            (b"\0#\0 ", ForeignFormat::WideText),
-            (&stl, ForeignFormat::Model("binary STL")),
-            (b"solid cube\n facet normal 0 0 1\n", ForeignFormat::Model("STL")),
-            (b"ply\r\nformat ascii 1.0\n", ForeignFormat::Model("PLY")),
-            (b"glTF\x02\0\0\0", ForeignFormat::Model("binary glTF")),
-            (b"\n { \"asset\": { } }", ForeignFormat::Model("JSON, as in glTF")),
-            (b"OFF\n8 6 12\n", ForeignFormat::Model("OFF")),
-            (b"MM\x0a\0\0\0\0\0\0\0", ForeignFormat::Model("3DS")),
-            (b"<!DOCTYPE html>", ForeignFormat::Markup),
-            (b"\x1f\x8b\x08", ForeignFormat::Compressed),
-            (b"\x64\x86\x02\0", ForeignFormat::ObjectCode),
-            (b"version https://git-lfs.github.com/spec/v1\n", ForeignFormat::LfsPointer),
+            (&b"\xff\xfev\0 \0"[..], "UTF-16 or UTF-32 text"),
+            (b"\xfe\xff\0v\0 ", "UTF-16 or UTF-32 text"),
+            (b"v\0 \0x\0", "UTF-16 or UTF-32 text"),
+            (b"\0#\0 ", "UTF-16 or UTF-32 text"),
+            (&stl, "binary STL"),
+            (b"solid cube\n facet normal 0 0 1\n", "STL"),
+            (b"ply\r\nformat ascii 1.0\n", "PLY"),
+            (b"glTF\x02\0\0\0", "binary glTF"),
+            (b"\n { \"asset\": { } }", "JSON, as in glTF"),
+            (b"OFF\n8 6 12\n", "OFF"),
+            (b"MM\x0a\0\0\0\0\0\0\0", "3DS"),
+            (b"<!DOCTYPE html>", "HTML or XML"),
+            (b"\x1f\x8b\x08", "compressed"),
+            (b"\x64\x86\x02\0", "a program or the output of a compiler"),
+            (b"version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS"),
         ] {
-            assert_eq!(ForeignFormat::of(bytes), Some(expected), "{bytes:?}");
+            assert_eq!(foreign(bytes).map(|(name, _)| name), Some(expected), "{bytes:?}");
         }
-        assert_eq!(ForeignFormat::of_no_mesh(b"# m\nnewmtl red\nKd 1 0 0\n"), Some(ForeignFormat::Materials));
-        assert_eq!(ForeignFormat::of_no_mesh(b"a\0b"), Some(ForeignFormat::Binary));
+        assert_eq!(
+            foreign_without_faces(b"# m\nnewmtl red\nKd 1 0 0\n").map(|(name, _)| name),
+            Some("a material library")
+        );
+        assert_eq!(foreign_without_faces(b"a\0b").map(|(name, _)| name), Some("binary"));
     }
 
     #[test]
@@ -196,7 +135,7 @@ mod tests {
             "g off\nf 1 2 3",
         ] {
             assert_eq!(
-                (ForeignFormat::of(text.as_bytes()), ForeignFormat::of_no_mesh(text.as_bytes())),
+                (foreign(text.as_bytes()), foreign_without_faces(text.as_bytes())),
                 (None, None),
                 "{text}"
             );

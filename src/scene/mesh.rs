@@ -2,13 +2,13 @@
 //!
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
-use super::excerpt::line_with_caret;
-pub use super::foreign_format::ForeignFormat;
-pub use super::mesh_error::{DoubtKind, Instead, MeshDoubt, MeshError, MeshFault};
+use super::excerpt::with_caret;
+use super::foreign_format::{foreign, foreign_without_faces};
+pub use super::mesh_error::{MeshDoubt, MeshError};
 pub use super::plain_obj::memory_for;
-use super::{Position, obj_lines, obj_reader, plain_obj};
+use super::{Position, obj_reader, plain_obj};
 use crate::shortcut::Shortcut;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
@@ -28,36 +28,55 @@ impl Mesh {
     }
 }
 
+/// The texture coordinates at a triangle's corners, to the right and up.
+pub type Corners = [DVec2; 3];
+
+/// What an OBJ file has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// The number of its `v` lines, with those of vertices that no face uses.
+    pub vertices: usize,
+    /// The texture coordinates of each triangle, if they were asked for; none for a triangle without them. The list is
+    /// empty if the file has none.
+    pub texture_coordinates: Vec<Option<Corners>>,
+    /// What is doubtful in the file, in its order: one of each kind.
+    pub doubts: Vec<MeshDoubt>,
+}
+
 /// Reads a mesh from the bytes of an OBJ file.
 ///
 /// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
 /// backslash at the end of a line continues it on the next one. Errors: the first error found.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
-    read_obj(bytes).map(|(mesh, _)| mesh)
+    read_obj(bytes, false).map(|file| file.mesh)
 }
 
-/// The same with what is doubtful in the file, in its order: one of each kind.
-pub fn read_obj(bytes: &[u8]) -> Result<(Mesh, Vec<MeshDoubt>), MeshError> {
+/// Reads all of an OBJ file that a scene may need, with texture coordinates if they matter.
+pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
-        && let Some((vertices, triangles)) = plain_obj::parse(text)
+        && let Some((mesh, vertices)) = plain_obj::parse(text)
     {
-        return Ok((Mesh { vertices, triangles }, vec![]));
+        return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
-    let foreign = |format| MeshError { at: None, fault: MeshFault::Foreign(format) };
-    if let Some(format) = ForeignFormat::of(bytes) {
-        return Err(foreign(format));
-    }
-    obj_reader::read(text).map_err(|error| match (&error.fault, ForeignFormat::of_no_mesh(text)) {
-        (MeshFault::NoFaces(_), Some(format)) => foreign(format),
+    let found =
+        foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), |format| Err(refused(format)));
+    found.map_err(|error| match foreign_without_faces(text) {
+        Some(format) if error.message.starts_with(obj_reader::NO_FACES) => refused(format),
         _ => error,
     })
 }
 
+/// The error of a file in another format.
+fn refused((name, hint): (&str, &str)) -> MeshError {
+    MeshError { at: None, message: format!("the file is {name}, not OBJ"), hint: Some(hint.to_owned()) }
+}
+
 /// The line of a mesh's file at this position, with a caret under it.
 pub fn excerpt(bytes: &[u8], at: Position) -> String {
-    let line = obj_lines::line(without_mark(bytes), at.line);
-    line_with_caret(&String::from_utf8_lossy(line), at)
+    with_caret(&String::from_utf8_lossy(without_mark(bytes)), at)
 }
 
 /// A text without a byte order mark, and without the bytes that some systems put behind its end.
@@ -117,8 +136,9 @@ mod tests {
     #[test]
     fn negative_indices_count_backwards_from_the_face() {
         let mesh = read(&format!("{SQUARE}f -4 -3 -2\nv 9 9 9\nf -1 -2 -3"));
-        assert_eq!(mesh.triangles, [[0, 1, 2], [4, 3, 2]]);
-        assert_eq!(mesh.vertices[4], DVec3::splat(9.0));
+        let corners = mesh.triangles[1].map(|corner| mesh.vertices[corner as usize]);
+        assert_eq!(corners, [DVec3::splat(9.0), DVec3::Y, DVec3::new(1.0, 1.0, 0.0)]);
+        assert_eq!((mesh.triangles[0], mesh.vertices.len()), ([0, 1, 2], 5));
     }
 
     #[test]
@@ -146,19 +166,20 @@ mod tests {
 
     #[test]
     fn meshes_without_faces() {
-        for (text, instead) in [
-            ("", Instead::Nothing),
-            ("\n", Instead::NoArea),
-            ("# nothing", Instead::NoArea),
-            (SQUARE, Instead::NoArea),
-            ("v 0 0 0\nv 1 0 0\nl 1 2\n", Instead::Lines),
-            ("surf 0 1 0 1 1 2 3 4", Instead::Surfaces),
-            ("nothing", Instead::Word("nothing".into())),
+        for (text, why) in [
+            ("", ": the file is empty"),
+            ("\n", ""),
+            ("# nothing", ""),
+            (SQUARE, ""),
+            ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
+            ("surf 0 1 0 1 1 2 3 4", ", only curved surfaces, which are not read"),
+            ("nothing", ", and `nothing` is no keyword of OBJ"),
         ] {
-            assert_eq!(refuse(text).fault, MeshFault::NoFaces(instead), "{text}");
+            assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
         }
-        assert_eq!(refuse("binary \0 rubbish").fault, MeshFault::Foreign(ForeignFormat::Binary));
-        assert_eq!(refuse("newmtl red\nKd 1 0 0\n").fault, MeshFault::Foreign(ForeignFormat::Materials));
+        assert_eq!(refuse("binary \0 rubbish").message, "the file is binary, not OBJ");
+        let library = refuse("newmtl red\nKd 1 0 0\n");
+        assert_eq!((library.at, library.message.as_str()), (None, "the file is a material library, not OBJ"));
     }
 
     #[test]
@@ -166,25 +187,35 @@ mod tests {
         let utf16: Vec<u8> = SQUARE.encode_utf16().flat_map(u16::to_le_bytes).collect();
         let marked = [b"\xff\xfe", utf16.as_slice()].concat();
         for (bytes, format) in [
-            (utf16.as_slice(), ForeignFormat::WideText),
-            (&marked, ForeignFormat::WideText),
-            (b"ply\nformat binary_little_endian 1.0\n", ForeignFormat::Model("PLY")),
-            (b"glTF\x02\0\0\0", ForeignFormat::Model("binary glTF")),
+            (utf16.as_slice(), "UTF-16 or UTF-32 text"),
+            (&marked, "UTF-16 or UTF-32 text"),
+            (b"ply\nformat binary_little_endian 1.0\n", "PLY"),
+            (b"glTF\x02\0\0\0", "binary glTF"),
         ] {
-            assert_eq!(parse_obj(bytes), Err(MeshError { at: None, fault: MeshFault::Foreign(format) }));
+            let error = parse_obj(bytes).unwrap_err();
+            assert_eq!((error.at, error.message), (None, format!("the file is {format}, not OBJ")));
         }
     }
 
     /// A statement with a fault, `@` where its caret stands, the fault, and the start of its hint.
-    fn faults() -> Vec<(&'static str, MeshFault, &'static str)> {
-        let word = |word: &str| MeshFault::BadVertex { word: Some(word.into()) };
-        let corner = |word: &str| MeshFault::BadFace { word: word.into() };
-        let missing = |index| MeshFault::NoSuchVertex { index, vertices: 4 };
+    fn faults() -> Vec<(&'static str, String, &'static str)> {
+        const NUMBERS: &str = "a vertex needs three numbers";
+        let word = |word: &str| format!("{NUMBERS}, and `{word}` is none");
+        let few = || NUMBERS.to_owned();
+        let surplus = |count: usize| {
+            format!(
+                "a vertex has {count} numbers: it needs three, and may have a weight or a colour of three or four"
+            )
+        };
+        let corner =
+            |word: &str| format!("a face needs vertex indices such as `1 2 3`, and `{word}` is none");
+        let few_corners = || "a face needs at least three vertices".to_owned();
+        let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
         let negative = "a negative index counts back";
         vec![
-            ("v@", MeshFault::BadVertex { word: None }, ""),
-            ("v 1 2@", MeshFault::BadVertex { word: None }, ""),
-            ("v 1 2@ # 3", MeshFault::BadVertex { word: None }, ""),
+            ("v@", few(), ""),
+            ("v 1 2@", few(), ""),
+            ("v 1 2@ # 3", few(), ""),
             ("v 1 2 @x", word("x"), ""),
             ("v 1 @x", word("x"), ""),
             ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
@@ -192,41 +223,41 @@ mod tests {
             ("v @1, 2, 3", word("1,"), "numbers are separated by blanks"),
             ("v @1d-5 2 3", word("1d-5"), "an exponent is written with `e`"),
             ("v 1 \\ @2 \\ 3", word("\\"), "a backslash continues"),
-            ("v 1 2 @3\0", word("3\0"), "the word has a zero byte"),
-            ("v 1 2 3 4 @5", MeshFault::SurplusNumbers { count: 5 }, ""),
-            ("v 1 2 3 4 5 6 7 @8", MeshFault::SurplusNumbers { count: 8 }, ""),
+            ("v 1 2 @3\0", word("3\\0"), "the word has a zero byte"),
+            ("v 1 2 3 4 @5", surplus(5), ""),
+            ("v 1 2 3 4 5 6 7 @8", surplus(8), ""),
             ("f 1 2 @x", corner("x"), ""),
             ("f 1 2 @3.0", corner("3.0"), "indices are whole numbers"),
             ("f @1,2,3", corner("1,2,3"), "indices are separated by blanks"),
             ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
             ("f @/ / /", corner("/"), "the index of the position comes first"),
             ("f 1 2/@x 3", corner("2/x"), ""),
-            ("f@", MeshFault::FewCorners, "a line between two vertices is written"),
-            ("f 1 2@", MeshFault::FewCorners, "a line between"),
-            ("f 1 2@ # two", MeshFault::FewCorners, "a line between"),
-            ("  f 1 @0 2", missing(0), "indices start with 1"),
-            ("fo 1 @9 2", missing(9), ""),
-            ("f 1 2 @-5", missing(-5), negative),
-            ("f 1 2 @9223372036854775807", missing(i64::MAX), ""),
-            ("f 1 2 @99999999999999999999", missing(i64::MAX), ""),
-            ("f 1 2 @4294967297", missing(4_294_967_297), ""),
-            ("f 1 2 @-9223372036854775808", missing(i64::MIN), negative),
+            ("f@", few_corners(), "a line between two vertices is written"),
+            ("f 1 2@", few_corners(), "a line between"),
+            ("f 1 2@ # two", few_corners(), "a line between"),
+            ("  f 1 @0 2", missing(), "indices start with 1"),
+            ("fo 1 @9 2", missing(), ""),
+            ("f 1 2 @-5", missing(), negative),
+            ("f 1 2 @9223372036854775807", missing(), ""),
+            ("f 1 2 @99999999999999999999", missing(), ""),
+            ("f 1 2 @4294967297", missing(), ""),
+            ("f 1 2 @-9223372036854775808", missing(), negative),
         ]
     }
 
     #[test]
     fn an_error_has_its_reason_its_place_and_a_hint() {
         for end in ["\n", "\r", "\r\n"] {
-            for (marked, fault, hint) in faults() {
+            for (marked, message, hint) in faults() {
                 // The place of a part of a word is the word's.
                 let marked = marked.replace("2/@x", "@2/x").replace("\\ @2", "@\\ 2");
                 let (before, after) = marked.split_once('@').unwrap();
                 let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
                 let at = Position { line: 5, column: before.len() as u32 + 1 };
                 let error = refuse(&text);
-                assert_eq!(error, MeshError { at: Some(at), fault }, "{marked}");
-                assert_eq!(error.fault.hint().is_some(), !hint.is_empty(), "{marked}");
-                assert!(error.fault.hint().unwrap_or_default().starts_with(hint), "{marked}");
+                assert_eq!((error.at, error.message), (Some(at), message), "{marked}");
+                assert_eq!(error.hint.is_some(), !hint.is_empty(), "{marked}");
+                assert!(error.hint.unwrap_or_default().starts_with(hint), "{marked}");
                 let line = format!("{before}{after}").replace('\0', "\u{fffd}");
                 assert!(excerpt(text.as_bytes(), at).starts_with(&format!("    5 | {line}\n")), "{marked}");
             }
@@ -236,24 +267,27 @@ mod tests {
     #[test]
     fn vertices_that_faces_use_must_be_finite() {
         let hint = Some("leave out the fourth number, or make it 1".to_owned());
-        for (marked, fault) in [
-            ("@nan 0 0", MeshFault::NotFinite),
-            ("0 @inf 0", MeshFault::NotFinite),
-            ("0 0 @-1e999", MeshFault::NotFinite),
-            ("0 0 0 @nan", MeshFault::NotFinite),
-            ("@1e300 0 0 1e-300", MeshFault::NotFinite),
-            ("@-nan(ind) 0 0", MeshFault::NotFinite),
-            ("0 @1.#IND 0", MeshFault::NotFinite),
-            ("0 0 @-1.#QNAN", MeshFault::NotFinite),
-            ("0 0 0 @0", MeshFault::ZeroWeight),
-            ("1 2 3 @-0", MeshFault::ZeroWeight),
+        let not_finite = "a vertex has a coordinate that is not finite";
+        let zero_weight = "a vertex has the weight 0, which puts it infinitely far away";
+        for (marked, message) in [
+            ("@nan 0 0", not_finite),
+            ("0 @inf 0", not_finite),
+            ("0 0 @-1e999", not_finite),
+            ("0 0 0 @nan", not_finite),
+            ("@1e300 0 0 1e-300", not_finite),
+            ("0 @1 0 1e-320", not_finite),
+            ("@-nan(ind) 0 0", not_finite),
+            ("0 @1.#IND 0", not_finite),
+            ("0 0 @-1.#QNAN", not_finite),
+            ("0 0 0 @0", zero_weight),
+            ("1 2 3 @-0", zero_weight),
         ] {
             let vertex = marked.replace('@', "");
-            let column = 3 + marked.find('@').unwrap() as u32;
-            let error = refuse(&format!("{SQUARE}v {vertex}\nf 1 2 5\n"));
-            assert_eq!(error, MeshError { at: Some(Position { line: 5, column }), fault }, "{vertex}");
-            let is_weight = error.fault == MeshFault::ZeroWeight;
-            assert_eq!(error.fault.hint(), hint.clone().filter(|_| is_weight), "{vertex}");
+            let at = Some(Position { line: 5, column: 3 + marked.find('@').unwrap() as u32 });
+            // The first of them that a face uses counts.
+            let error = refuse(&format!("{SQUARE}v {vertex}\nv 0 0 inf\nv nan 0 0\nf 1 2 7\nf 1 2 5\n"));
+            assert_eq!((error.at, error.message.as_str()), (at, message), "{vertex}");
+            assert_eq!(error.hint, hint.clone().filter(|_| message == zero_weight), "{vertex}");
             assert_eq!(read(&format!("{SQUARE}v {vertex}\nf 1 2 3\n")).vertices.len(), 3, "{vertex}");
         }
     }
@@ -279,8 +313,8 @@ mod tests {
         ] {
             for end in ["\n", "\r", "\r\n"] {
                 let text = text.replace('\n', end);
-                let (mesh, doubts) = read_obj(text.as_bytes()).unwrap();
-                assert_eq!((&mesh, doubts), (&plain, vec![]), "{text:.200}");
+                let file = read_obj(text.as_bytes(), true).unwrap();
+                assert_eq!((&file.mesh, file.doubts), (&plain, vec![]), "{text:.200}");
                 assert_eq!(utf8(&text), plain, "{text:.200}");
             }
         }
@@ -291,10 +325,12 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_doubtful() {
-        let text =
-            format!("{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n");
-        let (mesh, doubts) = read_obj(text.as_bytes()).unwrap();
-        assert_eq!(mesh.triangles.len(), 1 + 4 + 4);
+        let text = format!(
+            "{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n{}",
+            "f 1 2 3 2\n".repeat(3)
+        );
+        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
+        assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
         let said: Vec<_> = doubts.iter().map(ToString::to_string).collect();
         assert_eq!(
             said,
@@ -302,9 +338,10 @@ mod tests {
                 "line 5: `F` is no keyword of OBJ, and its line is left out; so is another",
                 "line 8: a curved surface is left out",
                 "line 9: the outline of the polygon crosses itself; so does that of another",
+                "line 11: the outline of the polygon encloses nothing; so do those of 2 more",
             ]
         );
-        let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint().unwrap_or_default()).collect();
+        let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
         assert_eq!(hints[0], "did you mean `f`?");
     }
 
@@ -312,7 +349,8 @@ mod tests {
     fn lines_that_matter_must_be_text() {
         let text = b"v 0 0 0\nv 0 \xff 0\n";
         let at = Position { line: 2, column: 5 };
-        assert_eq!(parse_obj(text), Err(MeshError { at: Some(at), fault: MeshFault::NotText }));
+        let error = parse_obj(text).unwrap_err();
+        assert_eq!((error.at, error.message.as_str()), (Some(at), "not UTF-8 text"));
         assert_eq!(excerpt(text, at), "    2 | v 0 \u{fffd} 0\n      |     ^");
     }
 
@@ -329,15 +367,67 @@ mod tests {
         for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
             let error = refuse(&text);
-            assert!(matches!(error.fault, MeshFault::NoSuchVertex { vertices: 5, .. }), "{corner}");
+            assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
             assert_eq!(error.at.map(|at| at.line), Some(line), "{corner}");
         }
         // A negative index counts from its face, however many vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
-        let at = Some(Position { line: 6, column: 9 });
-        assert_eq!(
-            refuse(&text),
-            MeshError { at, fault: MeshFault::NoSuchVertex { index: -5, vertices: 5 } }
-        );
+        assert_eq!(refuse(&text).at, Some(Position { line: 6, column: 9 }));
+    }
+
+    #[test]
+    fn triangles_have_the_texture_coordinates_that_their_corners_name() {
+        let [a, b, c] = [DVec2::new(0.25, 0.5), DVec2::X, DVec2::Y];
+        let places = "vt 0.25 0.5 # one\nvt 1\nvt 0 1 7\n";
+        let faces =
+            "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/4 2/1 3/1\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
+        let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None, None];
+        let read = |text: &str| read_obj(text.as_bytes(), true).unwrap();
+        for text in [
+            format!("{SQUARE}{places}{faces}"),
+            format!("\u{feff}{places}{SQUARE}{faces}"),
+            format!("{SQUARE}{places}{faces}").replace("f 1", "fo 1").replace(" 2/", " \\\n2/"),
+            format!("{SQUARE}{places}{faces}").replace('\n', "\r\n").replace("vt 1", "vt \\\r\n1 \\\r\n0 "),
+        ] {
+            assert_eq!(read(&text).texture_coordinates, expected, "{text}");
+            assert_eq!(read_obj(text.as_bytes(), false).unwrap().texture_coordinates, []);
+        }
+        // Coordinates may come after the faces, if no index counts back.
+        let later = format!("{SQUARE}f 1/1 2/2 3/3\nf 1/-1 2/2 3/3\n{places}");
+        assert_eq!(read(&later).texture_coordinates, [Some([a, b, c]), None]);
+        // A quad has those of its two triangles, also beside other faces, and a polygon that is cut those of its corners.
+        let quad = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/1\nf 1/3 2/2 3/1\n");
+        assert_eq!(read(&quad).texture_coordinates, [Some([a, b, c]), Some([a, c, a]), Some([c, b, a])]);
+        let dart =
+            "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 1.5 2 0\nvt 0 0\nvt 4 2\nvt 0 4\nvt 1.5 2\nf 1/1 2/2 3/3 4/4\n";
+        let ObjFile { mesh, texture_coordinates, .. } = read(dart);
+        for (corners, places) in mesh.triangles.iter().zip(texture_coordinates) {
+            assert_eq!(corners.map(|corner| mesh.vertices[corner as usize].truncate()), places.unwrap());
+        }
+        // Those that are not finite are none, and what is no number is an error.
+        for (number, found) in
+            [("nan", None), ("-nan(ind)", None), ("1e999", None), ("0.25", Some([a, b, c]))]
+        {
+            let text = format!("{SQUARE}vt {number} 0.5\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+            assert_eq!(read(&text).texture_coordinates, [found], "{number}");
+        }
+        let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
+        assert_eq!(error.to_string(), "line 5: a texture coordinate needs numbers, and `x` is none");
+        // A file without them has an empty list, also where faces name some.
+        assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
+        // An index far out of range needs no memory.
+        let far = read(&format!("{SQUARE}vt 0 0\nf 1/4000000000 2/9223372036854775807 3/-4000000000\n"));
+        assert_eq!(far.texture_coordinates, [None]);
+    }
+
+    #[test]
+    fn vertices_that_no_face_uses_are_counted() {
+        for extra in ["", "vn 0 0 1\n", "v 1 1 1 1\n"] {
+            let text = format!("v 9 9 9\n{SQUARE}{extra}f 2 3 4\nv nan 0 0\n");
+            let count = text.lines().filter(|line| line.starts_with("v ")).count();
+            let file = read_obj(text.replace("nan", "5").as_bytes(), false).unwrap();
+            assert_eq!((file.vertices, file.mesh.vertices.len()), (count, 3));
+            assert_eq!(read_obj(text.as_bytes(), false).unwrap().vertices, count);
+        }
     }
 }

@@ -32,18 +32,17 @@ mod reader;
 pub(crate) mod recovery;
 pub(crate) mod excerpt;
 pub mod texels;
-pub mod texture_coordinates;
 mod transform;
 pub mod warning;
 
 use glam::DVec3;
 use material::Material;
+use mesh::Corners;
 use model::Model;
 pub use object::Object;
 use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
-use texture_coordinates::Corners;
 pub(crate) use transform::is_transformation;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
@@ -99,6 +98,8 @@ pub struct MeshFile {
     pub name: String,
     /// The position where the scene first names it.
     pub at: Position,
+    /// The number of vertices that it lists, with those that no face uses, once it has been read.
+    pub vertices: usize,
     /// The texture coordinates of its triangles, once it has been read, if the scene has pictures. It may be shorter than
     /// the mesh.
     pub texture_coordinates: Arc<Vec<Option<Corners>>>,

@@ -13,6 +13,8 @@ pub enum Keyword {
     Vertex,
     /// A polygon. `fo` is its old name.
     Face,
+    /// A texture coordinate.
+    Texture,
     /// A curved surface or a patch, which is left out.
     Surface,
     /// Points, lines and curves, which have no area.
@@ -21,41 +23,8 @@ pub enum Keyword {
     Other,
 }
 
-const OTHERS: [&str; 33] = [
-    "vt",
-    "vn",
-    "vp",
-    "cstype",
-    "deg",
-    "bmat",
-    "step",
-    "parm",
-    "trim",
-    "hole",
-    "scrv",
-    "sp",
-    "end",
-    "con",
-    "g",
-    "s",
-    "mg",
-    "o",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "usemtl",
-    "mtllib",
-    "usemap",
-    "maplib",
-    "shadow_obj",
-    "trace_obj",
-    "ctech",
-    "stech",
-    "res",
-    "t",
-    "vw",
-];
+const OTHERS: &str = "vn g s o usemtl mtllib vp cstype deg bmat step parm trim hole scrv sp end con mg bevel c_interp \
+                      d_interp lod usemap maplib shadow_obj trace_obj ctech stech res t vw";
 
 /// Keywords for which others may have been meant.
 pub const COMMON: [&str; 10] = ["v", "f", "vt", "vn", "g", "o", "s", "usemtl", "mtllib", "l"];
@@ -66,9 +35,10 @@ impl Keyword {
         match word {
             b"v" => Some(Self::Vertex),
             b"f" | b"fo" => Some(Self::Face),
+            b"vt" => Some(Self::Texture),
             b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => Some(Self::Surface),
             b"p" | b"l" | b"curv" | b"curv2" => Some(Self::Line),
-            _ => OTHERS.iter().any(|other| other.as_bytes() == word).then_some(Self::Other),
+            _ => OTHERS.split(' ').any(|other| other.as_bytes() == word).then_some(Self::Other),
         }
     }
 }
@@ -104,51 +74,28 @@ impl<'a> Statement<'a> {
 }
 
 /// The statements of a text that are not empty, in its order.
-pub struct Statements<'a> {
-    rest: &'a [u8],
-}
-
-/// The statements of a text, or of the rest of it.
-pub fn statements(text: &[u8]) -> Statements<'_> {
-    Statements { rest: text }
-}
-
-impl<'a> Iterator for Statements<'a> {
-    type Item = Statement<'a>;
-
-    fn next(&mut self) -> Option<Statement<'a>> {
-        loop {
-            let start = self.rest.iter().position(|byte| !is_blank(byte) && !is_line_end(byte))?;
-            self.rest = &self.rest[start..];
-            let statement = self.take();
-            if !statement.content.is_empty() {
-                return Some(statement);
-            }
-        }
-    }
-}
-
-impl<'a> Statements<'a> {
-    /// Takes the next statement, which starts here.
-    fn take(&mut self) -> Statement<'a> {
-        let text = self.rest;
+pub fn statements(mut rest: &[u8]) -> impl Iterator<Item = Statement<'_>> {
+    let mut next = move || {
+        let start = rest.iter().position(|byte| !is_blank(byte) && !is_line_end(byte))?;
+        let text = &rest[start..];
         let mut line = 0;
         loop {
             let is_end = |byte: &u8| is_line_end(byte) || *byte == b'#';
             let end = line + text[line..].iter().position(is_end).unwrap_or(text.len() - line);
-            let (before, after) = text.split_at(end);
+            let (content, after) = text.split_at(end);
             let comment = line_of(after);
-            self.rest = after_line_end(&after[comment.len()..]);
+            rest = after_line_end(&after[comment.len()..]);
             let goes_on = comment.is_empty()
-                && before[line..].trim_ascii_end().ends_with(b"\\")
-                && !self.rest.is_empty()
-                && !starts_with_keyword(self.rest);
+                && content[line..].trim_ascii_end().ends_with(b"\\")
+                && !rest.is_empty()
+                && !starts_with_keyword(rest);
             if !goes_on {
-                return Statement { content: before, comment };
+                return Some(Statement { content, comment });
             }
-            line = text.len() - self.rest.len();
+            line = text.len() - rest.len();
         }
-    }
+    };
+    std::iter::from_fn(move || next()).filter(|statement| !statement.content.is_empty())
 }
 
 fn is_blank(byte: &u8) -> bool {
@@ -181,27 +128,11 @@ fn starts_with_keyword(text: &[u8]) -> bool {
 
 /// The position of a byte of a text.
 pub fn position(text: &[u8], offset: usize) -> Position {
-    let (mut line, mut rest) = (1_u32, text);
-    loop {
-        let passed = text.len() - rest.len();
-        let current = line_of(rest);
-        if passed + current.len() >= offset || current.len() == rest.len() {
-            let before = &current[..(offset - passed).min(current.len())];
-            let column = String::from_utf8_lossy(before).chars().count() as u32;
-            return Position { line, column: column.saturating_add(1) };
-        }
-        rest = after_line_end(&rest[current.len()..]);
-        line = line.saturating_add(1);
-    }
-}
-
-/// A line of a text, counted from 1, without its end.
-pub fn line(text: &[u8], number: u32) -> &[u8] {
-    let mut rest = text;
-    for _ in 1..number {
-        rest = after_line_end(&rest[line_of(rest).len()..]);
-    }
-    line_of(rest)
+    let before = String::from_utf8_lossy(&text[..offset]).replace("\r\n", "\n");
+    let start = before.rfind(['\n', '\r']).map_or(0, |end| end + 1);
+    let [lines, characters] =
+        [before[..start].matches(['\n', '\r']).count(), before[start..].chars().count()];
+    Position { line: lines as u32 + 1, column: characters as u32 + 1 }
 }
 
 #[cfg(test)]
@@ -244,9 +175,5 @@ mod tests {
         };
         assert_eq!([b'a', b'b', b'c', b'd'].map(at), [(1, 1), (2, 1), (3, 3), (5, 1)]);
         assert_eq!(position(text, text.len()), Position { line: 5, column: 2 });
-        assert_eq!(
-            [1, 2, 3, 4, 5].map(|number| line(text, number)),
-            [&b"a"[..], b"b", "ä c".as_bytes(), b"", b"d"]
-        );
     }
 }

@@ -1,19 +1,22 @@
 //! A fast parser for OBJ texts that contain only positions and triangles, which scans parts of the text in
 //! parallel.
 
+use super::mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Parses a text that consists of `v x y z` and `f i j k` lines, blank lines and comments. None if it
 /// contains anything else, so that the full parser has to accept or reject it.
 ///
-/// The result is identical to that of the full parser, except that the vertices are in the order of the file.
-pub fn parse(text: &[u8]) -> Option<VerticesAndTriangles> {
+/// The result is identical to that of the full parser, except that the vertices are in the order of the file. With it comes
+/// the number of `v` lines.
+pub fn parse(text: &[u8]) -> Option<(Mesh, usize)> {
     let chunks = chunks(text, chunk_size(text.len()));
     let parts = chunks.into_par_iter().map(scan).collect::<Option<_>>()?;
     let Part { mut vertices, mut faces } = joined(parts);
+    let count = vertices.len();
     let is_mesh = !faces.is_empty() && keep_used(&mut vertices, &mut faces);
-    is_mesh.then_some((vertices, faces))
+    is_mesh.then_some((Mesh { vertices, triangles: faces }, count))
 }
 
 /// The memory that reading a mesh takes at least, for a file of this many bytes: its text, and the lists into which it
@@ -28,9 +31,6 @@ pub fn memory_for(length: u64) -> u64 {
 /// nothing.
 const BYTES_PER_VERTEX: usize = 30;
 const BYTES_PER_FACE: usize = 15;
-
-/// Positions, and triangles as indices into them.
-pub type VerticesAndTriangles = (Vec<DVec3>, Vec<[u32; 3]>);
 
 /// The contents of some lines. The corners of faces count vertices from 1.
 struct Part {

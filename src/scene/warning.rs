@@ -51,9 +51,9 @@ impl SceneWarning {
     }
 
     /// The warning about a mesh file with these contents, which the scene names at this position.
-    pub(crate) fn in_mesh(at: Position, file: String, doubt: MeshDoubt, bytes: &[u8]) -> Self {
+    pub(crate) fn in_mesh(at: Position, file: String, doubt: &MeshDoubt, bytes: &[u8]) -> Self {
         let excerpt = mesh::excerpt(bytes, doubt.at);
-        Self { at, doubt: Doubt::InMesh { file, doubt, excerpt } }
+        Self { at, doubt: Doubt::InMesh { file, doubt: doubt.clone(), excerpt } }
     }
 
     /// The line of a mesh file that is meant, with a caret, after a line with the position; empty for a warning about
@@ -70,7 +70,7 @@ impl SceneWarning {
         match &self.doubt {
             Doubt::AboveOne { color, .. } if is_byte_like(*color) => Some("is it meant as 0 to 255?".into()),
             Doubt::AboveOne { .. } | Doubt::Replaces { .. } => None,
-            Doubt::InMesh { doubt, .. } => doubt.hint(),
+            Doubt::InMesh { doubt, .. } => doubt.hint.clone(),
         }
     }
 }

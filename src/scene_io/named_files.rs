@@ -10,7 +10,6 @@ use crate::scene::edition::Edition;
 use crate::scene::error::Problem;
 use crate::scene::mesh::{memory_for, read_obj};
 use crate::scene::texels::Texels;
-use crate::scene::texture_coordinates;
 use crate::scene::warning::SceneWarning;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -67,15 +66,11 @@ pub fn read_mesh(
         match read_mesh_file(&place)? {
             Ok(bytes) => {
                 announce(bytes.len());
-                let (mesh, doubts) =
-                    read_obj(&bytes).map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
-                let warning = |doubt| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
-                let warnings = doubts.into_iter().map(warning).collect();
-                let texture_coordinates = match is_textured {
-                    true => texture_coordinates::read(&bytes, mesh.triangles.len()),
-                    false => vec![],
-                };
-                return Ok(FoundMesh { mesh, file: place, texture_coordinates, warnings });
+                let content = read_obj(&bytes, is_textured)
+                    .map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
+                let warning = |doubt: &_| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
+                let warnings = content.doubts.iter().map(warning).collect();
+                return Ok(FoundMesh { content, file: place, warnings });
             }
             Err(reason) => tried.push((lossy(&place), reason)),
         }

@@ -13,8 +13,7 @@ use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
-use crate::scene::mesh::Mesh;
-use crate::scene::texture_coordinates::Corners;
+use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::{MaterialId, MeshFile, Object, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -151,12 +150,14 @@ impl<'a> Builder<'a> {
             return;
         }
         let linear = placement.matrix.matrix3;
-        if let Some(normals) = vertex_normals(mesh, linear, world.model.normals) {
+        let file = self.files.get(id);
+        let listed = file.map_or(0, |file| file.vertices).max(mesh.vertices.len());
+        if let Some(normals) = vertex_normals(mesh, listed, linear, world.model.normals) {
             let (first, all) = (world.vertices.len(), &mut world.vertex_normals);
             all.resize(first, DVec3::ZERO);
             all.extend(normals);
         }
-        let named = self.files.get(id).map_or(&[][..], |file| file.texture_coordinates.as_slice());
+        let named = file.map_or(&[][..], |file| file.texture_coordinates.as_slice());
         if !named.is_empty() {
             let (first, all) = (world.triangles.len(), &mut world.texture_coordinates);
             all.resize(first, None);

@@ -75,7 +75,7 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
             scene(1, "TriangleMesh { obj_file @bow.obj }"),
             "",
             "in the mesh `bow.obj`: line 5: the outline of the polygon crosses itself; so does that of another\n  \
-             bow.obj:5:1:\n  hint: it covers what its outline goes around, however often",
+             bow.obj:5:1:\n  hint: what it covers is a guess: divide it into triangles when the mesh is exported",
         ),
         (
             scene(1, "TriangleMesh { obj_file @word.obj }"),

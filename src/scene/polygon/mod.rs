@@ -1,68 +1,119 @@
 //! Triangulates the polygons of a mesh: any number of corners in space, which need be neither convex nor exactly
 //! flat.
 //!
-//! What a polygon covers is decided in the coordinate plane that it faces most, by exact orientations. So it depends
-//! neither on the size of the polygon nor on its place, its first corner or its direction. The triangles are those of
-//! the first of three ways that covers the polygon:
-//!
-//! 1. a fan around the first corner, as for every convex polygon;
-//! 2. ears, cut off one by one: every polygon whose outline does not cross itself;
-//! 3. trapezoids between the heights of the corners: what an outline that crosses itself goes around.
-//!
-//! A fan takes linear time. Ears take time nearly linear in the number of corners where edges near each other follow each
-//! other along the outline, as in a comb, and quadratic where they do not, as in a star of needles: a second for 20,000
-//! corners, half a minute for 100,000. The time of trapezoids is bounded.
+//! Decides what a polygon covers in the coordinate plane that it faces most, so that this depends neither on its size
+//! nor on its place, its first corner or its direction. A convex polygon becomes a fan. `earcut` cuts any other one, in
+//! an order that does not depend on the first corner; since it rounds, the area is compared with the outline's. Edges
+//! meet whole: where a corner lies on a line between its neighbours, no gap opens towards the polygon beside it.
 
-mod box_tree;
-mod ears;
 mod fan;
 mod outline;
 mod projection;
-mod trapezoids;
+mod seams;
 
 #[cfg(test)]
 mod tests;
 
+use crate::math::exact_sum::ExactSum;
+use crate::math::robust::UNIT_ROUNDOFF;
+use earcut::Earcut;
 use glam::DVec3;
-use outline::Outline;
 use projection::DroppedAxis;
 
 /// The triangles of a polygon, counter-clockwise where the polygon is.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Triangulation {
-    /// Indices of corners. Those from the number of corners on are indices of `new_points`.
+    /// Indices of corners.
     pub triangles: Vec<[usize; 3]>,
-    /// Further vertices on the edges of an outline that crosses itself.
-    pub new_points: Vec<DVec3>,
-    /// Whether the outline crosses itself, by more than its corners may be off by rounding.
-    pub crosses_itself: bool,
+    /// What is wrong with the outline.
+    pub fault: Option<OutlineFault>,
 }
 
-impl From<Vec<[usize; 3]>> for Triangulation {
-    fn from(triangles: Vec<[usize; 3]>) -> Self {
-        Self { triangles, new_points: vec![], crosses_itself: false }
-    }
+/// What is wrong with the outline of a polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutlineFault {
+    /// The triangles have another area than the outline, by more than its corners may be off by rounding.
+    Crosses,
+    /// It goes back the way it came, so that there are no triangles.
+    EnclosesNothing,
 }
+
+/// The number of corners beyond which the lists of `earcut` might overflow.
+const MOST_CORNERS: usize = 1 << 24;
 
 /// Triangulates a polygon of at least three corners, which are finite.
 ///
-/// A polygon without area becomes a fan of triangles without area. Any other has triangles with an area only. Where
-/// the outline crosses itself, the polygon covers the points around which it goes, however often it does.
+/// A polygon whose corners are on one line becomes a fan of triangles without area.
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
-    let outline = Outline::new(corners);
-    let Some(projection) = DroppedAxis::facing(&outline) else { return whole_fan(corners.len()) };
-    if let Some(triangles) = fan::triangles(&outline, projection) {
-        return triangles.into();
-    }
-    let ring = outline.ring();
-    let found = match ears::triangles(&ring, projection) {
-        Some(triangles) => triangles.into(),
-        None => trapezoids::triangulation(&ring, projection, corners.len()),
+    let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
+    let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
+    let ring = outline::distinct(corners);
+    let (mut own, is_backwards) = outline::in_own_order(&ring, corners);
+    let facing = DroppedAxis::facing(&points(&own)).filter(|_| corners.len() <= MOST_CORNERS);
+    let Some(projection) = facing else { return Triangulation { triangles: whole_fan(), fault: None } };
+    let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
+        places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
     };
-    if found.triangles.is_empty() { whole_fan(corners.len()) } else { found }
+    let in_file_order = points(&ring);
+    if let Some(fan) = fan::triangles(&in_file_order, projection) {
+        let places = seams::closed(fan, &projection.flattened(&in_file_order));
+        return Triangulation { triangles: of_polygon(places, ring), fault: None };
+    }
+    let turn = projection.turn(&points(&own));
+    if turn < 0 {
+        own.reverse();
+    }
+    let (mut outline, mut places) = cut(&points(&own), projection);
+    if !has_area_of(&outline, &places) {
+        // A corner on another edge may be off it by rounding, on the wrong side.
+        let through: Vec<usize> =
+            seams::through_corners(&outline).into_iter().map(|place| own[place]).collect();
+        let (touching, others) = cut(&points(&through), projection);
+        if has_area_of(&touching, &others) {
+            (own, outline, places) = (through, touching, others);
+        }
+    }
+    let fault = match places.is_empty() {
+        true if turn == 0 => Some(OutlineFault::EnclosesNothing),
+        true => return Triangulation { triangles: whole_fan(), fault: None },
+        false => (!has_area_of(&outline, &places)).then_some(OutlineFault::Crosses),
+    };
+    if (turn < 0) != is_backwards {
+        places.iter_mut().for_each(|triangle| triangle.reverse());
+    }
+    Triangulation { triangles: of_polygon(places, own), fault }
 }
 
-/// The triangles around the first corner, whether or not they have an area.
-fn whole_fan(corners: usize) -> Triangulation {
-    (1..corners.max(2) - 1).map(|k| [0, k, k + 1]).collect::<Vec<_>>().into()
+/// An outline that turns to the left, flattened, and its triangles.
+fn cut(outline: &[DVec3], projection: DroppedAxis) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
+    let plane = projection.flattened(outline);
+    let mut found: Vec<u32> = vec![];
+    Earcut::new().earcut_slice(&plane, &[], &mut found);
+    let triangles = found.as_chunks().0.iter().map(|&[a, b, c]| [a, b, c].map(|place| place as usize));
+    let closed = seams::closed(triangles.collect(), &plane);
+    (plane, closed)
+}
+
+/// Whether the areas of all triangles, counted as positive, sum to that of the outline, but for the rounding of its
+/// corners, which are below 1.
+fn has_area_of(outline: &[[f64; 2]], triangles: &[[usize; 3]]) -> bool {
+    let doubled_area = |corners: &[usize], sum: &mut ExactSum, sign: f64| {
+        for (k, &from) in corners.iter().enumerate() {
+            let [[ax, ay], [bx, by]] = [from, corners[(k + 1) % corners.len()]].map(|place| outline[place]);
+            sum.add_product([sign, ax, by]);
+            sum.add_product([-sign, ay, bx]);
+        }
+    };
+    let all: Vec<usize> = (0..outline.len()).collect();
+    let mut excess = ExactSum::default();
+    doubled_area(&all, &mut excess, -1.0);
+    for triangle in triangles {
+        let mut area = ExactSum::default();
+        doubled_area(triangle, &mut area, 1.0);
+        doubled_area(triangle, &mut excess, f64::from(area.value().sign()));
+    }
+    let lengths = outline.iter().zip(outline.iter().cycle().skip(1));
+    let length: f64 = lengths.map(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs()).sum();
+    let excess = excess.value();
+    libm::ldexp(excess.significand, excess.exponent).abs() <= 2.0 * UNIT_ROUNDOFF * length
 }

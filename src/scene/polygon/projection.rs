@@ -1,12 +1,10 @@
 //! The projection of a polygon along a coordinate axis, in which what it covers is decided. It rounds nothing.
 
-use super::outline::{Corner, Outline};
 use crate::math::exact_sum::ExactSum;
 use crate::math::predicate::{area_vector, projected_area};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::scaled::Scaled;
 use glam::{DVec3, Vec3Swizzles};
-use std::cmp::Ordering;
 
 /// The projection along one of the coordinate axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +14,7 @@ pub struct DroppedAxis {
 
 impl DroppedAxis {
     /// Along the axis that the polygon faces most. None if the polygon has no area.
-    pub fn facing(outline: &Outline) -> Option<Self> {
+    pub fn facing(outline: &[DVec3]) -> Option<Self> {
         let axis = faced_by_whole(outline).or_else(|| faced_by_largest_triangle(outline))?;
         Some(Self { axis })
     }
@@ -27,10 +25,12 @@ impl DroppedAxis {
         [point[(self.axis + 1) % 3], point[(self.axis + 2) % 3]]
     }
 
-    /// The point whose second projected coordinate is this number, and whose other coordinates are those of `point`.
-    pub fn with_second(self, mut point: DVec3, second: f64) -> DVec3 {
-        point[(self.axis + 2) % 3] = second;
-        point
+    /// The projected corners, times a power of two that brings all coordinates below 1.
+    pub fn flattened(self, corners: &[DVec3]) -> Vec<[f64; 2]> {
+        let points = || corners.iter().map(|&corner| self.of(corner));
+        let largest = points().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let (_, exponent) = libm::frexp(largest);
+        points().map(|point| point.map(|x| libm::ldexp(x, -exponent))).collect()
     }
 
     /// The exact sign of the projected triangle's area: 1 if its corners turn to the left, -1 to the right, and 0 on
@@ -49,38 +49,11 @@ impl DroppedAxis {
         projected_area(DVec3::AXES[self.axis], corners).sign()
     }
 
-    /// Whether a point of the projected line through two others lies between them, and is neither of the two.
-    pub fn is_between(self, point: DVec3, ends: [DVec3; 2]) -> bool {
-        let [p, [ax, ay], [bx, by]] = [point, ends[0], ends[1]].map(|point| self.of(point));
-        let is_within = |a: f64, p: f64, b: f64| (a < p && p < b) || (b < p && p < a);
-        is_within(ax, p[0], bx) || is_within(ay, p[1], by)
-    }
-
-    /// In which direction a projected edge goes along each of the two axes: -1, 0 or 1.
-    pub fn directions(self, edge: [DVec3; 2]) -> [i32; 2] {
-        let [from, to] = edge.map(|end| self.of(end));
-        [0, 1].map(|axis| i32::from(from[axis] < to[axis]) - i32::from(from[axis] > to[axis]))
-    }
-
-    /// Whether two edges on one projected line have more than a point in common.
-    pub fn overlap(self, one: [DVec3; 2], other: [DVec3; 2]) -> bool {
-        let [[a, b], [c, d]] = [one, other].map(|edge| edge.map(|end| self.of(end)));
-        let has_common = |axis: usize| {
-            let (lower, upper) = (
-                a[axis].min(b[axis]).max(c[axis].min(d[axis])),
-                a[axis].max(b[axis]).min(c[axis].max(d[axis])),
-            );
-            lower < upper
-        };
-        has_common(0) || has_common(1)
-    }
-
     /// The exact sign of the projected area that an outline goes around: 1 if it turns to the left on the whole.
-    pub fn turn(self, corners: &[Corner]) -> i32 {
+    pub fn turn(self, outline: &[DVec3]) -> i32 {
         let mut area = ExactSum::default();
-        for (k, corner) in corners.iter().enumerate() {
-            let [ax, ay] = self.of(corner.point);
-            let [bx, by] = self.of(corners[(k + 1) % corners.len()].point);
+        for (&from, &to) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+            let ([ax, ay], [bx, by]) = (self.of(from), self.of(to));
             area.add_product([ax, by, 1.0]);
             area.add_product([-ay, bx, 1.0]);
         }
@@ -89,18 +62,16 @@ impl DroppedAxis {
 }
 
 /// The axis along which the polygon's area vector (Newell's normal) is longest; none if rounding may be as large.
-fn faced_by_whole(outline: &Outline) -> Option<usize> {
-    let count = outline.in_file_order().len();
-    let first = outline.at(0).point;
+fn faced_by_whole(outline: &[DVec3]) -> Option<usize> {
     let (mut area, mut size) = (DVec3::ZERO, DVec3::ZERO);
-    for k in 1..count.max(2) - 1 {
-        let (p, q) = (outline.at(k).point - first, outline.at(k + 1).point - first);
+    for edge in outline.windows(2) {
+        let (p, q) = (edge[0] - outline[0], edge[1] - outline[0]);
         let (positive, negative) = (p.yzx() * q.zxy(), p.zxy() * q.yzx());
         area += positive - negative;
         size += positive.abs() + negative.abs();
     }
     // Three roundings for each product, one for their difference, and one for each sum.
-    let bound = (count + 4) as f64 * UNIT_ROUNDOFF * size.max_element();
+    let bound = (outline.len() + 4) as f64 * UNIT_ROUNDOFF * size.max_element();
     let area = area.abs();
     let axis = area.max_position();
     // No bound holds for numbers that overflow or underflow.
@@ -109,20 +80,15 @@ fn faced_by_whole(outline: &Outline) -> Option<usize> {
 
 /// The axis along which the largest projected triangle of the first corner and an edge is; none if they all have no
 /// area. It tells also for an outline whose parts cancel, such as an eight.
-fn faced_by_largest_triangle(outline: &Outline) -> Option<usize> {
+fn faced_by_largest_triangle(outline: &[DVec3]) -> Option<usize> {
     let (mut largest, mut axis) = (Scaled::ZERO, None);
-    for k in 1..outline.in_file_order().len().max(2) - 1 {
-        let areas = area_vector([0, k, k + 1].map(|place| outline.at(place).point));
-        for (candidate, area) in areas.into_iter().enumerate() {
-            if by_size(area, largest) == Ordering::Greater {
+    for edge in outline.windows(2) {
+        for (candidate, area) in area_vector([outline[0], edge[0], edge[1]]).into_iter().enumerate() {
+            let size = |x: Scaled| (x.exponent, x.significand.abs());
+            if size(area) > size(largest) {
                 (largest, axis) = (area, Some(candidate));
             }
         }
     }
     axis
-}
-
-fn by_size(a: Scaled, b: Scaled) -> Ordering {
-    let size = |x: Scaled| (x.exponent, x.significand.abs());
-    size(a).partial_cmp(&size(b)).unwrap_or(Ordering::Equal)
 }
