@@ -1,7 +1,7 @@
 //! Pictures that other programs wrote, under wrong names, with other line ends, windows, maxima or no pixels: they are
 //! read right, or refused with what was found.
 
-use crate::support::{CAMERA, Folder, only_line, sphere};
+use crate::support::{Folder, only_line, sphere};
 
 /// The size and the bytes of a picture, which is read without a word.
 fn pixels(folder: &Folder, name: &str) -> ([usize; 2], Vec<u8>) {
@@ -54,6 +54,9 @@ fn the_first_bytes_decide_the_format_and_the_name_is_checked() {
     folder.write("part.png", folder.read("a.tga"));
     let message = folder.run("-merge part.png -output m.png").message(1);
     assert!(message.contains("it is a TGA file; name it `part.tga`"), "{message}");
+    folder.write("t.txt", textured("part.png"));
+    let message = folder.run("-input t.txt -edition 2012a4 -size 4 4 -output t.tga").message(1);
+    assert!(message.contains("it is a TGA file; name it `part.tga`"), "{message}");
     let (_, expected) = pixels(&folder, "a.tga");
     for name in ["a.pgm", "a.pbm", "a.PNM", "a.pam"] {
         folder.write(name, folder.read("a.ppm"));
@@ -101,6 +104,15 @@ fn samples_are_rounded_to_the_nearest_level() {
     assert_refused(&folder, "a.pgm", &["row 1", "above 100"]);
 }
 
+/// A scene of 2012 with this texture.
+fn textured(name: &str) -> String {
+    format!(
+        "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 20 }}
+        Materials {{ numMaterials 1 Material {{ texture {name} }} }}
+        Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+    )
+}
+
 /// Files whose width or height is 0, in every format.
 fn empty_files() -> Vec<(String, Vec<u8>)> {
     let mut files = vec![];
@@ -142,11 +154,7 @@ fn a_picture_without_pixels_is_an_error_everywhere() {
             let message = folder.run(&line).message(1);
             assert!(message.contains("the picture has no pixels"), "{line}: {message}");
         }
-        let texture = format!(
-            "{CAMERA} Materials {{ numMaterials 1 Material {{ texture {name} }} }}
-            Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
-        );
-        folder.write("t.txt", texture);
+        folder.write("t.txt", textured(&name));
         let message = folder.run("-input t.txt -edition 2012a4 -size 4 4 -output t.tga").message(1);
         assert!(message.contains("the picture has no pixels"), "{name}: {message}");
     }
