@@ -121,7 +121,8 @@ impl<'a> InputFile<'a> {
             }
             let whole = (rows_per_block.min(data.height - first) * row) as usize;
             let length = usize::try_from(length).ok().filter(|&length| length <= whole);
-            let mut bytes = vec![0; length.ok_or_else(|| self.bad("a row has a wrong length"))?];
+            let length = length.ok_or_else(|| self.bad("a row has a wrong length"))?;
+            let mut bytes = self.zeros(length as u64, size)?;
             source.read_exact(&mut bytes).map_err(cut)?;
             let bytes = match header.compression {
                 _ if bytes.len() == whole => Some(bytes),
