@@ -37,7 +37,7 @@ _raytracer() {
             region:2) return ;;
             region:3) return ;;
             merge:*) _raytracer_files "$current" tga png; return ;;
-            convert:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            convert:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
             depth:0) return ;;
             depth:1) return ;;
             depth:2) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
@@ -62,8 +62,8 @@ _raytracer() {
             grid:0) COMPREPLY=($(compgen -W 'auto none' -- "$current")); return ;;
             grid:1) return ;;
             grid:2) return ;;
-            compare:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            reference:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            compare:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
+            reference:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
             difference:0) _raytracer_files "$current" tga png bmp ppm; return ;;
             tolerance:0) return ;;
             tolerance:1) return ;;

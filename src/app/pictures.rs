@@ -13,7 +13,9 @@ use raytracer::cli::{Comparison, Options, Output};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::fingerprint;
-use raytracer::image_io::{CompleteFile, Exceptional, ImageError, OutputFile, read_clamped_picture};
+use raytracer::image_io::{
+    CompleteFile, Exceptional, ImageError, OutputFile, Remarks, read_remarked_picture,
+};
 use raytracer::memory::Bytes;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request, Stopped, Tracing};
@@ -251,12 +253,16 @@ pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
     }
 }
 
-/// Reads a picture. A note says how many of its pixels are `done`, which is what is done with them, clamped.
+/// Reads a picture. Notes say how many of its pixels are `done`, which is what is done with them, clamped, and whether
+/// a line end follows the last one.
 pub fn read_picture(path: &Path, done: &str, tell: &dyn Fn(&str)) -> Result<Picture, String> {
-    let (picture, clamped) = read_clamped_picture(path).map_err(failed)?;
+    let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path).map_err(failed)?;
+    let shown = quoted(path);
     if clamped > 0 {
-        let shown = quoted(path);
         tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"));
+    }
+    if has_line_end {
+        tell(&format!("note: a line end follows the last pixel of {shown}; it is left out"));
     }
     Ok(picture)
 }

@@ -37,10 +37,11 @@ macro_rules! flags {
     };
 }
 
-/// The endings of pictures that may be parts, of pictures of bytes, and of all pictures.
+/// The endings of pictures that may be parts, of pictures of bytes, of all pictures to write, and of those to read.
 const PARTS: &[&str] = &["tga", "png"];
 const BYTES: &[&str] = &["tga", "png", "bmp", "ppm"];
 const PICTURES: &[&str] = &["tga", "png", "bmp", "ppm", "pfm", "exr"];
+const READ: &[&str] = &["tga", "png", "bmp", "ppm", "pgm", "pbm", "pnm", "pam", "pfm", "exr"];
 
 /// The runs for which a flag is that shapes the colour picture.
 const SHAPING: &[Run] = &[Run::ErrorReport, Run::Page];
@@ -132,7 +133,7 @@ flags! {
         .read(|values| values.words.iter().map(|word| values.part(word)).collect());
 
     CONVERT: PathBuf = Flag::new(Section::Pictures, "convert")
-        .values(&[file("file", PICTURES)])
+        .values(&[file("file", READ)])
         .help("Writes this picture in the format of -output, which is one of bytes. No scene is needed.")
         .details("Its pixels stay the same. Numbers of .pfm and .exr become bytes as colours of a scene do; a line says how many are clamped.")
         .example("-convert mine.tga")
@@ -354,7 +355,7 @@ flags! {
         .switch();
 
     COMPARE: PathBuf = Flag::new(Section::Comparison, "compare")
-        .values(&[file("file", PICTURES)])
+        .values(&[file("file", READ)])
         .usual()
         .elsewhere(&["diff"])
         .default("the rendered picture")
@@ -365,7 +366,7 @@ flags! {
         .read(|values| values.picture());
 
     REFERENCE: PathBuf = Flag::new(Section::Comparison, "reference")
-        .values(&[file("file", PICTURES)])
+        .values(&[file("file", READ)])
         .default("the rendered picture")
         .help("The picture to compare with, or the folder of pictures for -grade.")
         .example("-reference theirs.png")

@@ -98,7 +98,7 @@ impl<'a> Values<'a> {
     /// The name of a picture to read.
     pub fn picture(&self) -> Result<PathBuf, CliError> {
         let [word] = self.exactly()?;
-        match Format::of(Path::new(word)) {
+        match Format::of_input(Path::new(word)) {
             Some(_) => Ok(word.into()),
             None => Err(self.bad(word, Problem::NotPicture)),
         }

@@ -1,6 +1,6 @@
 //! The errors of picture files.
 
-use crate::escape::{escape, quoted};
+use crate::escape::quoted;
 use crate::picture::BadSize;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -35,15 +35,6 @@ pub enum ImageError {
         /// The reason.
         error: io::Error,
     },
-    /// The file's content is not in the format that its name says, or the picture does not fit the format.
-    Coding {
-        /// The operation that failed, such as "open".
-        action: &'static str,
-        /// The path of the file.
-        path: PathBuf,
-        /// The reason.
-        error: Box<image::ImageError>,
-    },
     /// A side is too long for the format.
     Sides {
         /// The path of the file.
@@ -62,40 +53,12 @@ pub enum ImageError {
         /// The height in pixels.
         height: usize,
     },
-    /// A picture to read is a folder, a pipe or a device.
-    NotAFile {
+    /// A file has no picture that can be read.
+    Unreadable {
         /// The path of the file.
         path: PathBuf,
-    },
-    /// A file ends within its header, so that the size of its picture is not known.
-    NoHeader {
-        /// The path of the file.
-        path: PathBuf,
-    },
-    /// A file is too short for the number of pixels in its header.
-    Short {
-        /// The path of the file.
-        path: PathBuf,
-        /// The width in pixels.
-        width: u32,
-        /// The height in pixels.
-        height: u32,
-    },
-    /// A picture of another size than the only one that is accepted.
-    OtherSize {
-        /// The path of the file.
-        path: PathBuf,
-        /// The width and height in pixels.
-        size: [u32; 2],
-        /// Those that were expected.
-        expected: [u32; 2],
-    },
-    /// A TGA file of an unknown type.
-    TgaType {
-        /// The path of the file.
-        path: PathBuf,
-        /// The third byte of the file.
-        image_type: u8,
+        /// What was found, and what to do.
+        reason: String,
     },
     /// A picture that says nothing of a whole that it is a part of, or what cannot be true.
     NoPart {
@@ -118,13 +81,6 @@ pub enum ImageError {
     Damaged {
         /// The path of the file.
         path: PathBuf,
-    },
-    /// A file of floating-point numbers that cannot be read.
-    BadFloats {
-        /// The path of the file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: &'static str,
     },
     /// A picture of bytes is to be written as floating-point numbers.
     OnlyBytes {
@@ -150,17 +106,13 @@ impl ImageError {
         Self::Io { action, path: path.to_owned(), error }
     }
 
+    pub(super) fn unreadable(path: &Path, reason: impl Into<String>) -> Self {
+        Self::Unreadable { path: path.to_owned(), reason: reason.into() }
+    }
+
     /// Whether nobody reads what is written.
     pub fn is_reader_gone(&self) -> bool {
         matches!(self, Self::Io { error, .. } if error.kind() == io::ErrorKind::BrokenPipe)
-    }
-
-    /// Unwraps the input and output errors that the image crate passes on.
-    pub(super) fn coding(action: &'static str, path: &Path, error: image::ImageError) -> Self {
-        match error {
-            image::ImageError::IoError(error) => Self::io(action, path, error),
-            error => Self::Coding { action, path: path.to_owned(), error: Box::new(error) },
-        }
     }
 }
 
@@ -175,9 +127,6 @@ impl fmt::Display for ImageError {
                 write!(f, "cannot write {}: there is no folder {}", shown(path), shown(folder))
             }
             Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", shown(path)),
-            Self::Coding { action, path, error } => {
-                write!(f, "cannot {action} {}: {}", shown(path), escape(&error.to_string()))
-            }
             Self::Sides { path, width, height } => {
                 write!(f, "cannot write {}: {width} x {height} is above 65535 pixels a side", shown(path))
             }
@@ -188,18 +137,7 @@ impl fmt::Display for ImageError {
                     "cannot write {path}: {width} x {height} pixels are above 4 GB, where a BMP file ends"
                 )
             }
-            Self::NotAFile { path } => write!(f, "cannot read {}: it is not a regular file", shown(path)),
-            Self::NoHeader { path } => write!(f, "cannot read {}: it ends within its header", shown(path)),
-            Self::Short { path, width, height } => {
-                write!(f, "cannot read {}: it is too short for {width} x {height} pixels", shown(path))
-            }
-            Self::OtherSize { path, size: [width, height], expected: [w, h] } => {
-                let path = shown(path);
-                write!(f, "cannot read {path}: its size is {width} x {height} pixels instead of {w} x {h}")
-            }
-            Self::TgaType { path, image_type } => {
-                write!(f, "cannot read {}: TGA of type {image_type} is not supported", shown(path))
-            }
+            Self::Unreadable { path, reason } => write!(f, "cannot read {}: {reason}", shown(path)),
             Self::NoPart { path } => {
                 write!(f, "{} is no part of a picture, as `-region` makes it", shown(path))
             }
@@ -219,7 +157,6 @@ impl fmt::Display for ImageError {
             Self::OtherEncoding { path } => {
                 write!(f, "{} is no part of a picture as this program encodes it", shown(path))
             }
-            Self::BadFloats { path, reason } => write!(f, "cannot read {}: {reason}", shown(path)),
             Self::OnlyBytes { path } => {
                 write!(f, "cannot write {}: a picture of bytes has no floating-point numbers", shown(path))
             }
@@ -232,7 +169,6 @@ impl std::error::Error for ImageError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Io { error, .. } => Some(error),
-            Self::Coding { error, .. } => Some(error),
             _ => None,
         }
     }

@@ -13,10 +13,11 @@ mod float_rows;
 mod input;
 mod merge;
 mod mosaic;
+mod netpbm_input;
 mod output;
 mod part;
 mod part_file;
-mod pfm_input;
+mod signature;
 mod spool;
 mod text;
 mod writer;
@@ -25,7 +26,7 @@ pub use complete_file::{CompleteFile, put_in_place};
 pub use error::ImageError;
 pub use file_id::FileId;
 pub use float_rows::{Content, Exceptional};
-pub use input::{read_clamped_picture, read_picture, read_picture_of_size};
+pub use input::{Remarks, read_picture, read_picture_from, read_picture_of_size, read_remarked_picture};
 pub use merge::{Difference, Merge, MergeError};
 pub use output::OutputFile;
 pub use part::{NotPart, Part};
@@ -56,7 +57,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format by the last four bytes of the name, in upper or lower case; none if they are not known.
+    /// The format of a file to write, by the last four bytes of its name, in upper or lower case; none if they are not
+    /// known.
     pub fn of(path: &Path) -> Option<Self> {
         let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
         match end.to_ascii_lowercase().as_slice() {
@@ -68,6 +70,13 @@ impl Format {
             b".exr" => Some(Self::Exr),
             _ => None,
         }
+    }
+
+    /// The format of a file to read. It may also have the ending of a relative of PPM.
+    pub fn of_input(path: &Path) -> Option<Self> {
+        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?.to_ascii_lowercase();
+        let is_relative = [b".pbm", b".pgm", b".pnm", b".pam"].iter().any(|ending| **ending == *end);
+        if is_relative { Some(Self::Ppm) } else { Self::of(path) }
     }
 
     /// The format with this name, as in an ending without the dot.

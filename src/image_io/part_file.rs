@@ -4,6 +4,7 @@ use super::Format;
 use super::checksum::{CheckedPart, PartHasher, Unchecked};
 use super::error::ImageError;
 use super::part::Part;
+use super::signature::identify;
 use super::writer::{PNG_COMMENT, TGA_HEADER, tga_header};
 use crate::picture::CHANNELS;
 use crate::render::Window;
@@ -50,9 +51,10 @@ impl PartFile {
     /// Reads what a file says about itself. A picture that is no part of another is an error, and so is one that is
     /// encoded otherwise than by this program.
     pub fn open(path: &Path) -> Result<Self, ImageError> {
-        let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
         let no_part = || ImageError::NoPart { path: path.to_owned() };
-        let (rows, start) = Rows::read(path, format, source(path)?)?;
+        let mut source = source(path)?;
+        let (format, _) = identify(path, &mut *source)?;
+        let (rows, start) = Rows::read(path, format, source)?;
         let whole = || ImageError::Whole { path: path.to_owned(), size: rows.size };
         let text = start.comment.filter(|text| !text.is_empty()).ok_or_else(whole)?;
         let checked = text.parse().map_err(|reason| match reason {
@@ -93,11 +95,11 @@ impl PartFile {
 }
 
 /// The content of a regular file. A pipe could block the program.
-fn source(path: &Path) -> Result<Box<dyn RowSource>, ImageError> {
+pub(super) fn source(path: &Path) -> Result<Box<dyn RowSource>, ImageError> {
     let failed = |error| ImageError::io("read", path, error);
     match fs::metadata(path).map_err(failed)?.is_file() {
         true => Ok(Box::new(BufReader::with_capacity(1 << 18, File::open(path).map_err(failed)?))),
-        false => Err(ImageError::NotAFile { path: path.to_owned() }),
+        false => Err(ImageError::unreadable(path, "it is not a regular file")),
     }
 }
 
@@ -119,7 +121,9 @@ impl Rows {
                 Ok((Self { path, size, decoder, left: size[1], checksum: None }, start))
             }
             Ok(None) => Err(ImageError::OtherEncoding { path }),
-            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Err(ImageError::NoHeader { path }),
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                Err(ImageError::unreadable(&path, "it ends within its header"))
+            }
             Err(error) => Err(ImageError::io("read", &path, error)),
         }
     }
@@ -157,7 +161,9 @@ impl Rows {
             rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
         }
         read.map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => ImageError::Short { path: self.path.clone(), width, height },
+            io::ErrorKind::UnexpectedEof => {
+                ImageError::unreadable(&self.path, format!("it is too short for {width} x {height} pixels"))
+            }
             _ => ImageError::io("read", &self.path, error),
         })
     }

@@ -1,40 +1,19 @@
 //! A picture from elsewhere that the view is compared with.
 
 use super::painter::Subject;
-use crate::image_io::{Format, read_picture};
+use crate::image_io::read_picture_from;
 use crate::picture::Picture;
 use crate::render::{Layer, Request};
 use crate::tools::causes::Original;
 use crate::tools::compare::{Comparison, DifferencePicture};
-use crate::undisturbed::undisturbed;
-use std::io::Write;
 use std::path::Path;
 
 /// The most camera rays of a picture for which a cause is looked for: the search renders it some fifty times.
 const MAX_CAUSE_RAYS: usize = 1 << 22;
 
-/// The picture in a file's bytes. Its format follows from the file's name, of which nothing else is used; an error is a
-/// line.
+/// The picture in the bytes of a file with this name; an error is a line.
 pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture, String> {
-    let suffix = match Format::of(Path::new(name)) {
-        Some(Format::Tga) => ".tga",
-        Some(Format::Png) => ".png",
-        Some(Format::Bmp) => ".bmp",
-        Some(Format::Ppm) => ".ppm",
-        Some(Format::Pfm) => ".pfm",
-        Some(Format::Exr) => ".exr",
-        None => return Err("the name of a picture ends in .tga, .png, .bmp, .ppm, .pfm or .exr".into()),
-    };
-    // A signal would leave the file behind.
-    undisturbed(|| read_as_file(name, suffix, bytes))
-}
-
-fn read_as_file(name: &str, suffix: &str, bytes: &[u8]) -> Result<Picture, String> {
-    let failed = |error: std::io::Error| format!("no room for the picture: {error}");
-    let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(suffix).tempfile().map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    let path = file.path().to_string_lossy().into_owned();
-    read_picture(file.path()).map_err(|error| error.to_string().replace(&path, name))
+    read_picture_from(Path::new(name), bytes).map_err(|error| error.to_string())
 }
 
 /// The block of the comparison, and the pixels of the amplified difference.

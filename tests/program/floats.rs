@@ -229,17 +229,20 @@ fn what_is_not_read_is_named() {
     tiled[5] = 2;
     folder.write("tiled.exr", tiled);
     for (name, reason) in [
-        ("piz.exr", "its compression is neither none nor ZIP"),
-        ("tiled.exr", "it has tiles, deep data or several parts"),
-        ("no.exr", "it is not an OpenEXR file of version 2"),
-        ("no.pfm", "it is not a PFM file"),
-        ("size.pfm", "its width and height are not whole numbers"),
-        ("scale.pfm", "its scale is not a number"),
+        ("piz.exr", "its compression is PIZ; "),
+        ("tiled.exr", "it has tiles; "),
+        ("no.exr", "it is not an EXR file, since it begins with `no picture at all`"),
+        ("no.pfm", "it is a PPM file; name it `no.ppm`"),
+        ("size.pfm", "line 2: `-1` is not a whole number from 0 to 4294967295"),
+        ("scale.pfm", "line 3: `0` is no scale, a number other than 0"),
         ("short.pfm", "it is too short for 1 x 2 pixels"),
         ("vast.pfm", "it is too short for 4294967295 x 4294967295 pixels"),
     ] {
         let message = folder.run(&format!("-compare {name} -reference {name}")).message(1);
-        assert_eq!(only_line(&message), format!("error: cannot read `{name}`: {reason}"));
+        assert!(
+            only_line(&message).starts_with(&format!("error: cannot read `{name}`: {reason}")),
+            "{message}"
+        );
     }
 }
 

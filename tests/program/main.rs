@@ -20,6 +20,7 @@ mod documents;
 mod editions;
 mod error_report;
 mod floats;
+mod foreign_pictures;
 mod farm;
 #[cfg(unix)]
 mod grade;

@@ -97,8 +97,9 @@ impl Folder {
             let shown = file.to_string_lossy();
             columns.iter().any(|column| column.found_as[row].as_deref() == Some(&*shown))
         };
-        extra
-            .retain(|file| Format::of(Path::new(file)).is_some() && !references.has(file) && !is_taken(file));
+        extra.retain(|file| {
+            Format::of_input(Path::new(file)).is_some() && !references.has(file) && !is_taken(file)
+        });
         let named: Vec<_> = extra.iter().take(NAMED).map(|file| file.to_string_lossy()).collect();
         let more = extra.len().saturating_sub(NAMED);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -116,7 +117,7 @@ fn pictures(folder: &Path) -> Vec<PathBuf> {
             let path = inside.join(&name);
             match fs::symlink_metadata(folder.join(&path)) {
                 Ok(kind) if kind.is_dir() && depth < DEEPEST => waiting.push((path, depth + 1)),
-                Ok(kind) if kind.is_file() && Format::of(&path).is_some() => found.push(path),
+                Ok(kind) if kind.is_file() && Format::of_input(&path).is_some() => found.push(path),
                 _ => {}
             }
         }

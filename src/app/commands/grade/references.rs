@@ -163,7 +163,7 @@ fn colors(renderer: &Renderer, options: &Options, request: &Request) -> Result<F
 /// The pictures in a folder.
 fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, String> {
     let mut names = entries(folder)?;
-    names.retain(|name| Format::of(Path::new(name)).is_some());
+    names.retain(|name| Format::of_input(Path::new(name)).is_some());
     Ok(names.into_iter().map(|name| (name.clone(), Origin::File(folder.join(name)))).collect())
 }
 
