@@ -1,16 +1,22 @@
-//! Filters so narrow that pixels get no samples, and are black.
+//! Filters so narrow that pixels get no samples, and are black, or samples whose weights cancel.
 //!
 //! What counts are a pixel's own samples: those of its neighbours are farther away. Uniform samples lie at the same places
 //! in every pixel. Of jittered and adaptive samples it is certain in which stratum they lie, so that the farthest point of
 //! the strata around the centre decides. Random samples lie anywhere, but at the same places in each run, so that they
 //! are looked at one by one; that takes a small part of the time in which they are traced.
+//!
+//! Mitchell's filter is negative beyond 4/7 of its radius. Where the weights w of a pixel's samples nearly cancel, the
+//! pixel is far outside of the colours that they have: between 0 and 1 it stays within (1 - M) / 2 and (1 + M) / 2, where
+//! M is the sum of |w| divided by |the sum of w|.
 
 use super::Warning;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use glam::DVec2;
+use std::collections::VecDeque;
 use std::fmt;
+use std::ops::Range;
 
 /// The pixels that get no sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +27,8 @@ pub enum Lost {
     Some,
     /// This number of them.
     Number(usize),
+    /// None, but in some the weights of their samples nearly cancel.
+    Cancelled,
 }
 
 impl fmt::Display for Lost {
@@ -31,6 +39,9 @@ impl fmt::Display for Lost {
             Self::Number(1) => f.write_str("1 pixel has no sample within the filter, and is black"),
             Self::Number(pixels) => {
                 write!(f, "{pixels} pixels have no sample within the filter, and are black")
+            }
+            Self::Cancelled => {
+                f.write_str("weights nearly cancel in some pixels, which are far too dark or too bright")
             }
         }
     }
@@ -59,11 +70,84 @@ pub fn too_narrow(request: &Request) -> Option<Warning> {
         Pattern::Random if reaches(filter, DVec2::splat(0.5)) => return None,
         Pattern::Random => farthest_of_random(request)?,
     };
-    let warning = || {
-        let smallest = filter.with_size(smallest(filter, farthest));
-        Warning::NarrowFilter { filter, lost, smallest }
+    let is_lost = !reaches(filter, farthest);
+    if !is_lost && !cancels(request, filter.size()) {
+        return None;
+    }
+    let (size, lost) =
+        if is_lost { (smallest(filter, farthest), lost) } else { (filter.size(), Lost::Cancelled) };
+    let smallest = filter.with_size(smallest_that_adds_up(request, size));
+    Some(Warning::NarrowFilter { filter, lost, smallest })
+}
+
+/// From this radius on Mitchell's weights do not cancel: M above 4 was not seen in a million pixels.
+const USUAL_RADIUS: f64 = 2.0;
+
+/// The smallest multiple of a twentieth of a pixel, or the size itself, from which on the weights add up.
+fn smallest_that_adds_up(request: &Request, size: f64) -> f64 {
+    const STEPS: f64 = 20.0;
+    let mut steps = (size * STEPS).ceil();
+    let mut found = size;
+    while cancels(request, found) {
+        found = steps / STEPS;
+        steps += 1.0;
+    }
+    found
+}
+
+/// Whether the weights of Mitchell's filter of this radius nearly cancel in a pixel, so that M is above 2.
+fn cancels(request: &Request, radius: f64) -> bool {
+    const MOST: f64 = 2.0;
+    let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
+    let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
+    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= USUAL_RADIUS {
+        return false;
+    }
+    let filter = filter.with_size(radius);
+    let (columns, rows, support) = (request.columns(), request.rows(), filter.support());
+    let reach = |range: &Range<usize>, end: usize| {
+        range.start.saturating_sub(support)..(range.end + support).min(end)
     };
-    (!reaches(filter, farthest)).then(warning)
+    // The sums of the weights and of their magnitudes, of the columns that may get more.
+    let mut open: VecDeque<Vec<[f64; 2]>> = VecDeque::new();
+    let mut first = columns.start;
+    for column in reach(&columns, width) {
+        let sampled = reach(&rows, height);
+        let reached = reach(&(column..column + 1), width);
+        while first + open.len() < reached.end.min(columns.end) {
+            open.push_back(vec![[0.0; 2]; rows.len()]);
+        }
+        let mut pixels = sampler.pixels((column * height + sampled.start) as u64, 1);
+        for row in sampled {
+            let near = reach(&(row..row + 1), height);
+            for offset in pixels.next_offsets() {
+                // At most one pixel of its own and two on either side, since the radius is below 2.
+                let mut across = [0.0; 5];
+                for (weight, other) in across.iter_mut().zip(near.clone()) {
+                    *weight = filter.axis_term(offset.y + row as f64 - other as f64);
+                }
+                for other in reached.clone().filter(|other| columns.contains(other)) {
+                    let along = filter.axis_term(offset.x + column as f64 - other as f64);
+                    for (weight, other_row) in across.iter().zip(near.clone()) {
+                        if rows.contains(&other_row) {
+                            let [sum, magnitude] = &mut open[other - first][other_row - rows.start];
+                            *sum += along * weight;
+                            *magnitude += (along * weight).abs();
+                        }
+                    }
+                }
+            }
+        }
+        while first < columns.end && (first + support <= column || column + 1 == width) {
+            let Some(sums) = open.pop_front() else { break };
+            first += 1;
+            // A pixel without weights is black, as a sum of zero tells.
+            if sums.iter().any(|[sum, magnitude]| *sum == 0.0 || *magnitude > MOST * sum.abs()) {
+                return true;
+            }
+        }
+    }
+    false
 }
 
 /// The smallest size of the filter that reaches a position within the pixel, where the size that it has does not.
