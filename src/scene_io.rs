@@ -383,10 +383,37 @@ mod tests {
     }
 
     #[test]
-    fn other_encodings_are_refused() {
-        let message = refuse(&[("a.txt", b"# ok\n# \xc3\xa9 \xe9\n")]);
-        assert!(message.ends_with("a.txt:2:5: error: the scene is not UTF-8 text"), "{message}");
-        let message = refuse(&[("a.txt", b"\xff\xfeG\0r\0")]);
-        assert!(message.contains("a.txt:1:1: error:") && message.contains("UTF-16"), "{message}");
+    fn comments_may_be_in_any_encoding() {
+        let text = format!("{CAMERA}Group {{ numObjects 0 }}");
+        // Latin-1, GBK with a second byte that is a brace, Shift-JIS with one that is a backslash, and any bytes.
+        for comment in [&b"# caf\xe9"[..], b"// \x81\x7b \x81\x7d", b"# \x83\x5c", b"#\x00\xfe\xff\x80"] {
+            for end in [&b"\n"[..], b"\r", b"\r\n"] {
+                let (_folder, scene) =
+                    directory(&[("a.txt", &[comment, end, text.as_bytes(), comment].concat())]);
+                let found = load(&scene).unwrap();
+                assert_eq!(found.scene.objects.len(), 1);
+                assert_eq!(found.places.camera, Position { line: 2, column: 1 });
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_other_encodings_are_refused() {
+        let message = refuse(&[("a.txt", b"# ok \xe9\nGroup { \xc3\xa9 \xc3\xa9\xe9 }\n")]);
+        let hint = "a.txt:2:12: error: the scene is not UTF-8 text\n  hint: save the file as UTF-8";
+        assert!(message.ends_with(hint), "{message}");
+        let words = |wide: fn(u16) -> [u8; 2], mark: &[u8]| {
+            let bytes: Vec<u8> = CAMERA.encode_utf16().flat_map(wide).collect();
+            refuse(&[("a.txt", &[mark, &bytes].concat())])
+        };
+        for message in [
+            words(u16::to_le_bytes, b"\xff\xfe"),
+            words(u16::to_be_bytes, b"\xfe\xff"),
+            words(u16::to_le_bytes, b""),
+            words(u16::to_be_bytes, b""),
+        ] {
+            assert!(message.contains("a.txt:1:1: error: the scene is not UTF-8 text"), "{message}");
+            assert!(message.ends_with("hint: this looks like UTF-16; save the file as UTF-8"), "{message}");
+        }
     }
 }
