@@ -17,7 +17,7 @@ const BLOCKS: [&str; 6] =
 /// How the keywords of each kind of block end, and what a reader calls it.
 const KINDS: [&str; 5] = ["Camera", "Background", "Lights", "Materials", "Group"];
 const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of materials", "`Group`"];
-const BACKGROUND_FIELDS: [&str; 2] = ["color", "ambientLight"];
+const BACKGROUND_FIELDS: [&str; 3] = ["color", "ambientLight", "cubeMap"];
 
 /// A scene with what its text says beyond it.
 #[derive(Clone, Debug)]

@@ -58,7 +58,7 @@ fn words_of_another_edition_name_it_and_the_flag() {
             "`shininess` is a word of other editions: `-edition 2012a4`, `-edition 2012a5`, `-edition 2019`",
         ),
         (
-            &later_word,
+            &later("shininess 5 exponent 3", "falloff 1", ""),
             "-edition 2019",
             "`exponent` is a word of other editions: `-edition 2004`, `-edition aalto`",
         ),

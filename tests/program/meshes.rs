@@ -154,7 +154,6 @@ fn a_file_beside_the_scene_is_named_whatever_path_is_written() {
         ("/home/somebody/a2/cube.obj", "cube.obj"),
         ("data/cube.obj", "cube.obj"),
         (r"..\MODEL\cube.obj", "cube.obj"),
-        ("//server/share/cube.obj", "cube.obj"),
         ("file:///C:/a/cube.obj", "cube.obj"),
         (r"D:\a2\parts\leg.obj", "parts/leg.obj"),
         ("a/../parts/leg.obj", "parts/leg.obj"),

@@ -80,19 +80,24 @@ pub fn too_narrow(request: &Request) -> Option<Warning> {
     Some(Warning::NarrowFilter { filter, lost, smallest })
 }
 
-/// From this radius on Mitchell's weights do not cancel: M above 4 was not seen in a million pixels.
-const USUAL_RADIUS: f64 = 2.0;
-
-/// The smallest multiple of a twentieth of a pixel, or the size itself, from which on the weights add up.
-fn smallest_that_adds_up(request: &Request, size: f64) -> f64 {
-    const STEPS: f64 = 20.0;
-    let mut steps = (size * STEPS).ceil();
-    let mut found = size;
-    while cancels(request, found) {
-        found = steps / STEPS;
-        steps += 1.0;
+/// The smallest radius from the given one on whose weights do not cancel, in thousandths of a pixel.
+fn smallest_that_adds_up(request: &Request, radius: f64) -> f64 {
+    if !cancels(request, radius) {
+        return radius;
     }
-    found
+    let is_enough = |thousandths: u32| !cancels(request, f64::from(thousandths) / 1000.0);
+    const STEP: u32 = 50;
+    let first = (radius * 1000.0).ceil() as u32;
+    let mut enough = first.next_multiple_of(STEP);
+    while !is_enough(enough) {
+        enough += STEP;
+    }
+    let mut too_small = enough - STEP;
+    while too_small + 1 < enough {
+        let middle = too_small.midpoint(enough);
+        *(if middle >= first && is_enough(middle) { &mut enough } else { &mut too_small }) = middle;
+    }
+    f64::from(enough) / 1000.0
 }
 
 /// Whether the weights of Mitchell's filter of this radius nearly cancel in a pixel, so that M is above 2.
@@ -100,7 +105,9 @@ fn cancels(request: &Request, radius: f64) -> bool {
     const MOST: f64 = 2.0;
     let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
     let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
-    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= USUAL_RADIUS {
+    // From this radius on M above 2 was not seen in a million pixels.
+    let wide_enough = if sampler.count() > 2 { 2.0 } else { 3.0 };
+    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= wide_enough {
         return false;
     }
     let filter = filter.with_size(radius);
@@ -121,8 +128,8 @@ fn cancels(request: &Request, radius: f64) -> bool {
         for row in sampled {
             let near = reach(&(row..row + 1), height);
             for offset in pixels.next_offsets() {
-                // At most one pixel of its own and two on either side, since the radius is below 2.
-                let mut across = [0.0; 5];
+                // Its own pixel and at most three on either side, since the radius is below 3.
+                let mut across = [0.0; 7];
                 for (weight, other) in across.iter_mut().zip(near.clone()) {
                     *weight = filter.axis_term(offset.y + row as f64 - other as f64);
                 }
@@ -301,7 +308,7 @@ mod tests {
     fn weights_cancel_where_their_sum_is_below_half_of_their_magnitudes() {
         let window = Some(Window { x: 3, y: 4, width: 5, height: 7 });
         let mut found = [0; 2];
-        for radius in [0.45, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 1.95] {
+        for radius in [0.45, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 1.95, 2.4, 2.9] {
             for (pattern, count) in [
                 (Pattern::Random, 1),
                 (Pattern::Random, 3),
@@ -326,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn the_named_radius_is_the_smallest_twentieth_whose_weights_do_not_cancel() {
+    fn the_named_radius_is_the_smallest_whose_weights_do_not_cancel() {
         for (pattern, count) in [(Pattern::Random, 1), (Pattern::Random, 4), (Pattern::Jittered, 4)] {
             let of = |radius: f64| request(pattern, count, Filter::Mitchell { radius });
             let Some(Warning::NarrowFilter { lost: Lost::Cancelled, smallest, .. }) = too_narrow(&of(0.9))
@@ -334,14 +341,15 @@ mod tests {
                 unreachable!("weights cancel")
             };
             let radius = smallest.size();
-            assert!(too_narrow(&of(radius)).is_none() && (0.9..=2.0).contains(&radius));
+            assert!(too_narrow(&of(radius)).is_none() && (0.9..=3.0).contains(&radius));
             let twentieths = (19..).map(|n| f64::from(n) / 20.0).take_while(|&less| less < radius);
-            assert!(twentieths.into_iter().all(|less| too_narrow(&of(less)).is_some()));
+            let less = twentieths.chain([radius - 0.001]);
+            assert!(less.into_iter().all(|less| too_narrow(&of(less)).is_some()), "{radius}");
         }
         let none = [
             (Pattern::Uniform, 1, 0.6),
             (Pattern::Uniform, 4, 0.8),
-            (Pattern::Random, 1, 2.0),
+            (Pattern::Random, 4, 2.0),
             (Pattern::Jittered, 16, 1.0),
         ];
         for (pattern, count, radius) in none {
