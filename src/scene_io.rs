@@ -186,7 +186,7 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
             }
             Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
         }
-        Err(error) => Err(LoadError::Scene { source, error }),
+        Err(error) => Err(LoadError::Scene { source, error: error.into() }),
     }
 }
 

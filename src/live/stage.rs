@@ -144,7 +144,8 @@ impl Stage {
 impl SceneMessage {
     fn of(error: LoadError) -> Self {
         match error {
-            LoadError::Scene { error: SceneError { at, problem, hint }, .. } => {
+            LoadError::Scene { error, .. } => {
+                let SceneError { at, problem, hint } = *error;
                 Self { at: Some([at.line, at.column]), problem: problem.to_string(), hint }
             }
             other => Self { at: None, problem: other.to_string(), hint: None },

@@ -32,7 +32,7 @@ pub enum LoadError {
         /// The text.
         source: Source,
         /// What is wrong, and where.
-        error: SceneError,
+        error: Box<SceneError>,
     },
 }
 

@@ -96,7 +96,10 @@ const WITH_CAMERA: &[(&str, &str)] = &[
         "`diffuseColor` must be at most 1e30",
     ),
     ("Materials { numMaterials 2 Material { } @}", "`numMaterials` announces 2, but only 1 found"),
-    ("Materials { numMaterials 1 Material { } @Noise { materialIndex 0 materialIndex 0 octaves 1 } }", "`numMaterials` announces 1, but 2 found"),
+    (
+        "Materials { numMaterials 1 Material { } @Noise { materialIndex 0 materialIndex 0 octaves 1 } }",
+        "`numMaterials` announces 1, but 2 found",
+    ),
     ("Materials { numMaterials 1 @Metal { } }", "expected a material, found `Metal`"),
     (
         "Materials { numMaterials 1 Material { @shiny 1 } }",
