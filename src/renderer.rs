@@ -59,7 +59,7 @@ impl Renderer {
         };
         match world {
             Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
-            Err(error) => Err(LoadError::Scene { source, errors: vec![error] }),
+            Err(error) => Err(LoadError::Scene { source, error: error.into() }),
         }
     }
 

@@ -5,14 +5,15 @@ mod named_files;
 
 use crate::scene::edition::{Choice, Clues, Edition};
 use crate::scene::error::SceneError;
+use crate::scene::foreign_format::is_wide_text;
+use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
 use crate::scene::parser::{Places, Reading, read_in};
-use crate::scene::recovery::MAX_ERRORS;
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::warning::SceneWarning;
-use crate::scene::{MeshFile, Scene};
+use crate::scene::{MeshFile, Object, Position, Scene};
 pub use error::LoadError;
 pub use named_files::mesh_places;
 use named_files::{find_texels, hint_to_name, read_mesh};
@@ -125,7 +126,11 @@ pub fn load_source(
         })
     };
     let read_image = |image: &ImageFile, edition| {
-        find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError::new(image.at, problem))
+        find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError {
+            at: image.at,
+            hint: hint_to_name(&problem, directory),
+            problem,
+        })
     };
     let readers = Readers { mesh: &read, image: &read_image };
     load_text(source, hints, readers)
@@ -179,33 +184,29 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
             }
             Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
         }
-        Err(errors) => Err(LoadError::Scene { source, errors }),
+        Err(error) => Err(LoadError::Scene { source, error: error.into() }),
     }
 }
 
 /// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
 /// not written in it, that which its words and the files around it tell.
-fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Vec<SceneError>> {
+fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), SceneError> {
     let named = around.hints.edition;
     let edition = named.unwrap_or_default();
-    let errors = match read_in(edition, text) {
+    let error = match read_in(edition, text) {
         Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
-        Err(errors) => errors,
+        Err(error) => error,
     };
     let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
-    let Some(choice) = found else { return Err(errors) };
+    let Some(choice) = found else { return Err(error) };
     match read_in(choice.edition, text) {
         Ok(reading) => Ok((choice, reading)),
-        Err(mut errors) => {
-            if let Some(first) = errors.first_mut() {
-                let because = choice.because.unwrap_or_default();
-                let read = format!(
-                    "the scene is read as one of `-edition {}`, because of {because}",
-                    choice.edition
-                );
-                first.hint = Some(first.hint.take().map_or(read.clone(), |hint| format!("{hint}; {read}")));
-            }
-            Err(errors)
+        Err(error) => {
+            let because = choice.because.unwrap_or_default();
+            let read =
+                format!("the scene is read as one of `-edition {}`, because of {because}", choice.edition);
+            let hint = error.hint.as_ref().map_or(read.clone(), |hint| format!("{hint}; {read}"));
+            Err(error.with_hint(hint))
         }
     }
 }
@@ -222,49 +223,36 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If all editions have
-/// its words, the pictures that are written of it may tell which one is meant.
+/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If later editions
+/// have its words too, the pictures that are written of it may tell which one is meant.
 fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
     let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
-    if around.hints.edition.is_some() || !Edition::is_of_all(&reading.scene) {
+    // The pictures of 2004 are TGA.
+    let is_told = around.hints.edition.is_some() || around.hints.endings.is_empty() || around.writes("tga");
+    let is_of_2003 = |object: &Object| matches!(object, Object::Box { .. } | Object::Grid { .. });
+    if is_told || reading.scene.objects.iter().any(is_of_2003) {
         return (choice, reading);
     }
     if around.writes("bmp")
         && let Ok(reading) = read_in(Edition::Y2012A4, text)
     {
         let because = Some("the picture in BMP".to_owned());
-        return (Choice { edition: Edition::Y2012A4, because, is_open: false }, reading);
+        return (Choice { edition: Edition::Y2012A4, because, ..choice }, reading);
     }
-    // The pictures of 2004 are TGA.
-    (Choice { is_open: around.writes("png"), ..choice }, reading)
+    let later = [Edition::Y2019, Edition::Y2012A4, Edition::Y2012A5];
+    let others = later.into_iter().filter(|&edition| read_in(edition, text).is_ok()).collect();
+    (Choice { others, ..choice }, reading)
 }
 
 /// Reads the meshes and the pictures that a scene names.
-fn read_files(
-    scene: &mut Scene,
-    edition: Edition,
-    readers: Readers,
-) -> Result<Vec<FoundMesh>, Vec<SceneError>> {
-    let (mut meshes, mut errors) = (vec![], vec![]);
-    let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image(_)));
+fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, SceneError> {
+    let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
     let is_textured = scene.materials.iter().any(is_image);
-    for file in &scene.meshes {
-        match (readers.mesh)(file, edition, is_textured) {
-            Ok(mesh) => meshes.push(mesh),
-            Err(error) => errors.push(error),
-        }
-        if errors.len() == MAX_ERRORS {
-            break;
-        }
-    }
     for image in &mut scene.images {
-        match (readers.image)(image, edition) {
-            Ok((texels, file)) => (image.texels, image.file) = (texels, Some(file)),
-            Err(error) if errors.len() < MAX_ERRORS => errors.push(error),
-            Err(_) => break,
-        }
+        let (texels, file) = (readers.image)(image, edition)?;
+        (image.texels, image.file) = (texels, Some(file));
     }
-    if errors.is_empty() { Ok(meshes) } else { Err(errors) }
+    scene.meshes.iter().map(|file| (readers.mesh)(file, edition, is_textured)).collect()
 }
 
 /// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene
@@ -282,25 +270,27 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
 }
 
-/// The text in a scene's bytes, without a byte order mark.
+/// The text in a scene's bytes, without a byte order mark. Comments may be in any encoding that contains ASCII: what is
+/// not UTF-8 in them is replaced.
 fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, LoadError> {
-    let mut text = String::from_utf8(bytes).map_err(|error| not_utf8(path, &error))?;
+    let not_utf8 = |at, is_wide| Err(LoadError::NotUtf8 { path: path.to_owned(), at, is_wide });
+    if is_wide_text(&bytes) {
+        return not_utf8(Position { line: 1, column: 1 }, true);
+    }
+    let mut text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            if let Some(at) = Lexer::new(&text).first(char::REPLACEMENT_CHARACTER) {
+                return not_utf8(at, false);
+            }
+            text
+        }
+    };
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
     Ok(text)
-}
-
-fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> LoadError {
-    let bytes = error.as_bytes();
-    let good = String::from_utf8_lossy(&bytes[..error.utf8_error().valid_up_to()]);
-    let last_line = good.rsplit('\n').next().unwrap_or_default();
-    LoadError::NotUtf8 {
-        path: path.to_owned(),
-        line: good.matches('\n').count() + 1,
-        column: last_line.chars().count() + 1,
-        is_utf16: bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff"),
-    }
 }
 
 #[cfg(test)]
@@ -391,10 +381,37 @@ mod tests {
     }
 
     #[test]
-    fn other_encodings_are_refused() {
-        let message = refuse(&[("a.txt", b"# ok\n# \xc3\xa9 \xe9\n")]);
-        assert!(message.ends_with("a.txt:2:5: error: the scene is not UTF-8 text"), "{message}");
-        let message = refuse(&[("a.txt", b"\xff\xfeG\0r\0")]);
-        assert!(message.contains("a.txt:1:1: error:") && message.contains("UTF-16"), "{message}");
+    fn comments_may_be_in_any_encoding() {
+        let text = format!("{CAMERA}Group {{ numObjects 0 }}");
+        // Latin-1, GBK with a second byte that is a brace, Shift-JIS with one that is a backslash, and any bytes.
+        for comment in [&b"# caf\xe9"[..], b"// \x81\x7b \x81\x7d", b"# \x83\x5c", b"#\x00\xfe\xff\x80"] {
+            for end in [&b"\n"[..], b"\r", b"\r\n"] {
+                let (_folder, scene) =
+                    directory(&[("a.txt", &[comment, end, text.as_bytes(), comment].concat())]);
+                let found = load(&scene).unwrap();
+                assert_eq!(found.scene.objects.len(), 1);
+                assert_eq!(found.places.camera, Position { line: 2, column: 1 });
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_other_encodings_are_refused() {
+        let message = refuse(&[("a.txt", b"# ok \xe9\nGroup { \xc3\xa9 \xc3\xa9\xe9 }\n")]);
+        let hint = "a.txt:2:12: error: the scene is not UTF-8 text\n  hint: save the file as UTF-8";
+        assert!(message.ends_with(hint), "{message}");
+        let words = |wide: fn(u16) -> [u8; 2], mark: &[u8]| {
+            let bytes: Vec<u8> = CAMERA.encode_utf16().flat_map(wide).collect();
+            refuse(&[("a.txt", &[mark, &bytes].concat())])
+        };
+        for message in [
+            words(u16::to_le_bytes, b"\xff\xfe"),
+            words(u16::to_be_bytes, b"\xfe\xff"),
+            words(u16::to_le_bytes, b""),
+            words(u16::to_be_bytes, b""),
+        ] {
+            assert!(message.contains("a.txt:1:1: error: the scene is not UTF-8 text"), "{message}");
+            assert!(message.ends_with("hint: this looks like UTF-16; save the file as UTF-8"), "{message}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use raytracer::trace::Effects;
 /// Says each of these warnings. With `-strict` they are the message that ends the program.
 pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(&str)) -> Result<(), String> {
     let severity = if options.strict { Severity::Error } else { Severity::Warning };
-    let lines: Vec<String> = found.iter().map(|warning| warning.render(source, severity)).collect();
+    let lines = warnings::render_all(found, source, severity);
     if options.strict && !lines.is_empty() {
         return Err(lines.join("\n"));
     }
@@ -25,6 +25,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
     let effects = &Effects { bounces: asked_for, ..options.effects };
     let mut found: Vec<Warning> =
         std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
+    found.extend(loaded.choice.doubt().map(Warning::OpenEdition));
     if scene.lights.is_empty() {
         found.push(Warning::NoLights);
     }
@@ -41,6 +42,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
     if !options.visualize_grid {
         found.extend(warnings::rays_without_effect(scene, effects, options.says_no_bounces));
         found.extend(warnings::rays_not_followed(scene, effects, options.says_no_bounces));
+        found.extend(warnings::black_inside(scene, effects));
         found.extend(warnings::too_many_rays(scene, effects));
     }
     found.extend(warnings::sampling_without_effect(&request));

@@ -340,6 +340,6 @@ fn filter(raw: &Raw) -> Result<Filter, CliError> {
 
 fn preview(raw: &Raw) -> Result<bool, CliError> {
     let tessellation = raw.read(&flags::TESSELLATION)?;
-    let others = [&flags::GUI.flag, &flags::GOURAUD.flag, &flags::SPECULAR_FIX.flag];
+    let others = [&flags::GUI.flag, &flags::GOURAUD.flag];
     Ok(tessellation.is_some() || others.into_iter().any(|flag| raw.given(flag)))
 }

@@ -98,7 +98,7 @@ impl Target {
             Err(error) => return Err(failed(error)),
         };
         match target.probe() {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            Err(error) if error.kind() == io::ErrorKind::NotFound && !target.folder().is_dir() => {
                 let folder = target.folder();
                 Err(ImageError::NoFolder { path: path.to_owned(), folder })
             }

@@ -76,8 +76,8 @@ pub struct Task {
 /// A description in JSON and bytes, as in [`framed`].
 type Found = Result<Vec<u8>, Refusal>;
 
-/// A text that was opened, or the errors in it.
-type Typed = Result<Arc<OpenScene>, Vec<SceneMessage>>;
+/// A text that was opened, or the error in it.
+type Typed = Result<Arc<OpenScene>, SceneMessage>;
 
 impl App {
     /// Opens the command line's scene, from this text where it is known already; an error is a message.
@@ -121,14 +121,11 @@ impl App {
         if let Some(revision) = question.opens {
             match self.type_in(revision, &parts.next().unwrap_or_default()) {
                 Ok(Ok(opened)) => scene = opened,
-                Ok(Err(errors)) if question.path == "/scene" => {
-                    refused = Some(Ok(framed(json!({ "errors": errors }), &[])));
+                Ok(Err(error)) if question.path == "/scene" => {
+                    refused = Some(Ok(framed(json!({ "errors": [error] }), &[])));
                 }
                 // It was a scene before: a mesh is gone, or there is too little memory.
-                Ok(Err(errors)) => {
-                    let problem = errors.into_iter().next().map(|error| error.problem);
-                    refused = Some(Err(impossible(problem.unwrap_or_default())));
-                }
+                Ok(Err(error)) => refused = Some(Err(impossible(error.problem))),
                 Err(reason) => refused = Some(Err(reason)),
             }
         } else if let Some(open) =
@@ -298,7 +295,7 @@ impl App {
             "bounds": renderer.bounds(),
             "is_unlit": renderer.scene.lights.is_empty(),
             "edition": choice.edition,
-            "note": choice.note(),
+            "note": choice.note().or_else(|| choice.doubt().map(|doubt| doubt.join("; "))),
             "defaults": { "bounces": defaults.bounces, "weight": defaults.min_weight },
         })
     }

@@ -40,7 +40,7 @@ pub struct Stage {
     threads: Arc<ThreadPool>,
 }
 
-/// Why a text is no scene: one of the errors in it.
+/// Why a text is no scene.
 #[derive(Debug, Serialize)]
 pub struct SceneMessage {
     /// Where, if it is at a place: line and column, from 1.
@@ -86,7 +86,7 @@ impl Stage {
         revision: u64,
         text: String,
         named: Option<Edition>,
-    ) -> Result<Arc<OpenScene>, Vec<SceneMessage>> {
+    ) -> Result<Arc<OpenScene>, SceneMessage> {
         let source = Source { path: self.path.clone(), text };
         let (choice, renderer) = self.renderer(source, named)?;
         let renderer = renderer.on_threads(self.threads.clone());
@@ -95,11 +95,7 @@ impl Stage {
         Ok(scene)
     }
 
-    fn renderer(
-        &self,
-        source: Source,
-        named: Option<Edition>,
-    ) -> Result<(Choice, Renderer), Vec<SceneMessage>> {
+    fn renderer(&self, source: Source, named: Option<Edition>) -> Result<(Choice, Renderer), SceneMessage> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let first = &self.first.renderer.scene;
@@ -135,7 +131,7 @@ impl Stage {
         let readers = Readers { mesh: &read, image: &read_image };
         let hints = Hints { edition: named, ..self.hints.clone() };
         let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
-        let refused = |problem| vec![SceneMessage { at: None, problem, hint: None }];
+        let refused = |problem| SceneMessage { at: None, problem, hint: None };
         let count = primitives(&loaded);
         if count > MAX_PRIMITIVES {
             return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
@@ -147,15 +143,13 @@ impl Stage {
 }
 
 impl SceneMessage {
-    fn of(error: LoadError) -> Vec<Self> {
-        let of_text = |error: SceneError| Self {
-            at: Some([error.at.line, error.at.column]),
-            problem: error.problem.to_string(),
-            hint: error.hint,
-        };
+    fn of(error: LoadError) -> Self {
         match error {
-            LoadError::Scene { errors, .. } => errors.into_iter().map(of_text).collect(),
-            other => vec![Self { at: None, problem: other.to_string(), hint: None }],
+            LoadError::Scene { error, .. } => {
+                let SceneError { at, problem, hint } = *error;
+                Self { at: Some([at.line, at.column]), problem: problem.to_string(), hint }
+            }
+            other => Self { at: None, problem: other.to_string(), hint: None },
         }
     }
 }

@@ -69,7 +69,7 @@ impl Filter {
 
     /// What the weight of a sample depends on along one axis, at this distance from the pixel's centre along it.
     #[inline(always)]
-    pub(super) fn axis_term<N: Number>(&self, distance: N) -> N {
+    pub(crate) fn axis_term<N: Number>(&self, distance: N) -> N {
         let splat = |x: f64| distance.broadcast(x);
         match *self {
             Self::Box { radius } => splat(radius).select_lt(distance.abs(), splat(0.0), splat(1.0)),

@@ -1,9 +1,7 @@
 //! The editions of the course that are read: their names, their words, and what their scenes mean.
 
 use super::lexer::Lexer;
-use super::material::{Material, Phong};
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
-use super::{Camera, Light, Scene};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -75,25 +73,26 @@ pub struct Choice {
     pub edition: Edition,
     /// The words of a sentence after `because of`; none if nobody had to find it out.
     pub because: Option<String>,
-    /// Whether nothing tells the edition of a scene that is written in the language of several.
-    pub is_open: bool,
+    /// The later editions that read the text too, and draw another picture, where nothing tells which one is meant.
+    pub others: Vec<Edition>,
 }
 
 impl Choice {
     /// What is to be said of it, unless somebody has named it.
     pub fn note(&self) -> Option<String> {
-        let Self { edition, because, is_open } = self;
-        if *is_open {
-            return Some(
-                "the scene is the same text in several editions of the course, and another picture in each; it is taken \
-                 as one of 2004, and `-edition` names another"
-                    .into(),
-            );
-        }
-        let because = because.as_ref()?;
+        let (edition, because) = (self.edition, self.because.as_ref()?);
         Some(format!(
             "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
         ))
+    }
+
+    /// A warning and its hint if nothing tells which edition is meant.
+    pub fn doubt(&self) -> Option<[String; 2]> {
+        let flags: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
+        let (last, rest) = flags.split_last()?;
+        let flags = if rest.is_empty() { last.clone() } else { format!("{} or {last}", rest.join(", ")) };
+        let problem = "nothing tells the scene's edition: it is taken as one of 2004, and is another picture in later ones";
+        Some([problem.into(), format!("add {flags} if it is a later one, or `-edition 2004` if not")])
     }
 }
 
@@ -131,21 +130,6 @@ impl Edition {
     /// Whether the texels of pictures are interpolated as bytes.
     pub fn divides_texels_last(self) -> bool {
         self != Y2019
-    }
-
-    /// Whether a scene of 2004 says only what all editions say: a perspective camera, and diffuse colours.
-    pub fn is_of_all(scene: &Scene) -> bool {
-        let only_diffuse = |material: &Material| match material {
-            Material::Phong(phong) => *phong == Phong { diffuse: phong.diffuse, ..Phong::default() },
-            Material::Texture(_) | Material::Painted(..) => false,
-        };
-        let is_constant = |light: &Light| match light {
-            Light::Point { attenuation, .. } => *attenuation == [1.0, 0.0, 0.0],
-            Light::Directional { .. } => true,
-        };
-        matches!(scene.camera, Camera::Perspective { .. })
-            && scene.materials.iter().all(only_diffuse)
-            && scene.lights.iter().all(is_constant)
     }
 
     /// How often a ray bounces where no `-bounces` says so.
@@ -194,7 +178,7 @@ impl Edition {
             if let Some(word) = words.first.filter(|word| !because.contains(*word)) {
                 because = format!("`{word}`, and {because}");
             }
-            Some(Choice { edition, because: Some(because), is_open: false })
+            Some(Choice { edition, because: Some(because), others: vec![] })
         };
         let (first, map) = (words.first?, words.cube_map);
         if let Some(word) = words.of_2012a5 {

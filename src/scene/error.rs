@@ -66,8 +66,8 @@ pub enum Problem {
         field: &'static str,
         /// The length that the text announces.
         announced: u64,
-        /// The actual length of the list; none if an error hides its end.
-        found: Option<u64>,
+        /// The actual length of the list.
+        found: u64,
     },
     /// A material index beyond the declared materials.
     NoSuchMaterial {
@@ -229,12 +229,8 @@ impl fmt::Display for Problem {
             Self::TooFew { field, announced, found } => {
                 write!(f, "`{field}` announces {announced}, but only {found} found")
             }
-            Self::TooMany { field, announced, found: Some(found) } => {
+            Self::TooMany { field, announced, found } => {
                 write!(f, "`{field}` announces {announced}, but {found} found")
-            }
-            Self::TooMany { field, announced, found: None } => {
-                let more = announced.saturating_add(1);
-                write!(f, "`{field}` announces {announced}, but at least {more} found")
             }
             Self::NoSuchMaterial { index, declared } => {
                 write!(f, "there is no material {index}: {}", declared_materials(*declared))

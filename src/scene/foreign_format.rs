@@ -67,7 +67,7 @@ pub fn foreign_without_faces(bytes: &[u8]) -> Option<Foreign> {
 }
 
 /// Whether a text has a byte order mark of UTF-16 or UTF-32, or zero bytes where these have them in the words of OBJ.
-fn is_wide_text(bytes: &[u8]) -> bool {
+pub(crate) fn is_wide_text(bytes: &[u8]) -> bool {
     let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..=b'~');
     let of_words = match bytes {
         [a, 0, 0, 0, ..] | [0, 0, 0, a, ..] => is_text(a),

@@ -51,6 +51,20 @@ impl<'a> Lexer<'a> {
         Word { text, at }
     }
 
+    /// The position of the first of these characters in a word, not in a comment.
+    pub fn first(mut self, character: char) -> Option<Position> {
+        loop {
+            let Word { text, at } = self.next_word();
+            if let Some(start) = text.find(character) {
+                let before = text[..start].chars().count() as u32;
+                return Some(Position { column: at.column.saturating_add(before), ..at });
+            }
+            if text.is_empty() {
+                return None;
+            }
+        }
+    }
+
     fn skip_blanks_and_comments(&mut self) {
         loop {
             self.advance(self.rest.len() - self.rest.trim_start().len());

@@ -63,7 +63,7 @@ fn is_light(light: &Light) -> bool {
 fn is_material(material: &Material) -> bool {
     match material {
         Material::Phong(phong) => is_phong(phong),
-        Material::Painted(phong, Paint::Image(_)) => is_phong(phong),
+        Material::Painted(phong, Paint::Image { .. }) => is_phong(phong),
         Material::Painted(phong, Paint::Pattern(_, colors)) => {
             is_phong(phong) && colors.iter().all(|&color| is_color(color))
         }

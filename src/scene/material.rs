@@ -101,9 +101,13 @@ pub enum Pattern {
 /// Where a painted material's diffuse colour comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// From the picture with this index in [`Scene::images`](super::Scene::images), where the mesh has texture
-    /// coordinates. Ambient light is reflected by the same colour.
-    Image(usize),
+    /// From a picture, where the mesh has texture coordinates.
+    Image {
+        /// Its index in [`Scene::images`](super::Scene::images).
+        image: usize,
+        /// Whether ambient light is reflected by the picture's colour, or else by the material's own diffuse colour.
+        tints_ambient: bool,
+    },
     /// From two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
     Pattern(Pattern, [Color; 2]),
 }

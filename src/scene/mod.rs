@@ -7,7 +7,7 @@
 pub mod edition;
 pub mod error;
 mod filled_cells;
-mod foreign_format;
+pub(crate) mod foreign_format;
 mod keyword;
 pub mod lexer;
 pub mod limits;
@@ -29,7 +29,6 @@ pub mod parser;
 mod plain_obj;
 mod polygon;
 mod reader;
-pub(crate) mod recovery;
 pub(crate) mod excerpt;
 pub mod texels;
 mod transform;

@@ -14,11 +14,6 @@ pub enum Open {
 }
 
 impl Open {
-    pub fn at(&self) -> Position {
-        let (Self::Group { at, .. } | Self::Transform { at, .. }) = self;
-        *at
-    }
-
     pub fn add_child(&mut self, id: ObjectId) {
         match self {
             Self::Group { children, .. } => children.push(id),

@@ -33,8 +33,8 @@ fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
     reader.keyword("up")?;
     let at = reader.peek().at;
     let up = reader.nonzero_vector("up")?;
-    if direction != DVec3::ZERO && up != DVec3::ZERO && are_parallel(direction, up) {
-        reader.report(SceneError::new(at, Problem::UpAlongDirection));
+    if are_parallel(direction, up) {
+        return Err(SceneError::new(at, Problem::UpAlongDirection));
     }
     Ok((center, direction, up))
 }

@@ -13,8 +13,7 @@ const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
 /// Reads the lights, each with the position of its keyword.
 pub fn parse_lights(reader: &mut Reader<'_>) -> Parsed<Vec<(Light, Position)>> {
     let name = reader.open()?.text;
-    let instead = (Light::Directional { direction: DVec3::X, color: DVec3::ZERO }, Position::default());
-    counted_list(reader, name, "numLights", &LIGHTS, &instead, |reader, _| {
+    counted_list(reader, name, "numLights", &LIGHTS, |reader, _| {
         let at = reader.peek().at;
         Ok((parse_light(reader)?, at))
     })
@@ -45,12 +44,13 @@ fn parse_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     let position = reader.vector_field("position")?;
     let (color, at) = parse_light_color(reader)?;
     let constant = DVec3::X;
-    let has_attenuation = !reader.edition.is_later() && reader.accept("attenuation");
+    let may_be_attenuated = !reader.edition.is_later();
+    let has_attenuation = may_be_attenuated && reader.accept("attenuation");
     let attenuation = if has_attenuation { reader.vector("attenuation")? } else { constant };
     if attenuation == constant {
         warn_if_bytes(reader, at, color);
     }
-    if !has_attenuation && !reader.is_at("}") {
+    if may_be_attenuated && !has_attenuation && !reader.is_at("}") {
         return Err(
             reader.unexpected(&format!("`attenuation` or `}}` at the end of `{name}`"), &["attenuation"])
         );
@@ -81,7 +81,7 @@ fn parse_later_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     if constant == 0.0 && falloff == 0.0 {
         let problem = Problem::NoFalloff { edition: reader.edition };
         let hint = "`-edition 2012a4` and `-edition 2012a5` take such a light to be the same everywhere";
-        reader.report(SceneError::new(word.at, problem).with_hint(hint));
+        return Err(SceneError::new(word.at, problem).with_hint(hint));
     }
     Ok(Light::Point { position, color, attenuation: [constant, 0.0, falloff] })
 }

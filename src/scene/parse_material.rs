@@ -37,8 +37,7 @@ const MAX_OCTAVES: u64 = 64;
 /// Reads a whole `Materials { ... }` block: each material with the position of its keyword.
 pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Position)>> {
     let name = reader.open()?.text;
-    let instead = (Material::Phong(Phong::default()), Position::default());
-    counted_list(reader, name, "numMaterials", &KINDS, &instead, |reader, earlier: &[_]| {
+    counted_list(reader, name, "numMaterials", &KINDS, |reader, earlier: &[_]| {
         let at = reader.peek().at;
         Ok((parse_material(reader, earlier.len())?, at))
     })
@@ -84,11 +83,11 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
 fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
     let (name, fields) = (reader.open()?.text, later_fields(reader.edition));
     let mut phong = Phong { exponent: 0.0, ..Phong::default() };
-    let (mut paint, mut index) = (None, 0.0);
+    let (mut image, mut noise, mut index) = (None, None, 0.0);
     while let Some(field) = fields.iter().find(|field| reader.is_at(field)) {
         match *field {
             "Noise" => {
-                paint = Some(parse_noise(reader)?);
+                noise = Some(parse_noise(reader)?);
                 continue;
             }
             _ => reader.take(),
@@ -104,7 +103,8 @@ fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
             }
             "texture" => {
                 let file = reader.file_name(field)?;
-                paint = Some(Paint::Image(reader.image(file.text.into(), file.at)));
+                let tints_ambient = reader.edition == Edition::Y2012A4;
+                image = Some(Paint::Image { image: reader.image(file.text.into(), file.at), tints_ambient });
             }
             // It is read and has no effect, as in the course's program.
             _ => _ = reader.file_name(field)?,
@@ -122,7 +122,8 @@ fn parse_later_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
             (phong.transparent, phong.index_of_refraction) = (phong.reflective, index);
         }
     }
-    Ok(paint.map_or(Material::Phong(phong), |paint| Material::Painted(phong, paint)))
+    // As in the course's program the noise replaces the colour of a texture, whichever stands first.
+    Ok(noise.or(image).map_or(Material::Phong(phong), |paint| Material::Painted(phong, paint)))
 }
 
 fn later_fields(edition: Edition) -> &'static [&'static str] {
@@ -226,15 +227,9 @@ fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
     reader.keyword("materialIndex")?;
     let at = reader.peek().at;
-    let Some(index) = reader.whole("materialIndex")? else { return Ok(0) };
-    Ok(earlier_material(index, own).unwrap_or_else(|| {
-        reader.report(SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }));
-        0
-    }))
-}
-
-fn earlier_material(index: u64, own: MaterialId) -> Option<MaterialId> {
-    usize::try_from(index).ok().filter(|&index| index < own)
+    let index = reader.whole("materialIndex")?;
+    let earlier = usize::try_from(index).ok().filter(|&index| index < own);
+    earlier.ok_or_else(|| SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }))
 }
 
 /// Reads the optional `size` of a checkerboard's squares from the 2003 edition, and returns the scale that
@@ -254,11 +249,10 @@ fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
     reader.keyword("octaves")?;
     let word = reader.peek();
-    let Some(octaves) = reader.whole("octaves")? else { return Ok(0) };
-    if octaves > MAX_OCTAVES {
-        reader.report(bad_value(word, "octaves", "must be at most 64"));
+    match reader.whole("octaves")? {
+        octaves @ 0..=MAX_OCTAVES => Ok(octaves as u32),
+        _ => Err(bad_value(word, "octaves", "must be at most 64")),
     }
-    Ok(octaves.min(MAX_OCTAVES) as u32)
 }
 
 /// Reads the fields that `Marble` and `Wood` share: octaves, frequency and amplitude.

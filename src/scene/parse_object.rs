@@ -2,7 +2,7 @@
 
 use super::error::{Problem, SceneError};
 use super::list::Announced;
-use super::material::{Material, Phong};
+use super::material::Material;
 use super::open_object::{Open, close_transform, open_group, open_transform};
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::parse_primitive::{OBJECTS, PRIMITIVES, parse_primitive};
@@ -12,6 +12,7 @@ use super::{MaterialId, MeshFile, Object, ObjectId, Position};
 use std::collections::HashMap;
 
 /// The objects of a scene that have been read so far, with the meshes and materials that they use.
+#[derive(Default)]
 pub struct ObjectTree {
     /// The arena, in which every object comes after its children.
     pub objects: Vec<Object>,
@@ -23,8 +24,6 @@ pub struct ObjectTree {
     pub materials: Vec<Material>,
     /// The position of each material's keyword.
     pub material_positions: Vec<Position>,
-    /// Whether the declared materials are all there are. They are not after an error among them.
-    pub knows_materials: bool,
     /// The number of declared materials. Only these can be chosen by their index.
     declared: usize,
     /// The material of the following objects. As in the course's program, it stays in effect after the group
@@ -52,9 +51,8 @@ impl ObjectTree {
         (self.materials, self.material_positions) = materials.into_iter().unzip();
     }
 
-    /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id.
-    /// Errors inside it are recorded; one is returned if nobody can tell where it ends. The time is linear in
-    /// the length of the text, and the stack has constant size.
+    /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id. The time is
+    /// linear in the length of the text, and the stack has constant size.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
         self.objects.clear();
         self.positions.clear();
@@ -63,9 +61,7 @@ impl ObjectTree {
         let mut innermost = open_group(reader)?;
         let mut ancestors = Vec::new();
         loop {
-            let depth = reader.depth;
-            let step = self.step(reader, &mut innermost);
-            match step.or_else(|error| self.recover(reader, error, &mut innermost, depth))? {
+            match self.step(reader, &mut innermost)? {
                 Step::Opened(inner) => {
                     ancestors.push(std::mem::replace(&mut innermost, inner));
                 }
@@ -80,36 +76,6 @@ impl ObjectTree {
                     innermost.add_child(id);
                 }
             }
-        }
-    }
-
-    /// Records an error in the innermost open object, whose words stand at this depth. The object that it is
-    /// in, or else the rest of the innermost one, is skipped, and an empty group takes its place.
-    fn recover(
-        &self,
-        reader: &mut Reader<'_>,
-        error: SceneError,
-        innermost: &mut Open,
-        depth: usize,
-    ) -> Parsed<Step> {
-        let is_whole = reader.recover(error.clone(), depth).is_ok();
-        if let Open::Group { announced, .. } = innermost
-            && !is_whole
-        {
-            announced.give_up(reader);
-        }
-        let nothing = |at| (Object::Group(vec![]), at);
-        match (is_whole, reader.is_balanced()) {
-            (true, _) => {
-                let (object, at) = nothing(error.at);
-                Ok(Step::Finished(object, at))
-            }
-            (false, true) => {
-                reader.skip_to_depth(depth - 1);
-                let (object, at) = nothing(innermost.at());
-                Ok(Step::Closed(object, at))
-            }
-            (false, false) => Err(error),
         }
     }
 
@@ -147,12 +113,9 @@ impl ObjectTree {
         }
         if is_full && before != reader.peek() {
             let word = before.text.into();
-            reader.report(SceneError::new(before.at, Problem::MaterialAfterLastObject { word }));
+            return Err(SceneError::new(before.at, Problem::MaterialAfterLastObject { word }));
         }
-        if reader.is_at("}") {
-            announced.end(reader, children.len());
-        }
-        reader.close("Group")?;
+        announced.close(reader, "Group", children.len())?;
         Ok(Step::Closed(Object::Group(std::mem::take(children)), at))
     }
 
@@ -169,45 +132,20 @@ impl ObjectTree {
         }
     }
 
-    /// Reads a whole material. An error in it is recorded.
     fn parse_own_material(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
-        let (at, outer) = (reader.peek().at, reader.depth);
-        let material = match parse_phong(reader) {
-            Ok(material) => material,
-            Err(error) => {
-                reader.recover(error, outer)?;
-                Material::Phong(Phong::default())
-            }
-        };
-        self.material_positions.push(at);
-        self.materials.push(material);
+        self.material_positions.push(reader.peek().at);
+        self.materials.push(parse_phong(reader)?);
         self.current_material = Some(self.materials.len() - 1);
         Ok(())
     }
 
-    /// Reads `MaterialIndex` and the index, in place of which 0 stands if there is no such material.
+    /// Reads `MaterialIndex` and the index.
     fn parse_material_index(&self, reader: &mut Reader<'_>) -> Parsed<MaterialId> {
         reader.keyword("MaterialIndex")?;
         let at = reader.peek().at;
-        let index = match reader.whole("MaterialIndex") {
-            Err(error) if reader.is_at_any(&["{", "}"]) || reader.is_at_any(&OBJECTS) => {
-                reader.report(error);
-                return Ok(0);
-            }
-            Err(error) => {
-                reader.report(error);
-                reader.take();
-                return Ok(0);
-            }
-            Ok(None) => return Ok(0),
-            Ok(Some(index)) => index,
-        };
-        let declared = self.declared;
+        let (index, declared) = (reader.whole("MaterialIndex")?, self.declared);
         let known = usize::try_from(index).ok().filter(|&index| index < declared);
-        if known.is_none() && self.knows_materials {
-            reader.report(SceneError::new(at, Problem::NoSuchMaterial { index, declared }));
-        }
-        Ok(known.unwrap_or(0))
+        known.ok_or_else(|| SceneError::new(at, Problem::NoSuchMaterial { index, declared }))
     }
 
     fn parse_transformed_object(&mut self, reader: &mut Reader<'_>) -> Parsed<Step> {
@@ -235,12 +173,10 @@ impl ObjectTree {
 
     fn parse_primitive(&mut self, reader: &mut Reader<'_>) -> Parsed<Object> {
         let word = reader.peek();
-        // The next objects use the same material. That it is missing is said once.
-        let material = *self.current_material.get_or_insert_with(|| {
+        let material = self.current_material.ok_or_else(|| {
             let problem = Problem::NoMaterial { object: word.text.into() };
-            reader.report(SceneError::new(word.at, problem).with_hint("put a `MaterialIndex` before it"));
-            0
-        });
+            SceneError::new(word.at, problem).with_hint("put a `MaterialIndex` before it")
+        })?;
         let name = reader.open()?.text;
         let object = match name {
             "TriangleMesh" => Object::Mesh { mesh: self.parse_mesh_name(reader)?, material },
@@ -260,18 +196,14 @@ impl ObjectTree {
         if word.is_end() || matches!(word.text, "{" | "}") {
             return Err(reader.unexpected("a file name for `obj_file`", &[]));
         }
-        let opening = word.text.chars().next().filter(|first| QUOTES.contains(first));
-        if opening.is_some() {
+        if word.text.starts_with(QUOTES) {
             let problem = bad_value(word, "obj_file", "must be a name without quotes");
-            reader.report(problem.with_hint("a name has neither quotes nor blanks"));
-        } else if !word.text.to_ascii_lowercase().ends_with(".obj") {
-            reader.report(bad_value(word, "obj_file", "must end in `.obj`"));
+            return Err(problem.with_hint("a name has neither quotes nor blanks"));
         }
-        let mut last = reader.take();
-        // A name between quotes may be of several words.
-        while opening.is_some() && !last.text.ends_with(QUOTES) && !reader.is_at_any(&["{", "}", ""]) {
-            last = reader.take();
+        if !word.text.to_ascii_lowercase().ends_with(".obj") {
+            return Err(bad_value(word, "obj_file", "must end in `.obj`"));
         }
+        reader.take();
         Ok(self.mesh_index(word.text, word.at))
     }
 
@@ -283,21 +215,5 @@ impl ObjectTree {
         self.meshes.push(MeshFile { name: name.to_owned(), at, ..MeshFile::default() });
         self.mesh_indices.insert(name.to_owned(), index);
         index
-    }
-}
-
-impl Default for ObjectTree {
-    fn default() -> Self {
-        Self {
-            objects: vec![],
-            positions: vec![],
-            meshes: vec![],
-            mesh_indices: HashMap::new(),
-            materials: vec![],
-            material_positions: vec![],
-            knows_materials: true,
-            declared: 0,
-            current_material: None,
-        }
     }
 }

@@ -80,11 +80,10 @@ fn parse_grid(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
     let mut counts = [1; 3];
     for count in &mut counts {
         let word = reader.peek();
-        match reader.whole("numCells")? {
-            Some(number) if (1..=MOST).contains(&number) => *count = number as usize,
-            Some(_) => reader.report(bad_value(word, "numCells", "must be from 1 to 256")),
-            None => {}
-        }
+        *count = match reader.whole("numCells")? {
+            number @ 1..=MOST => number as usize,
+            _ => return Err(bad_value(word, "numCells", "must be from 1 to 256")),
+        };
     }
     if !reader.is_at("rasterizeSphere") {
         return Err(reader.unexpected("`rasterizeSphere`", &["rasterizeSphere"]));

@@ -7,9 +7,7 @@ use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
 use super::parse_light::parse_lights;
 use super::parse_material::parse_materials;
 use super::parse_object::ObjectTree;
-use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
-use super::recovery::Findings;
 use super::texels::{CubeFaces, FACES};
 use super::warning::{self, Doubt, SceneWarning};
 use super::{Background, Camera, Light, Object, ObjectId, Position, Scene};
@@ -19,7 +17,7 @@ const BLOCKS: [&str; 6] =
 /// How the keywords of each kind of block end, and what a reader calls it.
 const KINDS: [&str; 5] = ["Camera", "Background", "Lights", "Materials", "Group"];
 const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of materials", "`Group`"];
-const BACKGROUND_FIELDS: [&str; 2] = ["color", "ambientLight"];
+const BACKGROUND_FIELDS: [&str; 3] = ["color", "ambientLight", "cubeMap"];
 
 /// A scene with what its text says beyond it.
 #[derive(Clone, Debug)]
@@ -41,69 +39,23 @@ pub struct Places {
     pub lights: Vec<Position>,
 }
 
-/// Parses a scene, as [`read`] does. Errors: the first violation of the grammar or of a rule for values, with
-/// its position.
+/// Parses a scene of 2004, as [`read_in`] does.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
-    match read(text) {
-        Ok(reading) => Ok(reading.scene),
-        Err(mut errors) => Err(errors.swap_remove(0)),
-    }
+    Ok(read_in(Edition::Y2004, text)?.scene)
 }
 
-/// Parses a scene.
+/// Parses a scene in the language of an edition.
 ///
 /// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
-/// an earlier one of its kind. Errors: at least one and at most ten, in the order of the text. None of them is
-/// only a consequence of another.
-pub fn read(text: &str) -> Result<Reading, Vec<SceneError>> {
-    read_in(Edition::Y2004, text)
-}
-
-/// The same in the language of an edition.
-pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Vec<SceneError>> {
+/// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its position.
+pub fn read_in(edition: Edition, text: &str) -> Result<Reading, SceneError> {
     let mut reader = Reader::of(edition, text);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
-        let block = reader.peek().text;
-        if let Err(error) = blocks.parse_block(&mut reader) {
-            reader.recover_block(error, block);
-        }
+        blocks.parse_block(&mut reader)?;
     }
-    let parsed = blocks.into_scene(&mut reader);
-    let Findings { mut errors, warnings, .. } = reader.findings;
-    match parsed {
-        Some((scene, places)) if errors.is_empty() => {
-            Ok(Reading { scene, warnings: warning::merged(warnings), places })
-        }
-        _ => {
-            errors.sort_by_key(|error| (error.at.line, error.at.column));
-            Err(errors)
-        }
-    }
-}
-
-impl Reader<'_> {
-    /// Records an error of the block with this keyword, and goes on with the next block.
-    fn recover_block(&mut self, error: SceneError, block: &str) {
-        // After another error, a brace that closes nothing may be due to a missing one.
-        if !self.is_at("}") || self.depth > 0 || self.findings.errors.is_empty() {
-            self.report(error);
-        }
-        let is_balanced = self.is_balanced();
-        let is_whole = is_balanced && self.skip_item(0);
-        // What stands outside of any group after a first such object says nothing new.
-        if is_whole && !OBJECTS.contains(&block) {
-            return;
-        }
-        // A group may hold groups, but no other block.
-        let is_in_group = block == "Group" && self.depth > 0;
-        let starts: Vec<&str> =
-            BLOCKS.into_iter().filter(|&start| !is_in_group || start != "Group").collect();
-        while !self.peek().is_end() && !(self.is_at_any(&starts) && (self.depth == 0 || !is_balanced)) {
-            self.take();
-        }
-        self.depth = 0;
-    }
+    let (scene, places) = blocks.into_scene(&mut reader)?;
+    Ok(Reading { scene, warnings: warning::merged(reader.warnings), places })
 }
 
 /// Parses the block of a camera alone. Errors: anything else, or anything after it.
@@ -117,7 +69,7 @@ pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
     if !reader.peek().is_end() {
         return Err(reader.unexpected("the end of the camera", &[]));
     }
-    reader.findings.errors.into_iter().next().map_or(Ok(camera), Err)
+    Ok(camera)
 }
 
 /// The blocks read so far.
@@ -156,56 +108,50 @@ impl Blocks {
         let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
         if let Some(earlier) = self.places[kind].replace(at) {
             let doubt = Doubt::Replaces { block: NOUNS[kind], earlier: earlier.line };
-            reader.findings.warnings.push(SceneWarning { at, doubt });
+            reader.warnings.push(SceneWarning { at, doubt });
         }
     }
 
     fn parse_materials(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         if self.root.is_some() {
-            reader.report(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
+            return Err(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
         }
-        let errors = reader.findings.errors.len();
-        let materials = parse_materials(reader);
-        let is_short = |error: &SceneError| matches!(error.problem, Problem::TooFew { .. });
-        self.tree.knows_materials =
-            materials.is_ok() && !reader.findings.errors[errors..].iter().any(is_short);
-        self.tree.declare(materials?);
+        self.tree.declare(parse_materials(reader)?);
         Ok(())
     }
 
-    /// The scene. A missing block is recorded, unless an error may have hidden it.
-    fn into_scene(mut self, reader: &mut Reader<'_>) -> Option<(Scene, Places)> {
+    /// Returns the scene. Errors: a missing block.
+    fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<(Scene, Places)> {
+        let end = reader.peek().at;
+        let missing = |block| SceneError::new(end, Problem::Missing { block });
+        let camera = self.camera.ok_or_else(|| missing("camera"))?;
         // A scene of Aalto's may have no objects. Its program shows the places of pixels instead.
         let shows = if self.root.is_some() { Shows::Scene } else { Shows::Places };
-        let root = self.root.or_else(|| {
-            let is_empty = reader.edition == Edition::Aalto && reader.findings.errors.is_empty();
-            is_empty.then(|| {
+        let root = match self.root {
+            Some(root) => root,
+            None if reader.edition == Edition::Aalto => {
                 self.tree.objects.push(Object::Group(vec![]));
-                self.tree.positions.push(reader.peek().at);
+                self.tree.positions.push(end);
                 self.tree.objects.len() - 1
-            })
-        });
-        for (is_missing, block) in [(self.camera.is_none(), "camera"), (root.is_none(), "group")] {
-            if is_missing && reader.findings.errors.is_empty() {
-                reader.report(SceneError::new(reader.peek().at, Problem::Missing { block }));
             }
-        }
+            None => return Err(missing("group")),
+        };
         let (lights, places) = self.lights.into_iter().unzip();
         let scene = Scene {
-            camera: self.camera?,
+            camera,
             background: self.background,
             lights,
             materials: self.tree.materials,
             material_positions: self.tree.material_positions,
             objects: self.tree.objects,
             positions: self.tree.positions,
-            root: root?,
+            root,
             meshes: self.tree.meshes,
             images: std::mem::take(&mut reader.images),
             cube_map: self.cube_map,
             model: Model { shows, ..reader.edition.model() },
         };
-        Some((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
+        Ok((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
     }
 }
 

@@ -5,31 +5,29 @@ use super::error::{Problem, SceneError};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
 use super::limits::{BRIGHTEST, LARGEST};
-use super::recovery::Findings;
 use super::texels::ImageFile;
 use super::warning::SceneWarning;
 use super::{Color, Position};
 use glam::DVec3;
+use std::collections::HashMap;
 
 pub type Parsed<T> = Result<T, SceneError>;
 
 /// Reads the words of a scene with one word of lookahead.
 ///
-/// A word that does not fit the grammar is the error that a method returns. A value that breaks a rule is
-/// recorded in `findings`, and reading goes on behind it.
+/// A word that does not fit the grammar, or a value that breaks a rule, is the error that a method returns. Nobody reads
+/// on behind one, so that every loop over words either takes a word or ends.
 pub struct Reader<'a> {
-    pub(super) text: &'a str,
     lexer: Lexer<'a>,
     ahead: Word<'a>,
     /// The last word taken that is no number, and how many numbers were taken after it.
     values: (&'a str, usize),
-    /// The number of braces that are open before the next word.
-    pub(super) depth: usize,
-    pub(super) findings: Findings,
+    pub(super) warnings: Vec<SceneWarning>,
     /// The edition whose words are read.
     pub(super) edition: Edition,
-    /// The pictures that have been named.
+    /// The pictures that have been named, each once.
     pub(super) images: Vec<ImageFile>,
+    image_indices: HashMap<String, usize>,
 }
 
 impl<'a> Reader<'a> {
@@ -42,22 +40,20 @@ impl<'a> Reader<'a> {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
         Self {
-            text,
             lexer,
             ahead,
             values: ("", 0),
-            depth: 0,
-            findings: Findings::default(),
+            warnings: vec![],
             edition,
             images: vec![],
+            image_indices: HashMap::new(),
         }
     }
 
     /// The index of the picture with this name, which the scene names here.
     pub fn image(&mut self, name: String, at: Position) -> usize {
-        let known = self.images.iter().position(|image| image.name == name);
-        known.unwrap_or_else(|| {
-            self.images.push(ImageFile { name, at, ..ImageFile::default() });
+        *self.image_indices.entry(name).or_insert_with_key(|name| {
+            self.images.push(ImageFile { name: name.clone(), at, ..ImageFile::default() });
             self.images.len() - 1
         })
     }
@@ -77,11 +73,6 @@ impl<'a> Reader<'a> {
 
     /// Takes the next word.
     pub fn take(&mut self) -> Word<'a> {
-        match self.ahead.text {
-            "{" => self.depth += 1,
-            "}" => self.depth = self.depth.saturating_sub(1),
-            _ => {}
-        }
         self.values = (self.ahead.text, 0);
         std::mem::replace(&mut self.ahead, self.lexer.next_word())
     }
@@ -124,7 +115,9 @@ impl<'a> Reader<'a> {
         if let Some(hint) = self.one_more() {
             return error.with_hint(hint);
         }
-        match nearest(found, keywords) {
+        let keywords: Vec<&str> =
+            keywords.iter().copied().filter(|word| !self.is_of_other_edition(word)).collect();
+        match nearest(found, &keywords) {
             _ if self.is_of_other_edition(found) => {
                 let editions = editions_of(found).unwrap_or_default();
                 let names: Vec<_> = editions.iter().map(|edition| format!("`-edition {edition}`")).collect();
@@ -174,19 +167,18 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Takes a number, the value of `field`. It is recorded if its magnitude is above [`LARGEST`].
+    /// Takes a number, the value of `field`. Its magnitude must be at most [`LARGEST`].
     pub fn number(&mut self, field: &str) -> Parsed<f64> {
         let word = self.ahead;
         let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
         if number.abs() > LARGEST {
-            self.report(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
+            return Err(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
         }
         self.take_number();
         Ok(number)
     }
 
-    /// Takes a number. It is recorded if `holds` is false; `rule` describes the condition, as in "must be
-    /// positive".
+    /// Takes a number for which `holds` is true; `rule` describes the condition, as in "must be positive".
     pub fn number_that(
         &mut self,
         field: &str,
@@ -195,22 +187,18 @@ impl<'a> Reader<'a> {
     ) -> Parsed<f64> {
         let word = self.ahead;
         let number = self.number(field)?;
-        // One that is too large has been recorded.
-        if !holds(number) && number.abs() <= LARGEST {
-            self.report(bad_value(word, field, rule));
-        }
-        Ok(number)
+        if holds(number) { Ok(number) } else { Err(bad_value(word, field, rule)) }
     }
 
-    /// Takes a non-negative integer below 2^64; none if it is another number, which is recorded.
-    pub fn whole(&mut self, field: &str) -> Parsed<Option<u64>> {
+    /// Takes a non-negative integer below 2^64.
+    pub fn whole(&mut self, field: &str) -> Parsed<u64> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
         if is_digits(digits)
             && let Ok(number) = digits.parse()
         {
             self.take_number();
-            return Ok(Some(number));
+            return Ok(number);
         }
         let rule = match parse_number(word.text) {
             Some(_) if is_digits(digits) => "must be below 2^64",
@@ -218,9 +206,7 @@ impl<'a> Reader<'a> {
             Some(_) => "must be a whole number",
             None => return Err(self.not_a_number("a whole number", field)),
         };
-        self.report(bad_value(word, field, rule));
-        self.take();
-        Ok(None)
+        Err(bad_value(word, field, rule))
     }
 
     /// Takes three numbers.
@@ -232,8 +218,8 @@ impl<'a> Reader<'a> {
     pub fn color(&mut self, field: &str) -> Parsed<Color> {
         let at = self.ahead;
         let color = self.vector(field)?;
-        if (BRIGHTEST.next_up()..=LARGEST).contains(&color.abs().max_element()) {
-            self.report(bad_value(at, field, "must be at most 1e30 in each channel"));
+        if color.abs().max_element() > BRIGHTEST {
+            return Err(bad_value(at, field, "must be at most 1e30 in each channel"));
         }
         Ok(color)
     }
@@ -249,16 +235,16 @@ impl<'a> Reader<'a> {
     /// Records a colour above 1.
     pub fn warn_if_above_one(&mut self, at: Position, field: &str, color: Color) {
         if color.max_element() > 1.0 {
-            self.findings.warnings.push(SceneWarning::color_above_one(at, field, color));
+            self.warnings.push(SceneWarning::color_above_one(at, field, color));
         }
     }
 
-    /// Takes three numbers. It is recorded if all of them are zero.
+    /// Takes three numbers that are not all zero.
     pub fn nonzero_vector(&mut self, field: &str) -> Parsed<DVec3> {
         let at = self.ahead.at;
         let vector = self.vector(field)?;
         if vector == DVec3::ZERO {
-            self.report(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
+            return Err(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
         }
         Ok(vector)
     }
@@ -269,13 +255,13 @@ impl<'a> Reader<'a> {
         self.vector(field)
     }
 
-    /// Takes `field` and its three numbers, which should not all be zero.
+    /// Takes `field` and its three numbers, which are not all zero.
     pub fn direction_field(&mut self, field: &str) -> Parsed<DVec3> {
         self.keyword(field)?;
         self.nonzero_vector(field)
     }
 
-    /// Takes `field` and a number that should be greater than zero.
+    /// Takes `field` and a number greater than zero.
     pub fn positive_field(&mut self, field: &str) -> Parsed<f64> {
         self.keyword(field)?;
         self.number_that(field, "must be positive", |number| number > 0.0)
@@ -363,9 +349,8 @@ mod tests {
     #[test]
     fn numbers_beyond_the_largest_are_refused() {
         for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
-            let mut reader = Reader::new(word);
-            reader.number("x").unwrap();
-            assert_eq!(reader.findings.errors[0].problem, Problem::NumberTooLarge { found: word.into() });
+            let error = Reader::new(word).number("x").unwrap_err();
+            assert_eq!(error.problem, Problem::NumberTooLarge { found: word.into() });
         }
         assert_eq!(Reader::new("1e100").number("x").unwrap(), 1e100);
         assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
@@ -374,11 +359,9 @@ mod tests {
     #[test]
     fn whole_numbers() {
         for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
-            assert_eq!(Reader::new(word).whole("x").unwrap(), Some(value), "{word}");
+            assert_eq!(Reader::new(word).whole("x").unwrap(), value, "{word}");
         }
-        let mut reader = Reader::new("18446744073709551616");
-        assert_eq!(reader.whole("x").unwrap(), None);
-        let error = reader.findings.errors[0].to_string();
+        let error = Reader::new("18446744073709551616").whole("x").unwrap_err().to_string();
         assert!(error.contains("must be below 2^64"), "{error}");
         let error = Reader::new("x").whole("x").unwrap_err().to_string();
         assert!(error.contains("expected a whole"), "{error}");
@@ -434,13 +417,9 @@ mod tests {
 
     #[test]
     fn fractional_and_negative_numbers_have_different_errors() {
-        let rule = |word| {
-            let mut reader = Reader::new(word);
-            assert_eq!(reader.whole("x").unwrap(), None);
-            match reader.findings.errors[0].problem {
-                Problem::BadValue { rule, .. } => rule,
-                _ => "",
-            }
+        let rule = |word| match Reader::new(word).whole("x").unwrap_err().problem {
+            Problem::BadValue { rule, .. } => rule,
+            _ => "",
         };
         assert_eq!(["-1", "-0.5"].map(rule), ["must not be negative"; 2]);
         assert_eq!(["0.0", "-0", "2.5"].map(rule), ["must be a whole number"; 3]);

@@ -28,8 +28,8 @@ pub(crate) fn is_transformation(word: &str) -> bool {
 /// does.
 ///
 /// Each transformation is multiplied from the right to the product so far, so that the last one acts first,
-/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations. A product that
-/// overflows is recorded.
+/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations, and a product that
+/// overflows.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let mut product = RoundedAffine::IDENTITY;
     let known = transformations(reader.edition);
@@ -41,8 +41,7 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
             product * parse_factor(reader)?
         };
         if !product.is_finite() {
-            reader.report(SceneError::new(at, Problem::TransformOverflow));
-            product = RoundedAffine::IDENTITY;
+            return Err(SceneError::new(at, Problem::TransformOverflow));
         }
     }
     Ok(product)
@@ -82,17 +81,14 @@ fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 /// Reads `Matrix { ... }`: sixteen numbers, row after row; or `Matrix4f { ... }`: the same, column after column.
 fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let name = reader.open()?.text;
-    let (mut rows, mut first_wrong) = ([[0.0; 4]; 4], None);
+    let mut rows = [[0.0; 4]; 4];
     for place in 0..16 {
         let (at, number) = (reader.peek().at, reader.number(name)?);
         let [row, column] = if name == "Matrix4f" { [place % 4, place / 4] } else { [place / 4, place % 4] };
         rows[row][column] = number;
         if row == 3 && number != [0.0, 0.0, 0.0, 1.0][column] {
-            first_wrong.get_or_insert(at);
+            return Err(SceneError::new(at, Problem::NotAffine));
         }
-    }
-    if let Some(at) = first_wrong {
-        reader.report(SceneError::new(at, Problem::NotAffine));
     }
     reader.close(name)?;
     let [x, y, z, _] = rows;
@@ -165,9 +161,7 @@ mod tests {
     }
 
     fn refuse(text: &str) -> Problem {
-        let mut reader = Reader::new(text);
-        parse_transformations(&mut reader).unwrap();
-        reader.findings.errors.remove(0).problem
+        parse_transformations(&mut Reader::new(text)).unwrap_err().problem
     }
 
     #[test]

@@ -101,17 +101,16 @@ impl fmt::Display for SceneWarning {
 
 /// The same warnings, with all colours above 1 in one, which stands at the first.
 pub(super) fn merged(all: Vec<SceneWarning>) -> Vec<SceneWarning> {
-    let mut merged: Vec<SceneWarning> = Vec::new();
-    for warning in all {
-        let is_color = matches!(warning.doubt, Doubt::AboveOne { .. });
-        let first = merged.iter_mut().find_map(|known| match &mut known.doubt {
-            Doubt::AboveOne { others, .. } => Some(others),
-            Doubt::Replaces { .. } | Doubt::InMesh { .. } => None,
-        });
-        match first {
-            Some(others) if is_color => *others += 1,
-            _ => merged.push(warning),
+    let is_color = |warning: &SceneWarning| matches!(warning.doubt, Doubt::AboveOne { .. });
+    let colors = all.iter().filter(|warning| is_color(warning)).count();
+    let mut merged = all;
+    let mut is_first = true;
+    merged.retain_mut(|warning| match &mut warning.doubt {
+        Doubt::AboveOne { others, .. } => {
+            *others = colors - 1;
+            std::mem::take(&mut is_first)
         }
-    }
+        Doubt::Replaces { .. } | Doubt::InMesh { .. } => true,
+    });
     merged
 }

@@ -3,8 +3,8 @@
 use super::Source;
 use crate::escape::quoted;
 use crate::near_names::nearest_file;
+use crate::scene::Position;
 use crate::scene::error::{SceneError, located};
-use crate::scene::recovery::MAX_ERRORS;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -18,23 +18,21 @@ pub enum LoadError {
         /// The system's reason.
         error: std::io::Error,
     },
-    /// The scene's file is not UTF-8. Line and column of the first wrong byte count from 1.
+    /// A word of the scene is not UTF-8. In comments any bytes may stand.
     NotUtf8 {
         /// The file.
         path: PathBuf,
-        /// Of the first wrong byte.
-        line: usize,
-        /// Of the first wrong byte.
-        column: usize,
-        /// Whether the file looks like UTF-16.
-        is_utf16: bool,
+        /// The position of the first wrong byte.
+        at: Position,
+        /// Whether the file is in UTF-16 or UTF-32.
+        is_wide: bool,
     },
     /// Something is wrong with what the scene or its meshes say.
     Scene {
         /// The text.
         source: Source,
-        /// What is wrong, and where: at least one error.
-        errors: Vec<SceneError>,
+        /// What is wrong, and where.
+        error: Box<SceneError>,
     },
 }
 
@@ -50,22 +48,12 @@ impl fmt::Display for LoadError {
                     near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
                 f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
             }
-            Self::NotUtf8 { path, line, column, is_utf16 } => {
-                let hint =
-                    if *is_utf16 { "\n  hint: this looks like UTF-16; save the file as UTF-8" } else { "" };
-                let message = format!("the scene is not UTF-8 text{hint}");
-                f.write_str(&located(path, &format!(":{line}:{column}"), &message))
+            Self::NotUtf8 { path, at, is_wide } => {
+                let looks = if *is_wide { "this looks like UTF-16; " } else { "" };
+                let message = format!("the scene is not UTF-8 text\n  hint: {looks}save the file as UTF-8");
+                f.write_str(&located(path, &format!(":{}:{}", at.line, at.column), &message))
             }
-            Self::Scene { source, errors } => {
-                for (index, error) in errors.iter().enumerate() {
-                    let end = if index == 0 { "" } else { "\n" };
-                    write!(f, "{end}{}", source.render(error))?;
-                }
-                match errors.len() {
-                    MAX_ERRORS.. => write!(f, "\n{MAX_ERRORS} errors are shown; there may be more"),
-                    _ => Ok(()),
-                }
-            }
+            Self::Scene { source, error } => f.write_str(&source.render(error)),
         }
     }
 }

@@ -91,17 +91,35 @@ fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, Problem> {
     Ok(fs::read(place).map_err(|error| error.to_string()))
 }
 
-/// Advice on a mesh's name for which there is no file: the name of one that is there.
+/// Advice on the name of a mesh or a picture for which there is no file: the name of one that is there.
 pub fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
-    let Problem::MeshUnreadable { name, .. } = problem else { return None };
+    let (Problem::MeshUnreadable { name, .. } | Problem::ImageUnreadable { name, .. }) = problem else {
+        return None;
+    };
     let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
     let places = mesh_places(name, scene_directory, Edition::Y2004);
     if places.iter().any(is_there) {
         return None;
     }
-    let near = places.iter().find_map(|place| nearest_file(place))?;
+    let ends = ends_of_path(name);
+    if let Some(end) = ends.iter().find(|end| scene_directory.join(end).is_file()) {
+        return Some(format!("`{}` lies beside the scene", escape(end)));
+    }
+    let beside = ends.last().map(|end| scene_directory.join(end));
+    let near = places.iter().chain(&beside).find_map(|place| nearest_file(place))?;
     let from_scene = near.strip_prefix(scene_directory).unwrap_or(&near);
     Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
+}
+
+/// The ends of a path of any system, from the longest to the name alone, without one that would lead elsewhere.
+fn ends_of_path(path: &str) -> Vec<String> {
+    /// How many folders the longest has, which bounds the time.
+    const MOST: usize = 8;
+    let parts = path.split(['/', '\\']).filter(|part| !part.is_empty());
+    let mut parts: Vec<&str> =
+        parts.rev().take(MOST + 1).take_while(|part| !matches!(*part, "." | "..")).collect();
+    parts.reverse();
+    (0..parts.len()).map(|start| parts[start..].join("/")).collect()
 }
 
 fn lossy(path: &Path) -> String {

@@ -230,7 +230,7 @@ fn painted(
     instructions: Instructions,
 ) -> Option<Color> {
     match *paint {
-        Paint::Image(image) => world.image_color(image, surface),
+        Paint::Image { image, .. } => world.image_color(image, surface),
         Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, instructions)),
     }
 }

@@ -49,7 +49,9 @@ impl World {
     /// The factor of ambient light at a surface whose diffuse colour there is `diffuse`.
     pub fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
         match self.materials[surface.material] {
-            Material::Painted(phong, Paint::Pattern(..)) => phong.diffuse,
+            Material::Painted(phong, Paint::Pattern(..) | Paint::Image { tints_ambient: false, .. }) => {
+                phong.diffuse
+            }
             _ => diffuse,
         }
     }

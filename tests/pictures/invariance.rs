@@ -66,5 +66,5 @@ fn pictures_with_random_samples_stay_the_same() {
 
 #[test]
 fn pictures_with_adaptive_samples_stay_the_same() {
-    same_pictures_with("-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1");
+    same_pictures_with("-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1 -shade_back");
 }

@@ -143,6 +143,9 @@ fn unwritable_targets_are_reported_before_rendering() {
         ("missing/a.tga", "cannot write `F/missing/a.tga`: there is no folder `F/missing`"),
         #[cfg(unix)]
         ("file/a.tga", "cannot write `F/file/a.tga`: Not a directory (os error 20)"),
+        // The folder is there, and makes no files.
+        #[cfg(target_os = "linux")]
+        ("/proc/a.tga", "cannot write `/proc/a.tga`: No such file or directory (os error 2)"),
         ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ];
     for (name, expected) in rows {

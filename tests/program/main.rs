@@ -54,7 +54,7 @@ mod runs;
 mod sampling;
 mod scene_errors;
 mod scene_robustness;
-mod several_errors;
+mod first_error;
 mod shell_files;
 mod signals;
 mod special_scenes;

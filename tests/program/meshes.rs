@@ -1,6 +1,6 @@
 //! Meshes from outside: pictures of polygons, what other programs write, and the names of files.
 
-use crate::support::{Folder, scene};
+use crate::support::{CAMERA, Folder, scene};
 use std::fmt::Write as _;
 use std::path::MAIN_SEPARATOR;
 
@@ -185,6 +185,41 @@ fn a_quad_with_a_corner_on_its_edge_or_twice_is_no_cause_for_a_warning() {
     let (count, warning) = lit(&folder, "v 0 0 0\nv 4 4 0\nf 1 2 1 2\n");
     assert_eq!(count, 0);
     assert!(warning.contains("2 of the 2 triangles of the mesh have no area"), "{warning}");
+}
+
+/// A path of another machine: the hint names the file that lies beside the scene, with as much of the path as is there.
+#[test]
+fn a_file_beside_the_scene_is_named_whatever_path_is_written() {
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.path().join("p/parts")).expect("folders");
+    for name in ["p/cube.obj", "p/parts/leg.obj"] {
+        folder.write(name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    }
+    folder.write("p/wood.bmp", "");
+    let objects = |name: &str| {
+        format!("{CAMERA}Group {{ numObjects 1 Material {{ }} TriangleMesh {{ obj_file {name} }} }}")
+    };
+    let hint = |text: &str, flags: &str| {
+        folder.write("p/s.txt", text);
+        let message = folder.run(&format!("-input p/s.txt -output o.tga {flags}")).message(1);
+        message.trim_end().split_once("\n  hint: ").map(|(_, hint)| hint.to_owned())
+    };
+    for (name, found) in [
+        (r"C:\course\a2\cube.obj", "cube.obj"),
+        ("/home/somebody/a2/cube.obj", "cube.obj"),
+        ("data/cube.obj", "cube.obj"),
+        (r"..\MODEL\cube.obj", "cube.obj"),
+        ("file:///C:/a/cube.obj", "cube.obj"),
+        (r"D:\a2\parts\leg.obj", "parts/leg.obj"),
+        ("a/../parts/leg.obj", "parts/leg.obj"),
+    ] {
+        assert_eq!(hint(&objects(name), ""), Some(format!("`{found}` lies beside the scene")), "{name}");
+    }
+    assert_eq!(hint(&objects("/a/cub.obj"), ""), Some("did you mean `cube.obj`?".into()));
+    assert_eq!(hint(&objects("/a/teapot.obj"), ""), None);
+    let texture = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+        Materials { numMaterials 1 Material { texture C:/a/wood.bmp } } Group { numObjects 0 }";
+    assert_eq!(hint(texture, "-edition 2012a4"), Some("`wood.bmp` lies beside the scene".into()));
 }
 
 #[test]

@@ -73,7 +73,7 @@ const WITH_CAMERA: &[(&str, &str)] = &[
     ("Lights { numLights @1.5 }", "`numLights` must be a whole number, found `1.5`"),
     ("Lights { numLights 1 @}", "`numLights` announces 1, but only 0 found"),
     ("Lights { numLights 4000000000 @}", "`numLights` announces 4000000000, but only 0 found"),
-    ("Lights { numLights 0 @PointLight {", "`numLights` announces 0, but at least 1 found"),
+    ("Lights { numLights 0 PointLight {@", "expected `position`, found the end of the file"),
     ("Lights { numLights 0 @SpotLight {", "expected `}` at the end of `Lights`, found `SpotLight`"),
     ("Lights { numLights 1 @SpotLight {", "expected a light, found `SpotLight`"),
     (
@@ -96,7 +96,10 @@ const WITH_CAMERA: &[(&str, &str)] = &[
         "`diffuseColor` must be at most 1e30",
     ),
     ("Materials { numMaterials 2 Material { } @}", "`numMaterials` announces 2, but only 1 found"),
-    ("Materials { numMaterials 1 Material { } @Noise { } }", "`numMaterials` announces 1, but 2 found"),
+    (
+        "Materials { numMaterials 1 Material { } @Noise { materialIndex 0 materialIndex 0 octaves 1 } }",
+        "`numMaterials` announces 1, but 2 found",
+    ),
     ("Materials { numMaterials 1 @Metal { } }", "expected a material, found `Metal`"),
     (
         "Materials { numMaterials 1 Material { @shiny 1 } }",

@@ -42,6 +42,12 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
             "a second list of materials: it replaces the one in line 3",
         ),
         (
+            with(LIGHT, &materials("@Material { transparentColor 1 1 1 indexOfRefraction 1.5 }"), BALL),
+            "-bounces 3",
+            "the material transmits light, but without `-shade_back` it is black from inside\n  \
+             hint: add `-shade_back`",
+        ),
+        (
             with(LIGHT, &materials("Material { diffuseColor @255 128 0 }"), BALL),
             "",
             "`diffuseColor` is above 1, the brightest that a picture shows\n  hint: is it meant as 0 to 255?",
@@ -111,7 +117,7 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
         ),
         (
             with(LIGHT, &materials("@Material { reflectiveColor .9 .9 .9 transparentColor 1 1 1 }"), hidden),
-            "-bounces 60",
+            "-bounces 60 -shade_back",
             "`-bounces 60` allows more than a million rays for each sample of a pixel, since this material both \
              reflects and transmits\n  hint: `-bounces 19` allows fewer",
         ),
@@ -290,7 +296,9 @@ fn rays_that_nothing_lets_through_are_a_warning() {
         "warning: `-bounces 5` has no effect: `-weight 2` ends all rays that are reflected or transmitted\n"
     );
     // Whoever says 0 means it.
-    for flags in ["-bounces 5 -weight 0.01", "-bounces 0", "-bounces 0 -weight 0.01 -transparent_shadows"] {
+    for flags in
+        ["-bounces 5 -weight 0.01 -shade_back", "-bounces 0", "-bounces 0 -weight 0.01 -transparent_shadows"]
+    {
         assert_eq!(run(flags), "", "{flags}");
     }
 }
@@ -339,6 +347,55 @@ fn the_smallest_filter_that_is_named_loses_no_pixel_and_a_smaller_one_warns() {
     }
 }
 
+/// With a filter that is named every pixel of a pattern of 0 and 1 is within half of that range.
+#[test]
+fn a_filter_whose_weights_cancel_is_named_with_one_whose_do_not() {
+    let checkers = "Materials { numMaterials 3 Material { } Material { diffuseColor 0 0 0 }
+        Checkerboard { Transform { UniformScale 7 } materialIndex 0 materialIndex 1 } }";
+    let camera = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 4 }";
+    let folder = Folder::with_scene(&format!(
+        "{camera} {LIGHT}{checkers} Group {{ numObjects 1 MaterialIndex 2 Plane {{ normal 0 0 1 offset 0 }} }}"
+    ));
+    let worst = |flags: &str| {
+        let run = folder.run(&format!("-input s.txt -output o.pfm -size 60 60 {flags}")).ok();
+        let bytes = folder.read("o.pfm");
+        let colors = bytes[bytes.len() - 12 * 3600..].chunks_exact(4);
+        let colors = colors.map(|bytes| f32::from_le_bytes(bytes.try_into().expect("four bytes")));
+        (run.stderr, colors.map(|x| (x - 0.5).abs()).fold(0.0, f32::max))
+    };
+    for samples in ["-jittered_samples 4", "-jittered_samples 1", "-random_samples 1", "-random_samples 4"] {
+        let (stderr, off) = worst(&format!("{samples} -mitchell_filter 0.8"));
+        assert!(off > 1.0 && stderr.contains("weights nearly cancel in some pixels"), "{off} {stderr}");
+        let smallest = named(&stderr).expect("a filter").to_owned();
+        let (stderr, off) = worst(&format!("{samples} {smallest} -strict"));
+        assert!(off <= 1.0 && stderr.is_empty(), "{samples} {smallest}: {off} {stderr}");
+    }
+    for flags in ["-uniform_samples 4", "-adaptive_samples 16 2", "-jittered_samples 16"] {
+        let (stderr, off) = worst(&format!("{flags} -mitchell_filter 1"));
+        assert!(off <= 1.0 && stderr.is_empty(), "{flags}: {off} {stderr}");
+    }
+}
+
+/// Of warnings of a kind the first 20 are shown, and then their number.
+#[test]
+fn at_most_twenty_warnings_of_a_kind_are_shown() {
+    let black = "DirectionalLight { direction 0 0 -1 color 0 0 0 }\n".repeat(20_000);
+    let lights = format!("Lights {{ numLights 20000\n{black} }}\n");
+    let blocks = "Background { }\n".repeat(90_000);
+    let white = materials("Material { }");
+    for (text, shown, more) in [
+        (with(&lights, &white, BALL), "the light has no effect", 19_980),
+        (blocks + &with(LIGHT, &white, BALL), "a second `Background`", 89_979),
+    ] {
+        let folder = Folder::with_scene(&text);
+        let stderr = folder.run("-input s.txt -output o.tga -size 4 4").ok().stderr;
+        assert_eq!(stderr.matches(shown).count(), 20);
+        assert!(stderr.ends_with(&format!("\nwarning: {more} more like these\n")), "{stderr}");
+        let message = folder.run("-input s.txt -output p.tga -size 4 4 -strict").message(1);
+        assert!(message.ends_with(&format!("\nerror: {more} more like these\n")), "{message}");
+    }
+}
+
 #[test]
 fn strict_takes_each_for_an_error_and_writes_nothing() {
     let folder = folder();
@@ -381,7 +438,9 @@ fn what_is_meant_is_no_warning() {
         (with(&point(".5 color 1 1 1"), &materials(glass), BALL), "-shadows -bounces 3 -shade_back"),
         (with(&point(".5 color 1 1 1"), &white, BALL), ""),
         // Only glass, or mirrors, make one ray of one.
-        (with(LIGHT, &materials(glass), "Sphere { center 0 0 0 radius .01 }"), "-bounces 60"),
+        (with(LIGHT, &materials(glass), "Sphere { center 0 0 0 radius .01 }"), "-bounces 60 -shade_back"),
+        // No ray comes into the glass, or out of it.
+        (with(LIGHT, &materials(glass), BALL), "-bounces 0"),
         // Beside the picture's edge, in part of it, or as a picture of samples.
         (view("OrthographicCamera { center .95 0 0 direction 0 0 -1 up 0 1 0 size 1 }"), ""),
         (view("OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 9 }"), "-region 0 0 2 2"),

@@ -18,6 +18,7 @@ use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
+use raytracer::tools::warnings::{Severity, Warning};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -98,6 +99,9 @@ fn open(
     }
     if let Some(note) = loaded.choice.note() {
         tell(&format!("note: {note}"));
+    }
+    if let Some(doubt) = loaded.choice.doubt() {
+        tell(&Warning::OpenEdition(doubt).render(&loaded.source, Severity::Warning));
     }
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.

@@ -275,7 +275,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
     fn paint(&self, point: &SurfacePoint, world: &World) -> Option<String> {
         let scene = &self.prepared.renderer().scene;
         match scene.materials.get(point.material)? {
-            &Material::Painted(_, Paint::Image(image)) => {
+            &Material::Painted(_, Paint::Image { image, .. }) => {
                 world.image_color(image, point)?;
                 Some(format!("the texture {}", escape(&scene.images.get(image)?.name)))
             }

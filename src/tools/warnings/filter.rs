@@ -1,16 +1,22 @@
-//! Filters so narrow that pixels get no samples, and are black.
+//! Filters so narrow that pixels get no samples, and are black, or samples whose weights cancel.
 //!
 //! What counts are a pixel's own samples: those of its neighbours are farther away. Uniform samples lie at the same places
 //! in every pixel. Of jittered and adaptive samples it is certain in which stratum they lie, so that the farthest point of
 //! the strata around the centre decides. Random samples lie anywhere, but at the same places in each run, so that they
 //! are looked at one by one; that takes a small part of the time in which they are traced.
+//!
+//! Mitchell's filter is negative beyond 4/7 of its radius. Where the weights w of a pixel's samples nearly cancel, the
+//! pixel is far outside of the colours that they have: between 0 and 1 it stays within (1 - M) / 2 and (1 + M) / 2, where
+//! M is the sum of |w| divided by |the sum of w|.
 
 use super::Warning;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use glam::DVec2;
+use std::collections::VecDeque;
 use std::fmt;
+use std::ops::Range;
 
 /// The pixels that get no sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +27,8 @@ pub enum Lost {
     Some,
     /// This number of them.
     Number(usize),
+    /// None, but in some the weights of their samples nearly cancel.
+    Cancelled,
 }
 
 impl fmt::Display for Lost {
@@ -31,6 +39,9 @@ impl fmt::Display for Lost {
             Self::Number(1) => f.write_str("1 pixel has no sample within the filter, and is black"),
             Self::Number(pixels) => {
                 write!(f, "{pixels} pixels have no sample within the filter, and are black")
+            }
+            Self::Cancelled => {
+                f.write_str("weights nearly cancel in some pixels, which are far too dark or too bright")
             }
         }
     }
@@ -53,17 +64,97 @@ pub fn too_narrow(request: &Request) -> Option<Warning> {
     let (farthest, lost) = match sampler.pattern() {
         Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
         Pattern::Jittered => (surely_within(&sampler), Lost::Some),
-        // It reaches the corners of the pixel, and so all samples.
         // Every pixel has its sample.
         Pattern::Displaced => return None,
-        Pattern::Random if reaches(filter, DVec2::splat(0.5)) => return None,
+        // It reaches any sample.
+        Pattern::Random if reaches(filter, DVec2::splat(0.5)) => (DVec2::ZERO, Lost::Number(0)),
         Pattern::Random => farthest_of_random(request)?,
     };
-    let warning = || {
-        let smallest = filter.with_size(smallest(filter, farthest));
-        Warning::NarrowFilter { filter, lost, smallest }
+    let is_lost = !reaches(filter, farthest);
+    if !is_lost && !cancels(request, filter.size()) {
+        return None;
+    }
+    let (size, lost) =
+        if is_lost { (smallest(filter, farthest), lost) } else { (filter.size(), Lost::Cancelled) };
+    let smallest = filter.with_size(smallest_that_adds_up(request, size));
+    Some(Warning::NarrowFilter { filter, lost, smallest })
+}
+
+/// The smallest radius from the given one on whose weights do not cancel, in thousandths of a pixel.
+fn smallest_that_adds_up(request: &Request, radius: f64) -> f64 {
+    if !cancels(request, radius) {
+        return radius;
+    }
+    let is_enough = |thousandths: u32| !cancels(request, f64::from(thousandths) / 1000.0);
+    const STEP: u32 = 50;
+    let first = (radius * 1000.0).ceil() as u32;
+    let mut enough = first.next_multiple_of(STEP);
+    while !is_enough(enough) {
+        enough += STEP;
+    }
+    let mut too_small = enough - STEP;
+    while too_small + 1 < enough {
+        let middle = too_small.midpoint(enough);
+        *(if middle >= first && is_enough(middle) { &mut enough } else { &mut too_small }) = middle;
+    }
+    f64::from(enough) / 1000.0
+}
+
+/// Whether the weights of Mitchell's filter of this radius nearly cancel in a pixel, so that M is above 2.
+fn cancels(request: &Request, radius: f64) -> bool {
+    const MOST: f64 = 2.0;
+    let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
+    let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
+    // From this radius on M above 2 was not seen in a million pixels.
+    let wide_enough = if sampler.count() > 2 { 2.0 } else { 3.0 };
+    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= wide_enough {
+        return false;
+    }
+    let filter = filter.with_size(radius);
+    let (columns, rows, support) = (request.columns(), request.rows(), filter.support());
+    let reach = |range: &Range<usize>, end: usize| {
+        range.start.saturating_sub(support)..(range.end + support).min(end)
     };
-    (!reaches(filter, farthest)).then(warning)
+    // The sums of the weights and of their magnitudes, of the columns that may get more.
+    let mut open: VecDeque<Vec<[f64; 2]>> = VecDeque::new();
+    let mut first = columns.start;
+    for column in reach(&columns, width) {
+        let sampled = reach(&rows, height);
+        let reached = reach(&(column..column + 1), width);
+        while first + open.len() < reached.end.min(columns.end) {
+            open.push_back(vec![[0.0; 2]; rows.len()]);
+        }
+        let mut pixels = sampler.pixels((column * height + sampled.start) as u64, 1);
+        for row in sampled {
+            let near = reach(&(row..row + 1), height);
+            for offset in pixels.next_offsets() {
+                // Its own pixel and at most three on either side, since the radius is below 3.
+                let mut across = [0.0; 7];
+                for (weight, other) in across.iter_mut().zip(near.clone()) {
+                    *weight = filter.axis_term(offset.y + row as f64 - other as f64);
+                }
+                for other in reached.clone().filter(|other| columns.contains(other)) {
+                    let along = filter.axis_term(offset.x + column as f64 - other as f64);
+                    for (weight, other_row) in across.iter().zip(near.clone()) {
+                        if rows.contains(&other_row) {
+                            let [sum, magnitude] = &mut open[other - first][other_row - rows.start];
+                            *sum += along * weight;
+                            *magnitude += (along * weight).abs();
+                        }
+                    }
+                }
+            }
+        }
+        while first < columns.end && (first + support <= column || column + 1 == width) {
+            let Some(sums) = open.pop_front() else { break };
+            first += 1;
+            // A pixel without weights is black, as a sum of zero tells.
+            if sums.iter().any(|[sum, magnitude]| *sum == 0.0 || *magnitude > MOST * sum.abs()) {
+                return true;
+            }
+        }
+    }
+    false
 }
 
 /// The smallest size of the filter that reaches a position within the pixel, where the size that it has does not.
@@ -160,8 +251,9 @@ mod tests {
             FILTERS.into_iter().flat_map(|filter| [2, 4, 7, 8, 16, 64].map(|n| (filter, n)))
         {
             for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
-                // An odd number of uniform samples has one at the centre.
-                if pattern == Pattern::Uniform && count == 7 {
+                // An odd number of uniform samples has one at the centre. Cancelling weights are another matter.
+                let is_uniform = pattern == Pattern::Uniform;
+                if is_uniform && count == 7 || !is_uniform && matches!(filter(1.0), Filter::Mitchell { .. }) {
                     continue;
                 }
                 let size = named(pattern, count, filter);
@@ -181,8 +273,8 @@ mod tests {
         assert_eq!([square, cubic], [0.25, 0.25_f64.next_up()]);
         assert_eq!(disk, (2.0 * 0.25_f64 * 0.25).sqrt().next_up());
         // One of four jittered samples is at most at a corner of the pixel.
-        let [square, disk, _, cubic] = FILTERS.map(|filter| named(Pattern::Jittered, 4, filter));
-        assert_eq!([square, cubic], [0.5, 0.5_f64.next_up()]);
+        let [square, disk, ..] = FILTERS.map(|filter| named(Pattern::Jittered, 4, filter));
+        assert_eq!(square, 0.5);
         assert!((disk - 0.5_f64.sqrt()).abs() < 1e-15);
         // Nine have one in the stratum in the middle, eight have none there along one axis.
         assert_eq!(named(Pattern::Jittered, 9, FILTERS[0]), 1.0 / 6.0);
@@ -197,6 +289,80 @@ mod tests {
         }
         let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
         assert!(too_narrow(&Request { sampler: adaptive, ..Request::new([9, 9]) }).is_none());
+    }
+
+    /// The sum of the magnitudes of the weights of a pixel's samples, divided by that of their sum.
+    fn amplification(request: &Request, [x, y]: [usize; 2]) -> f64 {
+        let [width, height] = request.size;
+        let samples = (0..width).flat_map(|column| (0..height).map(move |row| [column, row]));
+        let weights = samples.flat_map(|[column, row]| {
+            let moved = DVec2::new(column as f64 - x as f64, row as f64 - y as f64);
+            let offsets = request.sampler.offsets((column * height + row) as u64);
+            offsets.map(move |offset| request.filter.weight(offset + moved))
+        });
+        let [sum, magnitude] = weights.fold([0.0; 2], |[sum, all], w| [sum + w, all + w.abs()]);
+        magnitude / sum.abs()
+    }
+
+    #[test]
+    fn weights_cancel_where_their_sum_is_below_half_of_their_magnitudes() {
+        let window = Some(Window { x: 3, y: 4, width: 5, height: 7 });
+        let mut found = [0; 2];
+        for radius in [0.45, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 1.95, 2.4, 2.9] {
+            for (pattern, count) in [
+                (Pattern::Random, 1),
+                (Pattern::Random, 3),
+                (Pattern::Random, 16),
+                (Pattern::Jittered, 1),
+                (Pattern::Jittered, 4),
+                (Pattern::Jittered, 9),
+            ] {
+                for window in [None, window] {
+                    let all = Request { window, ..request(pattern, count, Filter::Mitchell { radius }) };
+                    let all = Request { size: [12, 14], ..all };
+                    let pixels = all.columns().flat_map(|x| all.rows().map(move |y| [x, y]));
+                    let worst = pixels
+                        .map(|pixel| amplification(&all, pixel))
+                        .fold(0.0, |worst: f64, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) });
+                    assert_eq!(cancels(&all, radius), worst > 2.0, "{radius} {pattern:?} {count} {worst}");
+                    found[usize::from(worst > 2.0)] += 1;
+                }
+            }
+        }
+        assert!(found.iter().all(|&count| count > 20), "{found:?}");
+    }
+
+    #[test]
+    fn the_named_radius_is_the_smallest_whose_weights_do_not_cancel() {
+        for (pattern, count) in [(Pattern::Random, 1), (Pattern::Random, 4), (Pattern::Jittered, 4)] {
+            let of = |radius: f64| request(pattern, count, Filter::Mitchell { radius });
+            let Some(Warning::NarrowFilter { lost: Lost::Cancelled, smallest, .. }) = too_narrow(&of(0.9))
+            else {
+                unreachable!("weights cancel")
+            };
+            let radius = smallest.size();
+            assert!(too_narrow(&of(radius)).is_none() && (0.9..=3.0).contains(&radius));
+            let twentieths = (19..).map(|n| f64::from(n) / 20.0).take_while(|&less| less < radius);
+            let less = twentieths.chain([radius - 0.001]);
+            assert!(less.into_iter().all(|less| too_narrow(&of(less)).is_some()), "{radius}");
+        }
+        let none = [
+            (Pattern::Uniform, 1, 0.6),
+            (Pattern::Uniform, 4, 0.8),
+            (Pattern::Random, 4, 2.0),
+            (Pattern::Jittered, 16, 1.0),
+        ];
+        for (pattern, count, radius) in none {
+            assert!(
+                too_narrow(&request(pattern, count, Filter::Mitchell { radius })).is_none(),
+                "{pattern:?} {count}"
+            );
+        }
+        let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
+        let request =
+            Request { filter: Filter::Mitchell { radius: 0.8 }, sampler: adaptive, ..Request::new([40, 30]) };
+        let adaptive = Some(crate::sampling::adaptive::Adaptive { most: 16, error: 2.0 });
+        assert!(too_narrow(&Request { adaptive, ..request }).is_none());
     }
 
     #[test]

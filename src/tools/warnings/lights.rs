@@ -51,9 +51,10 @@ impl fmt::Display for Reason {
 /// The lights that have no effect on any picture of the scene.
 pub fn without_effect(scene: &Scene, world: &World, places: &Places, effects: &Effects) -> Vec<Warning> {
     let lights = scene.lights.iter().enumerate();
+    let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
     let warning = |(index, light): (usize, &Light)| {
         let lies_on_surface = !world.triangles_at_light(index).is_empty();
-        let reason = match reason(light, scene, world, effects) {
+        let reason = match reason(light, scene, world, brightest, effects) {
             None if lies_on_surface && effects.shadows == Shadows::Opaque => Reason::OnSurface,
             reason => reason?,
         };
@@ -62,7 +63,7 @@ pub fn without_effect(scene: &Scene, world: &World, places: &Places, effects: &E
     lights.filter_map(warning).collect()
 }
 
-fn reason(light: &Light, scene: &Scene, world: &World, effects: &Effects) -> Option<Reason> {
+fn reason(light: &Light, scene: &Scene, world: &World, brightest: f64, effects: &Effects) -> Option<Reason> {
     let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
     if color == Color::ZERO {
         return Some(Reason::Black);
@@ -71,25 +72,27 @@ fn reason(light: &Light, scene: &Scene, world: &World, effects: &Effects) -> Opt
     if attenuation.iter().all(|&coefficient| coefficient <= 0.0) {
         return Some(Reason::NegativeAttenuation);
     }
-    if is_too_far(position, color, attenuation, world) {
+    if is_too_far(position, color * brightest, attenuation, world) {
         return Some(Reason::TooFar);
     }
     let sphere = enclosing_sphere(position, scene, world, effects)?;
     Some(Reason::Enclosed { line: line_of(sphere, scene) })
 }
 
-/// Whether the light changes no pixel by a quarter of a level, wherever it meets a surface from the front.
-fn is_too_far(position: DVec3, color: Color, attenuation: [f64; 3], world: &World) -> bool {
+/// Whether the light changes no pixel by a quarter of a level, wherever it meets a surface from the front. `color` is that
+/// of the light on the brightest material.
+fn is_too_far(position: DVec3, color: Color, [a0, a1, a2]: [f64; 3], world: &World) -> bool {
     const QUARTER_LEVEL: f64 = 0.25 / 255.0;
-    let grows = attenuation.iter().all(|&coefficient| coefficient >= 0.0);
-    let distance = nearest_surface(position, world);
-    if !grows || !distance.is_finite() {
-        return false;
-    }
-    let [a0, a1, a2] = attenuation;
-    let factor = 1.0 / (a0 + a1 * distance + a2 * distance * distance);
-    let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
-    color.abs().max_element() * factor * brightest < QUARTER_LEVEL
+    let brightest = color.abs().max_element();
+    let is_dark =
+        |distance: f64| brightest * (1.0 / (a0 + a1 * distance + a2 * distance * distance)) < QUARTER_LEVEL;
+    let to_bounds = |bounds: Aabb| (position.clamp(bounds.min, bounds.max) - position).length();
+    let (bounds, planes) = (world.bounds, &world.planes);
+    // The light grows darker with the distance.
+    [a0, a1, a2].into_iter().all(|coefficient| coefficient >= 0.0)
+        && !(bounds.is_empty() && planes.is_empty())
+        && (bounds.is_empty() || is_dark(to_bounds(bounds)))
+        && planes.iter().all(|plane| is_dark(plane.ahead_of(position).abs()))
 }
 
 /// How bright a material is at most in the light of one, unless it is less than white.
@@ -100,18 +103,10 @@ fn brightness(material: &Material) -> f64 {
             colors.iter().map(|&color| of(color, phong)).fold(0.0, f64::max)
         }
         // The picture may be white.
-        Material::Painted(phong, Paint::Image(_)) => of(phong.diffuse.max(Color::ONE), phong),
+        Material::Painted(phong, Paint::Image { .. }) => of(phong.diffuse.max(Color::ONE), phong),
         Material::Phong(phong) => of(phong.diffuse, phong),
         Material::Texture(_) => 0.0,
     }
-}
-
-/// A lower bound on the distance to a surface; infinite if there are no surfaces.
-fn nearest_surface(position: DVec3, world: &World) -> f64 {
-    let bounds = world.bounds;
-    let to_box = |bounds: Aabb| (position.clamp(bounds.min, bounds.max) - position).length();
-    let to_objects = if bounds.is_empty() { f64::INFINITY } else { to_box(bounds) };
-    world.planes.iter().map(|plane| plane.ahead_of(position).abs()).fold(to_objects, f64::min)
 }
 
 /// The sphere around a light that lets none of it out, where no camera looks in. The sphere's index is

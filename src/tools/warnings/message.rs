@@ -5,7 +5,10 @@ use super::filter::flag_of;
 use crate::scene::Position;
 use crate::scene::error::labelled;
 use crate::scene::excerpt::with_caret;
+use crate::scene::warning::Doubt;
 use crate::scene_io::Source;
+use std::collections::HashMap;
+use std::mem::discriminant;
 
 /// How serious a warning is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +26,33 @@ impl Severity {
             Self::Error => "error",
         }
     }
+}
+
+/// The messages of warnings, as [`Warning::render`] gives them. Of each kind only the first 20 are shown, and then the
+/// number of those that are not.
+pub fn render_all(found: &[Warning], source: &Source, severity: Severity) -> Vec<String> {
+    const MOST: usize = 20;
+    let kind = |warning: &Warning| {
+        let Warning::Text(text) = warning else { return (discriminant(warning), None, None) };
+        let of_mesh = if let Doubt::InMesh { doubt, .. } = &text.doubt { Some(&doubt.kind) } else { None };
+        (discriminant(warning), Some(discriminant(&text.doubt)), of_mesh.map(discriminant))
+    };
+    let mut counts = HashMap::new();
+    found.iter().for_each(|warning| *counts.entry(kind(warning)).or_insert(0) += 1);
+    let (mut lines, mut shown) = (vec![], HashMap::new());
+    for warning in found {
+        let kind = kind(warning);
+        let place = shown.entry(kind).or_insert(0);
+        *place += 1;
+        match *place {
+            1..=MOST => lines.push(warning.render(source, severity)),
+            place if place == MOST + 1 => {
+                lines.push(format!("{}: {} more like these", severity.label(), counts[&kind] - MOST))
+            }
+            _ => {}
+        }
+    }
+    lines
 }
 
 impl Warning {
@@ -50,12 +80,14 @@ impl Warning {
     fn at(&self) -> Option<Position> {
         match self {
             Self::Text(warning) => Some(warning.at),
-            Self::FlatTriangles { at, .. }
+            Self::BlackInside { at }
+            | Self::FlatTriangles { at, .. }
             | Self::IdleLight { at, .. }
             | Self::ManyRays { at, .. }
             | Self::NoBounces { at, .. }
             | Self::NothingVisible { at, .. } => *at,
-            Self::NoLights | Self::NoPicture | Self::IdleFlags { .. } | Self::NarrowFilter { .. } => None,
+            Self::OpenEdition(_) | Self::NoLights | Self::NoPicture => None,
+            Self::IdleFlags { .. } | Self::NarrowFilter { .. } => None,
             Self::NotNumbers { .. } | Self::NanInFile { .. } | Self::BeyondSingle { .. } => None,
         }
     }
@@ -63,6 +95,10 @@ impl Warning {
     fn description(&self) -> String {
         match self {
             Self::Text(warning) => warning.to_string(),
+            Self::OpenEdition([problem, _]) => problem.clone(),
+            Self::BlackInside { .. } => {
+                "the material transmits light, but without `-shade_back` it is black from inside".into()
+            }
             Self::NoLights => "the scene has no lights".into(),
             Self::NoPicture => "no picture is asked for: add `-output file.tga`".into(),
             Self::FlatTriangles { count, of: Some(all), .. } => {
@@ -103,6 +139,8 @@ impl Warning {
     fn hint(&self) -> Option<String> {
         match self {
             Self::Text(warning) => warning.hint(),
+            Self::OpenEdition([_, hint]) => Some(hint.clone()),
+            Self::BlackInside { .. } => Some("add `-shade_back`".into()),
             Self::ManyRays { remedy, .. } => Some(remedy.to_string()),
             Self::NarrowFilter { smallest, .. } => {
                 Some(format!("`{}` is the smallest that is wide enough", flag_of(smallest)))

@@ -14,9 +14,9 @@ mod view;
 pub use filter::too_narrow as narrow_filter;
 pub use idle::{colors_not_asked_for, sampling_without_effect};
 pub use lights::without_effect as lights_without_effect;
-pub use message::Severity;
+pub use message::{Severity, render_all};
 pub use rays::too_many as too_many_rays;
-pub use rays::{not_followed as rays_not_followed, without_effect as rays_without_effect};
+pub use rays::{black_inside, not_followed as rays_not_followed, without_effect as rays_without_effect};
 pub use triangles::without_area as triangles_without_area;
 pub use view::nothing_visible;
 
@@ -34,6 +34,8 @@ use view::Sight;
 pub enum Warning {
     /// A doubtful place in the scene's text.
     Text(SceneWarning),
+    /// A scene that several editions read, and nothing tells which one is meant: the problem and a hint.
+    OpenEdition([String; 2]),
     /// A scene without lights.
     NoLights,
     /// A command line that writes and prints nothing.
@@ -61,13 +63,13 @@ pub enum Warning {
         /// Why they change nothing.
         reason: Idle,
     },
-    /// A filter so narrow that pixels get no samples.
+    /// A filter so narrow that pixels get no samples, or samples whose weights cancel.
     NarrowFilter {
         /// The filter.
         filter: Filter,
-        /// The pixels that get none.
+        /// The pixels that are wrong.
         lost: Lost,
-        /// The smallest filter of its kind with which each gets one.
+        /// The smallest filter of its kind with which none is.
         smallest: Filter,
     },
     /// A material that reflects or transmits light, where no ray bounces.
@@ -76,6 +78,11 @@ pub enum Warning {
         at: Option<Position>,
         /// Whether it transmits light, or else reflects it.
         transmits: bool,
+    },
+    /// A material that transmits light, whose surface is black from inside.
+    BlackInside {
+        /// The material.
+        at: Option<Position>,
     },
     /// So many bounces that the rays of a pixel may never end.
     ManyRays {

@@ -79,6 +79,16 @@ pub fn not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> 
     Some(Warning::NoBounces { at, transmits: secondary.refracted > 0.0 })
 }
 
+/// A warning for the first material that transmits light which nobody sees inside of it, as there is no `-shade_back`.
+pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Warning> {
+    let Effects { bounces, min_weight, shade_back, .. } = *effects;
+    let is_lit_as_outside = shade_back || scene.model.highlight == Highlight::Phong;
+    let (id, _) = used(scene)
+        .filter(|_| bounces > 0 && !is_lit_as_outside)
+        .find(|(_, it)| it.refracted > min_weight)?;
+    Some(Warning::BlackInside { at: known(scene.material_positions.get(id)) })
+}
+
 /// A warning if the rays of one sample may be 2^20 or more.
 ///
 /// Every ray is taken to hit a material that reflects and transmits as much as any of the scene does.

@@ -29,7 +29,7 @@ fn faulty_scenes() -> Vec<(&'static str, Vec<u8>)> {
         ("comment.txt", b"# nothing else\n// at all".to_vec()),
         ("binary.txt", b"\x7fELF\x02\x01\x01\x00\xff\xfe\x80".to_vec()),
         ("utf16.txt", b"\xff\xfeG\0r\0o\0u\0p\0".to_vec()),
-        ("latin1.txt", b"# caf\xe9\n".to_vec()),
+        ("latin1.txt", b"# caf\xe9\nCaf\xe9 {\n".to_vec()),
         ("nul.txt", group("numObjects 0 \0")),
         ("cut.txt", sphere().into_bytes()[..150].to_vec()),
         ("count20.txt", group("numObjects 12345678901234567890")),

@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
     ("r -input comment.txt -output o.tga", 1, "comment.txt:1:1: error: the scene has no camera"),
     ("r -input binary.txt -output o.tga", 1, "binary.txt:1:9: error: the scene is not UTF-8 text"),
     ("r -input utf16.txt -output o.tga", 1, "utf16.txt:1:1: error: the scene is not UTF-8 text"),
-    ("r -input latin1.txt -output o.tga", 1, "latin1.txt:1:6: error: the scene is not UTF-8 text"),
+    ("r -input latin1.txt -output o.tga", 1, "latin1.txt:2:4: error: the scene is not UTF-8 text"),
     (
         "r -input nul.txt -output o.tga",
         1,
