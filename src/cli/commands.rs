@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn a_line_that_cannot_be_used_is_named() {
         for (line, message) in [
-            ("rt -input a.txt -sise 1 1", "line 2: unknown flag `-sise`; did you mean `-size`?"),
+            ("rt -input a.txt -sise 1 1", "line 2: unexpected argument '-sise' found; did you mean '-size'?"),
             ("rt -help", "line 2: the command does not render a scene"),
             ("rt -compare a.tga -reference b.tga", "line 2: the command does not render a scene"),
             ("rt -grade a -reference b", "line 2: the command does not render a scene"),

@@ -1,34 +1,84 @@
-//! Completions of the command line for bash, zsh and fish, generated from the definitions of the flags.
+//! Completions of the command line for bash, zsh and fish, generated from the flags.
+//!
+//! clap_complete's scripts offer files of all kinds, and nothing for the second value of a flag.
 
-use super::flag::{Flag, Offer, Value};
-use super::flags::FLAGS;
+use super::command;
+use super::help::summary;
+use clap::Arg;
 
-const ORIGIN: &str = "Made from the table of flags by `cargo run --example shell_files`.";
+const ORIGIN: &str = "Made from the flags by `cargo run --example shell_files`.";
 
-/// What a shell has for all values, each with its flag and index. That of a flag with any number of values stands for
-/// all of them.
-fn of_values(text: fn(&Flag, usize, Offer) -> String) -> String {
-    let values = |flag: &&'static Flag| flag.values.iter().enumerate();
-    FLAGS.iter().flat_map(|flag| values(flag).map(|(index, value)| text(flag, index, value.offer))).collect()
+/// What completions offer for a value.
+enum Offer {
+    /// Files with these extensions, and folders on the way to them.
+    Files(&'static str),
+    Folders,
+    Words(String),
+    Nothing,
 }
 
-/// The words that are offered.
-fn words(offer: Offer) -> String {
-    match offer {
-        Offer::Words(words) => words.join(" "),
-        Offer::Flags => flag_names(""),
-        _ => String::new(),
+/// A value of a flag.
+struct Value {
+    name: String,
+    offer: Offer,
+    /// Its index, counted from 0, or `*` if it stands for any number of values.
+    index: String,
+    is_required: bool,
+}
+
+fn values(flag: &Arg) -> Vec<Value> {
+    let names = flag.get_value_names().filter(|_| flag.get_action().takes_values()).unwrap_or_default();
+    let counts = flag.get_num_args().unwrap_or((names.len()..=names.len()).into());
+    let is_endless = counts.max_values() == usize::MAX;
+    let value = |(index, name): (usize, &clap::builder::Str)| Value {
+        name: name.to_string(),
+        offer: offer(flag, name),
+        index: if is_endless { "*".to_owned() } else { index.to_string() },
+        is_required: index < counts.min_values(),
+    };
+    names.iter().enumerate().map(value).collect()
+}
+
+/// The name of a value tells what it is.
+fn offer(flag: &Arg, name: &str) -> Offer {
+    let words: Vec<String> =
+        flag.get_possible_values().iter().map(|word| word.get_name().to_owned()).collect();
+    match name {
+        _ if !words.is_empty() => Offer::Words(words.join(" ")),
+        "scene" | "commands" => Offer::Files("txt"),
+        "picture" => Offer::Files("tga png bmp ppm pfm exr"),
+        "parts" => Offer::Files("tga png"),
+        "page" => Offer::Files("html"),
+        "document" => Offer::Files("json"),
+        "folder" => Offer::Folders,
+        "nx" => Offer::Words("auto none".to_owned()),
+        "kind" => Offer::Words("rays tests cells".to_owned()),
+        _ => Offer::Nothing,
     }
 }
 
-fn flag_names(dash: &str) -> String {
-    FLAGS.iter().map(|flag| format!("{dash}{}", flag.name)).collect::<Vec<_>>().join(" ")
+/// The text of a shell for all values of all flags.
+fn of_values(text: fn(&Arg, &Value) -> String) -> String {
+    let command = command();
+    command
+        .get_arguments()
+        .flat_map(|flag| values(flag).into_iter().map(move |value| text(flag, &value)))
+        .collect()
+}
+
+/// All spellings of a flag.
+fn names(flag: &Arg) -> impl Iterator<Item = &str> {
+    std::iter::once(flag.get_id().as_str()).chain(flag.get_all_aliases().into_iter().flatten())
+}
+
+fn flag_names() -> String {
+    command().get_arguments().map(|flag| format!("-{}", flag.get_id())).collect::<Vec<_>>().join(" ")
 }
 
 /// The completions for bash.
 pub fn bash() -> String {
     let cases: String = of_values(bash_case);
-    let flags = flag_names("-");
+    let flags = flag_names();
     format!(
         r#"# Completions of raytracer for bash. {ORIGIN}
 
@@ -69,24 +119,20 @@ complete -F _raytracer raytracer
     )
 }
 
-fn bash_case(flag: &Flag, index: usize, offer: Offer) -> String {
-    let action = match offer {
-        Offer::Files(extensions) => format!("_raytracer_files \"$current\" {}", extensions.join(" ")),
-        Offer::Folders => "_raytracer_files \"$current\"".to_owned(),
-        Offer::Words(_) | Offer::Flags => {
-            format!("COMPREPLY=($(compgen -W '{}' -- \"$current\"))", words(offer))
-        }
+fn bash_case(flag: &Arg, value: &Value) -> String {
+    let action = match &value.offer {
+        Offer::Files(extensions) => format!("_raytracer_files \"$current\" {extensions}; "),
+        Offer::Folders => "_raytracer_files \"$current\"; ".to_owned(),
+        Offer::Words(words) => format!("COMPREPLY=($(compgen -W '{words}' -- \"$current\")); "),
         Offer::Nothing => String::new(),
     };
-    let separator = if action.is_empty() { "" } else { "; " };
-    let number = if flag.takes_any_number() { "*".to_owned() } else { index.to_string() };
-    let names = flag.names().map(|name| format!("{name}:{number}"));
-    format!("            {}) {action}{separator}return ;;\n", names.collect::<Vec<_>>().join(" | "))
+    let names: Vec<String> = names(flag).map(|name| format!("{name}:{}", value.index)).collect();
+    format!("            {}) {action}return ;;\n", names.join(" | "))
 }
 
 /// The completions for zsh.
 pub fn zsh() -> String {
-    let specs: Vec<String> = FLAGS.iter().flat_map(|flag| zsh_specs(flag)).collect();
+    let specs: Vec<String> = command().get_arguments().flat_map(zsh_specs).collect();
     format!(
         "#compdef raytracer\n# Completions of raytracer for zsh. {ORIGIN}\n\n_arguments \\\n{}\n",
         specs.join(" \\\n")
@@ -94,38 +140,35 @@ pub fn zsh() -> String {
 }
 
 /// The specification of a flag, and those of its other names.
-fn zsh_specs(flag: &Flag) -> Vec<String> {
-    let excluded: Vec<String> = flag.excluded().map(|other| format!("-{}", other.name)).collect();
+fn zsh_specs(flag: &Arg) -> Vec<String> {
     // A flag is given once, by one of its names.
-    let once: Vec<String> = flag.names().map(|name| format!("-{name}")).chain(excluded).collect();
-    let values: String = (0..flag.values.len()).map(|index| zsh_value(flag, index)).collect();
-    let doc = flag.summary().replace(['[', ']'], "").replace('\'', "'\\''");
-    flag.names().map(|name| format!("    '({})-{name}[{doc}]{values}'", once.join(" "))).collect()
+    let once: Vec<String> = names(flag).map(|name| format!("-{name}")).collect();
+    let values: String = values(flag).iter().map(zsh_value).collect();
+    let doc = summary(flag).replace(['[', ']'], "").replace('\'', "'\\''");
+    names(flag).map(|name| format!("    '({})-{name}[{doc}]{values}'", once.join(" "))).collect()
 }
 
-fn zsh_value(flag: &Flag, index: usize) -> String {
-    let Value { name, offer, .. } = flag.values[index];
-    let name = name.trim_end_matches('.');
-    let action = match offer {
+fn zsh_value(value: &Value) -> String {
+    let action = match &value.offer {
         // A single word in brackets would be the qualifier of a pattern.
-        Offer::Files([extension]) => format!("_files -g \"*.{extension}\""),
-        Offer::Files(extensions) => format!("_files -g \"*.({})\"", extensions.join("|")),
+        Offer::Files(extension) if !extension.contains(' ') => format!("_files -g \"*.{extension}\""),
+        Offer::Files(extensions) => format!("_files -g \"*.({})\"", extensions.replace(' ', "|")),
         Offer::Folders => "_files -/".to_owned(),
-        Offer::Words(_) | Offer::Flags => format!("({})", words(offer)),
+        Offer::Words(words) => format!("({words})"),
         Offer::Nothing => " ".to_owned(),
     };
     let start = match () {
         // Up to the next flag.
-        () if flag.takes_any_number() => ":*-*:",
-        () if index >= *flag.value_counts().start() => "::",
-        () => ":",
+        () if value.index == "*" => ":*-*:",
+        () if value.is_required => ":",
+        () => "::",
     };
-    format!("{start}{name}:{action}")
+    format!("{start}{}:{action}", value.name)
 }
 
 /// The completions for fish.
 pub fn fish() -> String {
-    let flags: String = FLAGS.iter().map(|flag| fish_flag(flag)).collect();
+    let flags: String = command().get_arguments().map(fish_flag).collect();
     let values: String = of_values(fish_value);
     format!(
         r#"# Completions of raytracer for fish. {ORIGIN}
@@ -160,20 +203,20 @@ complete -c raytracer -f
     )
 }
 
-fn fish_flag(flag: &Flag) -> String {
-    let doc = flag.summary().replace('\\', "\\\\").replace('\'', "\\'");
-    flag.names().map(|name| format!("complete -c raytracer -o {name} -d '{doc}'\n")).collect()
+fn fish_flag(flag: &Arg) -> String {
+    let doc = summary(flag).replace('\\', "\\\\").replace('\'', "\\'");
+    names(flag).map(|name| format!("complete -c raytracer -o {name} -d '{doc}'\n")).collect()
 }
 
-fn fish_value(flag: &Flag, index: usize, offer: Offer) -> String {
-    let candidates = match offer {
-        Offer::Files(extensions) => format!("(__raytracer_files {})", extensions.join(" ")),
+fn fish_value(flag: &Arg, value: &Value) -> String {
+    let candidates = match &value.offer {
+        Offer::Files(extensions) => format!("(__raytracer_files {extensions})"),
         Offer::Folders => "(__raytracer_files)".to_owned(),
-        Offer::Words(_) | Offer::Flags => words(offer),
+        Offer::Words(words) => words.clone(),
         Offer::Nothing => return String::new(),
     };
-    let number = if flag.takes_any_number() { "\\*".to_owned() } else { index.to_string() };
+    let number = value.index.replace('*', "\\*");
     let line =
         |name| format!("complete -c raytracer -n '__raytracer_is_value {name} {number}' -a '{candidates}'\n");
-    flag.names().map(line).collect()
+    names(flag).map(line).collect()
 }

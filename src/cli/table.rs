@@ -1,22 +1,22 @@
-//! The table of `docs/command-line.md`, generated from the definitions of the flags.
+//! The table of `docs/command-line.md`, generated from the flags.
 
-use super::flag::Flag;
-use super::flags::FLAGS;
-use super::raw::is_flag;
+use clap::Arg;
 
 /// How the table starts.
 pub const HEAD: &str = "| Flag | Values |";
 
-/// The table in Markdown.
+/// Returns the table in Markdown.
 pub fn table() -> String {
-    let rows: String = FLAGS.iter().map(|flag| row(flag)).collect();
+    let rows: String = super::command().get_arguments().map(row).collect();
     format!("{HEAD} Default | Meaning |\n|---|---|---|---|\n{rows}")
 }
 
-fn row(flag: &Flag) -> String {
-    let values: Vec<&str> = flag.values.iter().map(|value| value.name).collect();
-    let meaning: Vec<String> = [flag.help, flag.details].join(" ").split_whitespace().map(code).collect();
-    let cells = [format!("`-{}`", flag.name), values.join(" "), flag.default.to_owned(), meaning.join(" ")];
+fn row(flag: &Arg) -> String {
+    let values = flag.get_value_names().filter(|_| flag.get_action().takes_values()).unwrap_or_default();
+    let defaults: Vec<_> = flag.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let help = flag.get_long_help().or(flag.get_help()).map(ToString::to_string).unwrap_or_default();
+    let meaning: Vec<String> = help.split_whitespace().map(code).collect();
+    let cells = [format!("`-{}`", flag.get_id()), values.join(" "), defaults.join(" "), meaning.join(" ")];
     let cells =
         cells.map(|cell| if cell.is_empty() { cell } else { format!(" {}", cell.replace('|', "\\|")) });
     format!("|{} |\n", cells.join(" |"))
@@ -26,6 +26,8 @@ fn row(flag: &Flag) -> String {
 fn code(word: &str) -> String {
     let end = word.trim_end_matches([',', '.', ';']).len();
     let (word, rest) = word.split_at(end);
-    let is_code = is_flag(word.as_bytes()) || word == "-" || word.starts_with('.');
+    let is_flag =
+        word.strip_prefix('-').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
+    let is_code = is_flag || word == "-" || word.starts_with('.');
     if is_code { format!("`{word}`{rest}") } else { format!("{word}{rest}") }
 }

@@ -1,7 +1,10 @@
-//! The manual page, the completions and the table in `docs/command-line.md` agree with the definitions of the flags, and
-//! the completions work in the shells.
+//! The manual page, the completions and the table in `docs/command-line.md` agree with the flags, and the completions
+//! work in the shells.
 
-use raytracer::cli::{completions, man_page, table};
+#[path = "../../examples/shell_files/man_page.rs"]
+mod man_page;
+
+use raytracer::cli::{completions, table};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

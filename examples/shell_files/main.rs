@@ -1,7 +1,9 @@
-//! Writes what is made from the definitions of the flags: the manual page, the completions, and the table in
+//! Writes what is made from the flags: the manual page, the completions, and the table in
 //! `docs/command-line.md`.
 
-use raytracer::cli::{completions, man_page, table};
+mod man_page;
+
+use raytracer::cli::{completions, table};
 use std::fs;
 use std::path::Path;
 
