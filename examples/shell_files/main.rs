@@ -1,9 +1,10 @@
 //! Writes what is made from the flags: the manual page, the completions, and the table in
 //! `docs/command-line.md`.
 
+mod completions;
 mod man_page;
+mod table;
 
-use raytracer::cli::{completions, table};
 use std::fs;
 use std::path::Path;
 

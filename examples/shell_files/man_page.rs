@@ -39,7 +39,7 @@ raytracer \-compare mine.tga \-reference theirs.png \-difference difference.png
 /// The text of `raytracer.1`.
 pub fn man_page() -> String {
     let about = command().get_about().map(ToString::to_string).unwrap_or_default();
-    let page = Man::new(command().long_about(format!("{about}\n{DESCRIPTION}")));
+    let page = Man::new(command().long_about(format!("{about}.\n{DESCRIPTION}")));
     let mut text = b".\\\" Made from the flags by `cargo run --example shell_files`.\n".to_vec();
     let sections = [
         Man::render_title,

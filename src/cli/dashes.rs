@@ -26,7 +26,7 @@ pub(super) fn double(word: &OsStr) -> OsString {
 }
 
 /// A text of clap with one dash before each flag.
-pub fn single(text: &str) -> String {
+pub(super) fn single(text: &str) -> String {
     let mut parts = text.split("--");
     let mut single = parts.next().unwrap_or_default().to_owned();
     for part in parts {

@@ -6,7 +6,7 @@ use super::values::has_ending;
 use crate::escape::escape;
 use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::Path;
 
@@ -25,11 +25,17 @@ impl CliError {
         Self(escape(&shown) + ellipsis)
     }
 
+    /// The error for a value of a flag, in clap's words.
+    pub(super) fn value(flag: &str, word: impl AsRef<OsStr>, reason: &str) -> Self {
+        let word = word.as_ref().to_string_lossy();
+        Self::new(format!("invalid value '{word}' for '-{flag}': {reason}"))
+    }
+
     /// The error for a word that is no value of a flag.
     pub(super) fn unexpected(word: &str) -> Self {
         let hint =
             hint_for_word(word, &[]).map_or(String::new(), |meant| format!("; did you mean '{meant}'?"));
-        Self::new(format!("unexpected argument '{word}' found{hint}"))
+        Self::new(single(&format!("unexpected argument '{word}' found{hint}")))
     }
 
     /// The message of clap about these words, which have its dashes.
@@ -42,6 +48,8 @@ impl CliError {
         let text = error.render().to_string();
         let message = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
         let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        // The standard library's words for a number that has a fraction or is none.
+        let message = message.replace("invalid digit found in string", "not a whole number");
         Self::new(single(&(message + &hint(&error, words))))
     }
 }

@@ -30,7 +30,7 @@ pub(super) const SHAPING: [&str; 4] = ["View", "Shading", "Sampling", "Grid"];
 const RENDERING: [&str; 8] =
     ["depth", "normals", "SampleViews", "compare", "difference", "Statistics", "Preview", "strict"];
 
-/// Renders a scene of MIT's 6.837 ray tracing assignments and writes the requested pictures.
+/// Renders the scenes of MIT's 6.837 ray tracing assignments.
 #[derive(Debug, Parser)]
 #[command(name = "raytracer", version, rename_all = "snake_case", no_binary_name = true)]
 #[command(disable_help_flag = true, disable_version_flag = true)]
@@ -75,11 +75,11 @@ pub(super) struct Pictures {
     #[arg(required_unless_present_any = ["merge", "convert", "grade"])]
     pub input: Option<PathBuf>,
 
-    /// Writes the picture as .tga, .png, .bmp, .ppm or, in floating point, .pfm or .exr. "-output - png" writes it to
-    /// standard output.
+    /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. "-output - png"
+    /// writes it to standard output.
     ///
     /// The file appears under its name when it is complete.
-    #[arg(long, num_args = 1..=2, value_names = ["picture"])]
+    #[arg(long, num_args = 1..=2, value_names = ["picture", "format"])]
     pub output: Option<Vec<OsString>>,
 
     /// Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the
@@ -88,13 +88,13 @@ pub(super) struct Pictures {
     /// In the edition 2019 it is the other way round: black at t0, white at t1.
     ///
     /// Example: raytracer -input scene.txt -depth 8 20 depth.png
-    #[arg(long, num_args = 3..=4, value_names = ["t0", "t1", "picture"])]
+    #[arg(long, num_args = 3..=4, value_names = ["t0", "t1", "picture", "format"])]
     pub depth: Option<Vec<OsString>>,
 
     /// Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves.
     ///
     /// In the edition 2019 the bytes are (x + 1) / 2 and so on, and grey where nothing is hit.
-    #[arg(long, visible_alias = "normal", num_args = 1..=2, value_names = ["picture"])]
+    #[arg(long, visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
     pub normals: Option<Vec<OsString>>,
 }
 
@@ -379,7 +379,7 @@ pub(super) struct Statistics {
     /// Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.
     ///
     /// Example: raytracer -input scene.txt -grid 20 20 20 -cost_map tests cost.png
-    #[arg(long, num_args = 2..=3, value_names = ["kind", "picture"])]
+    #[arg(long, num_args = 2..=3, value_names = ["kind", "picture", "format"])]
     pub cost_map: Option<Vec<OsString>>,
 
     /// Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.
@@ -506,4 +506,38 @@ pub fn command() -> clap::Command {
 pub(super) fn find<'a>(command: &'a clap::Command, name: &str) -> Option<&'a Arg> {
     let is_alias = |flag: &Arg| flag.get_all_aliases().is_some_and(|names| names.contains(&name));
     command.get_arguments().find(|flag| flag.get_id() == name || is_alias(flag))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clap_finds_no_fault() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_example_is_a_command_line_with_its_flag() {
+        let mut examples = 0;
+        for flag in command().get_arguments() {
+            let help = flag.get_long_help().map(ToString::to_string).unwrap_or_default();
+            for line in help.lines().filter_map(|line| line.strip_prefix("Example: ")) {
+                let parsed = crate::cli::parse(line.split(' ').map(Into::into));
+                assert!(parsed.is_ok() && line.contains(&format!(" -{} ", flag.get_id())), "{line}: {parsed:?}");
+                examples += 1;
+            }
+        }
+        assert!(examples > 10);
+    }
+
+    #[test]
+    fn no_flag_has_a_name_that_another_program_gives_to_another_one() {
+        let others: Vec<&str> = ELSEWHERE.iter().flat_map(|(_, names)| *names).copied().collect();
+        for (index, name) in others.iter().enumerate() {
+            assert!(find(&command(), name).is_none() && !others[..index].contains(name), "{name}");
+        }
+        let flags = ELSEWHERE.map(|(flag, _)| flag).into_iter().chain(USUAL);
+        flags.for_each(|flag| assert!(find(&command(), flag).is_some(), "{flag}"));
+    }
 }

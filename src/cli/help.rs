@@ -64,13 +64,15 @@ fn usual() -> String {
     let usual = command().mut_args(|flag| {
         let is_hidden = !USUAL.contains(&flag.get_id().as_str());
         let help = summary(&flag);
-        flag.help(help).hide(is_hidden).hide_default_value(true).help_heading("Usual flags")
+        let flag = flag.help(help).hide(is_hidden).help_heading("Usual flags");
+        // The name of a format after the picture's would leave no room beside it.
+        if flag.get_id() == "output" { flag.num_args(1).value_names(["picture"]) } else { flag }
     });
     show(usual) + USUAL_TAIL
 }
 
 /// The first sentence about a flag.
-pub(super) fn summary(flag: &Arg) -> String {
+fn summary(flag: &Arg) -> String {
     let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
     help.split(". ").next().unwrap_or_default().to_owned()
 }
@@ -130,7 +132,48 @@ fn show(command: clap::Command) -> String {
 fn single_dashes(text: &str) -> String {
     let moved = |line: &str| match line.strip_prefix("      --") {
         Some(rest) => format!("  -{rest}\n"),
-        None => line.strip_prefix("     ").unwrap_or(line).to_owned() + "\n",
+        None => line.strip_prefix("     ").unwrap_or(line).trim_end().to_owned() + "\n",
     };
     single(&text.lines().map(moved).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fits(text: &str) -> bool {
+        text.lines().all(|line| line.chars().count() <= WIDTH) && !text.contains("--")
+    }
+
+    #[test]
+    fn help_names_every_flag_and_fits_the_screen() {
+        let text = text(&Topic::All).unwrap();
+        for flag in command().get_arguments() {
+            assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
+        }
+        assert!(fits(&text), "{text}");
+    }
+
+    #[test]
+    fn the_usual_flags_are_ten_on_one_screen() {
+        let text = usual();
+        assert_eq!(text.lines().filter(|line| line.starts_with("  -")).count(), USUAL.len());
+        assert!(fits(&text) && text.lines().count() <= 24, "{text}");
+    }
+
+    #[test]
+    fn a_word_lists_the_flags_that_have_it() {
+        let listed = |word: &str| {
+            let text = about(OsStr::new(word)).unwrap();
+            let flags = text.lines().filter_map(|line| line.strip_prefix("  -")?.split(' ').next());
+            flags.map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(listed("_Filter").len(), 5);
+        assert!(listed("netravali") == ["mitchell_filter"] && listed("_count") == ["visualize_grid"]);
+        assert!(listed("shadow").contains(&"transparent_shadows".into()));
+        for (word, flag) in [("-o", "output"), ("spp", "jittered_samples"), ("--normal", "normals")] {
+            assert_eq!(listed(word), [flag]);
+        }
+        assert!(about(OsStr::new("shadwos")).unwrap_err().to_string().contains("did you mean '-shadows'?"));
+    }
 }

@@ -7,7 +7,6 @@
 
 mod commands;
 mod comparison;
-pub mod completions;
 mod dashes;
 mod error;
 mod flags;
@@ -16,12 +15,10 @@ mod options;
 mod outputs;
 mod rest;
 mod runs;
-pub mod table;
 mod values;
 
 pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
 pub use comparison::Comparison;
-pub use dashes::single;
 pub use error::CliError;
 pub use flags::command;
 pub use options::{JsonTarget, LivePage, Options, ShowProgress};
@@ -82,8 +79,14 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
     if let Some(picture) = flags.parts.convert.clone() {
         return Converting::new(picture, &flags).map(Command::Convert);
     }
-    let report = flags.error_reporting.error_report.clone();
-    let target = flags.error_reporting.target;
+    let (report, target) = (flags.error_reporting.error_report.clone(), flags.error_reporting.target);
+    // clap does not require a flag that conflicts with one that is given.
+    if flags.grading.commands.is_some() || flags.grading.report.is_some() {
+        return Err(CliError::new("-commands and -report need '-grade <folder>'"));
+    }
+    if target.is_some() && report.is_none() {
+        return Err(CliError::new("-target needs '-error_report <folder>'"));
+    }
     let options = Options::new(flags, shaping_words(&command, &matches))?;
     Ok(match report {
         Some(folder) => Command::ReportErrors(Box::new(ErrorReporting { options, folder, target })),

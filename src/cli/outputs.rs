@@ -2,7 +2,7 @@
 
 use super::error::CliError;
 use super::flags::{Flags, SIDES};
-use super::values::{NOT_BYTES, finite, lossy, value};
+use super::values::{NOT_BYTES, NOT_PICTURE, finite, lossy, value};
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -25,49 +25,32 @@ pub struct Output {
 }
 
 impl Output {
-    /// Reads the values of a flag: the name of a file, and the format if the name has none. `-` and `/dev/stdout` are
-    /// standard output. The layers are those of a picture of bytes and of floating-point numbers.
+    /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
+    /// `/dev/stdout` are standard output. The layers are those of a picture of bytes and of floating-point numbers.
     fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, CliError> {
-        let (name, word) = match values {
-            [name] => (name, None),
-            [name, word, ..] => (name, Some(word)),
-            [] => return Err(CliError::new(format!("-{flag} needs a picture"))),
+        let Some((name, rest)) = values.split_first() else {
+            return Err(CliError::new(format!("-{flag} needs a picture")));
         };
-        let shown = name.to_string_lossy();
-        let is_standard_output = *name == "-" || *name == "/dev/stdout";
-        let format = match (Format::of(Path::new(name)), word) {
+        let is_standard_output = name == "-" || name == "/dev/stdout";
+        let format = match (Format::of(Path::new(name)), rest.first()) {
             (Some(_), Some(word)) => return Err(CliError::unexpected(&word.to_string_lossy())),
             (Some(format), None) => format,
-            (None, Some(word)) => word.to_str().and_then(Format::named).ok_or_else(|| {
-                let word = word.to_string_lossy();
-                CliError::new(format!(
-                    "-{flag}: '{word}' is none of the formats tga, png, bmp, ppm, pfm and exr"
-                ))
-            })?,
+            (None, Some(word)) => word
+                .to_str()
+                .and_then(Format::named)
+                .ok_or_else(|| CliError::value(flag, word, "none of tga, png, bmp, ppm, pfm and exr"))?,
             (None, None) if is_standard_output => {
-                return Err(CliError::new(format!(
-                    "-{flag}: '{shown}' needs its format after it, as in '- png'"
-                )));
+                return Err(CliError::value(flag, name, "needs its format after it, as in '- png'"));
             }
-            (None, None) => {
-                return Err(CliError::new(format!(
-                    "invalid value '{shown}' for '-{flag}': ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"
-                )));
-            }
+            (None, None) => return Err(CliError::value(flag, name, NOT_PICTURE)),
         };
         let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
         Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
     }
 
-    /// Refuses a picture that has no bytes.
+    /// Refuses a picture in floating point.
     fn of_bytes(self, flag: &str) -> Result<Self, CliError> {
-        match self.format.is_float() {
-            true => Err(CliError::new(format!(
-                "invalid value '{}' for '-{flag}': {NOT_BYTES}",
-                self.file.display()
-            ))),
-            false => Ok(self),
-        }
+        if self.format.is_float() { Err(CliError::value(flag, &self.file, NOT_BYTES)) } else { Ok(self) }
     }
 
     /// Returns true if it goes to standard output.
@@ -140,6 +123,11 @@ fn enlarged(
     let Some((zoom, picture)) = values.as_ref().and_then(|values| values.split_last()) else {
         return Ok(None);
     };
+    if let [name, _] = picture
+        && Format::of(Path::new(name)).is_some()
+    {
+        return Err(CliError::unexpected(&zoom.to_string_lossy()));
+    }
     let side: u32 = value(flag, zoom, value_parser!(u32).range(SIDES))?;
     Output::new(flag, picture, [layer(side as usize); 2]).map(Some)
 }

@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 /// The filter's weights divide by its size and the square of that, which must not underflow. In pixels.
 const FILTER_SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
+pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
+pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
+
 /// One side of a picture, or both.
 pub(super) type Sides = Vec<usize>;
 
@@ -57,7 +60,7 @@ pub(super) fn edition() -> impl TypedValueParser<Value = Edition> {
 
 /// A picture to read.
 pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
-    path(is_picture, "ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr")
+    path(|path| Format::of(path).is_some(), NOT_PICTURE)
 }
 
 /// A picture of bytes.
@@ -66,32 +69,26 @@ pub(super) fn byte_picture() -> impl TypedValueParser<Value = PathBuf> {
     path(is_byte_picture, NOT_BYTES)
 }
 
-pub(super) const NOT_BYTES: &str = "ends in none of .tga, .png, .bmp and .ppm";
-
 /// A picture that may be a part of another.
 pub(super) fn part() -> impl TypedValueParser<Value = PathBuf> {
     let is_part = |path: &Path| Format::of(path).is_some_and(Format::has_parts);
-    path(is_part, "ends in neither .tga nor .png, as parts do")
+    path(is_part, "neither .tga nor .png, as parts are")
 }
 
 pub(super) fn page() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| has_ending(path, "html"), "does not end in .html")
+    path(|path| has_ending(path, "html"), "not .html")
 }
 
 pub(super) fn json() -> impl TypedValueParser<Value = JsonTarget> {
     PathBufValueParser::new().try_map(|path| match () {
         () if path == Path::new("-") => Ok(JsonTarget::StandardOutput),
         () if has_ending(&path, "json") => Ok(JsonTarget::File(path)),
-        () => Err("is neither - nor ends in .json"),
+        () => Err("neither - nor .json"),
     })
 }
 
 fn path(is_fit: fn(&Path) -> bool, problem: &'static str) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| if is_fit(&path) { Ok(path) } else { Err(problem) })
-}
-
-fn is_picture(path: &Path) -> bool {
-    Format::of(path).is_some()
 }
 
 /// Returns true if the name ends in a dot and `ending`, in upper or lower case.

@@ -149,8 +149,8 @@ fn aalto_s_places_of_pixels() {
     };
     assert!(normals("-uv") == normals(""));
     let message = |flags: &str| folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
-    assert!(message("-uv -edition 2004").contains("`-uv` is a flag of the edition aalto, not of 2004"));
-    assert!(message("-uv -pixel 1 1").contains("cannot be combined"));
+    assert!(message("-uv -edition 2004").contains("-uv is a flag of the edition aalto, not of 2004"));
+    assert!(message("-uv -pixel 1 1").contains("cannot be used with '-pixel"));
     folder.write("s.txt", CAMERA);
     let run = folder.run("-edition aalto -input s.txt -size 4 2 -output o.tga").ok();
     assert_eq!(run.stderr, "WARNING:  No lights specified\n");

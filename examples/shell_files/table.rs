@@ -7,7 +7,7 @@ pub const HEAD: &str = "| Flag | Values |";
 
 /// Returns the table in Markdown.
 pub fn table() -> String {
-    let rows: String = super::command().get_arguments().map(row).collect();
+    let rows: String = raytracer::cli::command().get_arguments().map(row).collect();
     format!("{HEAD} Default | Meaning |\n|---|---|---|---|\n{rows}")
 }
 

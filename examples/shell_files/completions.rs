@@ -2,9 +2,8 @@
 //!
 //! clap_complete's scripts offer files of all kinds, and nothing for the second value of a flag.
 
-use super::command;
-use super::help::summary;
 use clap::Arg;
+use raytracer::cli::command;
 
 const ORIGIN: &str = "Made from the flags by `cargo run --example shell_files`.";
 
@@ -36,7 +35,14 @@ fn values(flag: &Arg) -> Vec<Value> {
         index: if is_endless { "*".to_owned() } else { index.to_string() },
         is_required: index < counts.min_values(),
     };
-    names.iter().enumerate().map(value).collect()
+    // The name of a format is short, and follows few pictures.
+    names.iter().filter(|name| *name != "format").enumerate().map(value).collect()
+}
+
+/// The first sentence about a flag.
+fn summary(flag: &Arg) -> String {
+    let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
+    help.split(". ").next().unwrap_or_default().to_owned()
 }
 
 /// The name of a value tells what it is.
