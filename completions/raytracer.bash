@@ -33,15 +33,19 @@ _raytracer() {
             depth:1) return ;;
             depth:2) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             normals:0 | normal:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            size:0) return ;;
-            size:1) return ;;
-            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
+            render_samples:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            render_samples:1) return ;;
+            render_filter:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            render_filter:1) return ;;
             region:0) return ;;
             region:1) return ;;
             region:2) return ;;
             region:3) return ;;
             merge:*) _raytracer_files "$current" tga png; return ;;
             convert:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            size:0) return ;;
+            size:1) return ;;
+            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
             bounces:0) return ;;
             weight:0) return ;;
             random_samples:0) return ;;
@@ -55,10 +59,6 @@ _raytracer() {
             tent_filter:0) return ;;
             gaussian_filter:0) return ;;
             mitchell_filter:0) return ;;
-            render_samples:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            render_samples:1) return ;;
-            render_filter:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            render_filter:1) return ;;
             grid:0) COMPREPLY=($(compgen -W 'auto none' -- "$current")); return ;;
             grid:1) return ;;
             grid:2) return ;;
@@ -84,7 +84,7 @@ _raytracer() {
             threads:0) return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -depth -normals -size -edition -uv -region -merge -convert -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -gui -port -no_browser -tessellation -gouraud -specular_fix -threads -progress -quiet -strict -h -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -gui -port -no_browser -tessellation -gouraud -specular_fix -threads -progress -quiet -strict -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

@@ -27,8 +27,17 @@ const SAMPLES: RangeInclusive<i64> = 1..=65536;
 /// The flags that shape the colour picture.
 pub(super) const SHAPING: [&str; 4] = ["View", "Shading", "Sampling", "Grid"];
 /// The flags that only a run that renders a scene understands.
-const RENDERING: [&str; 8] =
-    ["depth", "normals", "SampleViews", "compare", "difference", "Statistics", "Preview", "strict"];
+const RENDERING: [&str; 9] = [
+    "depth",
+    "normals",
+    "render_samples",
+    "render_filter",
+    "compare",
+    "difference",
+    "Statistics",
+    "Preview",
+    "strict",
+];
 
 /// Renders the scenes of MIT's 6.837 ray tracing assignments.
 #[derive(Debug, Parser)]
@@ -42,13 +51,9 @@ pub(super) struct Flags {
     #[command(flatten)]
     pub view: View,
     #[command(flatten)]
-    pub parts: Parts,
-    #[command(flatten)]
     pub shading: Shading,
     #[command(flatten)]
     pub sampling: Sampling,
-    #[command(flatten)]
-    pub sample_views: SampleViews,
     #[command(flatten)]
     pub grid: Grid,
     #[command(flatten)]
@@ -96,36 +101,19 @@ pub(super) struct Pictures {
     /// In the edition 2019 the bytes are (x + 1) / 2 and so on, and grey where nothing is hit.
     #[arg(long, visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
     pub normals: Option<Vec<OsString>>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Scene and pictures", rename_all = "snake_case")]
-pub(super) struct View {
-    /// Width and height of every picture in pixels, 1 to 65535.
+    /// Writes a picture of the sample positions, with each pixel enlarged.
     ///
-    /// The longer side spans the camera's view; the shorter side crops it around the middle. 200x200 is accepted too.
+    /// Example: raytracer -input scene.txt -size 9 9 -jittered_samples 9 -render_samples samples.png 10
+    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
+    pub render_samples: Option<Vec<OsString>>,
+
+    /// Writes a picture of the filter's weights, with each pixel enlarged.
     ///
-    /// Example: raytracer -input scene.txt -output picture.png -size 200 200
-    #[arg(long, num_args = 1..=2, value_names = ["w", "h"], value_parser = sides, default_values = ["100", "100"])]
-    pub size: Vec<Sides>,
+    /// Example: raytracer -input scene.txt -size 9 9 -tent_filter 2 -render_filter filter.png 10
+    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
+    pub render_filter: Option<Vec<OsString>>,
 
-    /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell, else
-    /// 2004.
-    ///
-    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
-    /// differ in the words of scenes, the camera, highlights, normals, recursion and the colours of depths and normals.
-    #[arg(long, value_name = "name", value_parser = edition())]
-    pub edition: Option<Edition>,
-
-    /// Draws a UV gradient instead of the scene: red = x, green = y, blue = 1. Implies -edition aalto, where a scene
-    /// without a group does so too.
-    #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
-    pub uv: bool,
-}
-
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Parts and formats", rename_all = "snake_case")]
-pub(super) struct Parts {
     /// Renders only this part of every picture; its bytes are those of the whole. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -output top.png -region 0 0 100 50
@@ -151,6 +139,31 @@ pub(super) struct Parts {
     #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
     #[arg(conflicts_with_all = ["input", "reference", "tolerance", "threads", "region", "progress"])]
     pub convert: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene and pictures", rename_all = "snake_case")]
+pub(super) struct View {
+    /// Width and height of every picture in pixels, 1 to 65535.
+    ///
+    /// The longer side spans the camera's view; the shorter side crops it around the middle. 200x200 is accepted too.
+    ///
+    /// Example: raytracer -input scene.txt -output picture.png -size 200 200
+    #[arg(long, num_args = 1..=2, value_names = ["w", "h"], value_parser = sides, default_values = ["100", "100"])]
+    pub size: Vec<Sides>,
+
+    /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell, else
+    /// 2004.
+    ///
+    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
+    /// differ in the words of scenes, the camera, highlights, normals, recursion and the colours of depths and normals.
+    #[arg(long, value_name = "name", value_parser = edition())]
+    pub edition: Option<Edition>,
+
+    /// Draws a UV gradient instead of the scene: red = x, green = y, blue = 1. Implies -edition aalto, where a scene
+    /// without a group does so too.
+    #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
+    pub uv: bool,
 }
 
 #[derive(Args, Debug)]
@@ -257,22 +270,6 @@ pub(super) struct Sampling {
     /// Weights samples by Mitchell and Netravali's cubic, scaled to end at r; 2 is usual.
     #[arg(long, value_name = "r", value_parser = filter_size, group = "one_filter")]
     pub mitchell_filter: Option<f64>,
-}
-
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Sampling", rename_all = "snake_case")]
-pub(super) struct SampleViews {
-    /// Writes a picture of the sample positions, with each pixel enlarged.
-    ///
-    /// Example: raytracer -input scene.txt -size 9 9 -jittered_samples 9 -render_samples samples.png 10
-    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
-    pub render_samples: Option<Vec<OsString>>,
-
-    /// Writes a picture of the filter's weights, with each pixel enlarged.
-    ///
-    /// Example: raytracer -input scene.txt -size 9 9 -tent_filter 2 -render_filter filter.png 10
-    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
-    pub render_filter: Option<Vec<OsString>>,
 }
 
 #[derive(Args, Debug)]
@@ -524,7 +521,10 @@ mod tests {
             let help = flag.get_long_help().map(ToString::to_string).unwrap_or_default();
             for line in help.lines().filter_map(|line| line.strip_prefix("Example: ")) {
                 let parsed = crate::cli::parse(line.split(' ').map(Into::into));
-                assert!(parsed.is_ok() && line.contains(&format!(" -{} ", flag.get_id())), "{line}: {parsed:?}");
+                assert!(
+                    parsed.is_ok() && line.contains(&format!(" -{} ", flag.get_id())),
+                    "{line}: {parsed:?}"
+                );
                 examples += 1;
             }
         }

@@ -73,10 +73,10 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
     if let Some(folder) = flags.grading.grade.clone() {
         return Grading::new(folder, flags).map(Command::Grade);
     }
-    if let Some(parts) = flags.parts.merge.clone() {
+    if let Some(parts) = flags.pictures.merge.clone() {
         return Merging::new(parts, &flags).map(Command::Merge);
     }
-    if let Some(picture) = flags.parts.convert.clone() {
+    if let Some(picture) = flags.pictures.convert.clone() {
         return Converting::new(picture, &flags).map(Command::Convert);
     }
     let (report, target) = (flags.error_reporting.error_report.clone(), flags.error_reporting.target);

@@ -139,7 +139,7 @@ impl Options {
         let options = Self {
             outputs: outputs(&flags)?,
             size: size(&flags.view.size)?,
-            region: flags.parts.region.as_deref().map(region).transpose()?,
+            region: flags.pictures.region.as_deref().map(region).transpose()?,
             edition,
             uv: flags.view.uv,
             // The program of 2019 accepts both flags and does nothing.

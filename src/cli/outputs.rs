@@ -73,13 +73,12 @@ impl Output {
 
 /// The pictures that the flags ask for, in the order of the help.
 pub(super) fn outputs(flags: &Flags) -> Result<Vec<Output>, CliError> {
-    let views = &flags.sample_views;
     let all = [
         colors(flags)?,
         flags.pictures.depth.as_deref().map(depth).transpose()?,
         simple("normals", &flags.pictures.normals, [Layer::Normals, Layer::SignedNormals])?,
-        enlarged("render_samples", &views.render_samples, |zoom| Layer::Samples { zoom })?,
-        enlarged("render_filter", &views.render_filter, |zoom| Layer::Filter { zoom })?,
+        enlarged("render_samples", &flags.pictures.render_samples, |zoom| Layer::Samples { zoom })?,
+        enlarged("render_filter", &flags.pictures.render_filter, |zoom| Layer::Filter { zoom })?,
         flags.statistics.cost_map.as_deref().map(cost_map).transpose()?,
     ];
     Ok(all.into_iter().flatten().collect())

@@ -104,7 +104,7 @@ impl Grading {
 
 impl Merging {
     pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, CliError> {
-        let region = flags.parts.region.as_deref().map(region).transpose()?;
+        let region = flags.pictures.region.as_deref().map(region).transpose()?;
         Ok(Self { parts, output: output_of_bytes(flags)?, region, progress: ShowProgress::new(flags) })
     }
 }

@@ -19,7 +19,7 @@ pub const CASES: &[Case] = &[
     ("r -input s.txt -threads ''", 2, "-threads"),
     ("r -input s.txt -output", 2, "-output"),
     ("r -input s.txt -output ''", 2, "-output"),
-    ("r -input ''", 1, "error: cannot read the scene: No such file or directory"),
+    ("r -input ''", 2, "-input"),
     ("r -grade class", 2, "-reference ... -commands"),
     ("r -grade class -reference", 2, "-reference"),
     ("r -commands c.txt", 2, "-grade"),
