@@ -17,7 +17,7 @@ mod rest;
 mod runs;
 mod values;
 
-pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
+pub use commands::{CommandsError, Rendering, parse_commands};
 pub use comparison::Comparison;
 pub use error::CliError;
 pub use flags::command;
