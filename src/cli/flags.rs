@@ -80,7 +80,7 @@ pub(super) struct Pictures {
     #[arg(required_unless_present_any = ["merge", "convert", "grade"])]
     pub input: Option<PathBuf>,
 
-    /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. "-output - png"
+    /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. -output - png
     /// writes it to standard output.
     ///
     /// The file appears under its name when it is complete.
