@@ -1,4 +1,4 @@
-# Completions of raytracer for bash. Made from the table of flags by `cargo run --example shell_files`.
+# Completions of raytracer for bash. Made from the flags by `cargo run --example shell_files`.
 
 # Offers the files with these extensions, and folders.
 _raytracer_files() {
@@ -29,19 +29,23 @@ _raytracer() {
         case $flag:$count in
             input:0) _raytracer_files "$current" txt; return ;;
             output:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            size:0) return ;;
-            size:1) return ;;
-            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
+            depth:0) return ;;
+            depth:1) return ;;
+            depth:2) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            normals:0 | normal:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            render_samples:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            render_samples:1) return ;;
+            render_filter:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            render_filter:1) return ;;
             region:0) return ;;
             region:1) return ;;
             region:2) return ;;
             region:3) return ;;
             merge:*) _raytracer_files "$current" tga png; return ;;
             convert:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
-            depth:0) return ;;
-            depth:1) return ;;
-            depth:2) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            normals:0 | normal:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
+            size:0) return ;;
+            size:1) return ;;
+            edition:0) COMPREPLY=($(compgen -W '2004 2012a4 2012a5 2019 aalto' -- "$current")); return ;;
             bounces:0) return ;;
             weight:0) return ;;
             random_samples:0) return ;;
@@ -55,16 +59,12 @@ _raytracer() {
             tent_filter:0) return ;;
             gaussian_filter:0) return ;;
             mitchell_filter:0) return ;;
-            render_samples:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            render_samples:1) return ;;
-            render_filter:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
-            render_filter:1) return ;;
             grid:0) COMPREPLY=($(compgen -W 'auto none' -- "$current")); return ;;
             grid:1) return ;;
             grid:2) return ;;
             compare:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
             reference:0) _raytracer_files "$current" tga png bmp ppm pgm pbm pnm pam pfm exr; return ;;
-            difference:0) _raytracer_files "$current" tga png bmp ppm; return ;;
+            difference:0) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             tolerance:0) return ;;
             tolerance:1) return ;;
             grade:0) _raytracer_files "$current"; return ;;
@@ -74,18 +74,17 @@ _raytracer() {
             target:0) return ;;
             repeat:0) return ;;
             cost_map:0) COMPREPLY=($(compgen -W 'rays tests cells' -- "$current")); return ;;
-            cost_map:1) _raytracer_files "$current" tga png bmp ppm; return ;;
+            cost_map:1) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             pixel:0) return ;;
             pixel:1) return ;;
             json:0) _raytracer_files "$current" json; return ;;
-            threads:0) return ;;
             port:0) return ;;
             tessellation:0) return ;;
             tessellation:1) return ;;
-            help:0) COMPREPLY=($(compgen -W 'input output size edition uv region merge convert depth normals shade_back shadows no_shadows transparent_shadows bounces weight random_samples uniform_samples regular_samples jittered_samples adaptive_samples jitter filter seed box_filter tent_filter gaussian_filter mitchell_filter render_samples render_filter grid visualize_grid compare reference difference tolerance grade commands report error_report target stats repeat cost_map pixel json threads progress quiet strict gui port no_browser tessellation gouraud specular_fix h help version' -- "$current")); return ;;
+            threads:0) return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -size -edition -uv -region -merge -convert -depth -normals -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -render_samples -render_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -threads -progress -quiet -strict -gui -port -no_browser -tessellation -gouraud -specular_fix -h -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -gui -port -no_browser -tessellation -gouraud -specular_fix -threads -progress -quiet -strict -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

@@ -1,6 +1,5 @@
 //! Files of command lines, such as the course's.
 
-use super::error::CliError;
 use super::options::Options;
 use super::{Command, parse};
 use crate::render::Layer;
@@ -22,27 +21,11 @@ pub struct Rendering {
 pub struct CommandsError {
     /// Its number in the file, from 1.
     pub line: usize,
-    /// What is wrong.
-    pub problem: CommandsProblem,
+    problem: String,
 }
 
-/// What is wrong with a command line in a file.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CommandsProblem {
-    /// It is no valid command line.
-    Invalid(CliError),
-    /// It does something else than to render a scene.
-    NotRendering,
-    /// It reads or writes a standard stream.
-    Stream,
-    /// It draws a map of costs, which no other program can be asked for.
-    CostMap,
-    /// It renders a part of a picture.
-    Region,
-}
-
-/// The command lines of a text. Each starts with the name of the program, which may be any; words are separated by
-/// white space. Empty lines, and those that start with `#`, are skipped.
+/// Parses the command lines of a text. Each starts with the name of the program, which may be any; words are separated
+/// by white space. Empty lines, and those that start with `#`, are skipped.
 pub fn parse_commands(text: &str) -> Result<Vec<Rendering>, CommandsError> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     let commands = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
@@ -54,38 +37,26 @@ pub fn parse_commands(text: &str) -> Result<Vec<Rendering>, CommandsError> {
         .collect()
 }
 
-fn rendering(line: &str) -> Result<Options, CommandsProblem> {
-    match parse(line.split_whitespace().map(OsString::from)) {
-        Ok(Command::Render(options)) if options.input.is_none() => Err(CommandsProblem::NotRendering),
-        Ok(Command::Render(options)) if options.outputs.iter().any(|output| is_cost(output.layer)) => {
-            Err(CommandsProblem::CostMap)
+fn rendering(line: &str) -> Result<Options, String> {
+    let command = parse(line.split_whitespace().map(OsString::from)).map_err(|error| error.to_string())?;
+    let options = match command {
+        Command::Render(options) if options.input.is_some() => *options,
+        _ => return Err("the command does not render a scene".into()),
+    };
+    let is_stream = options.has_standard_output() || options.input.as_deref() == Some(Path::new("-"));
+    match () {
+        () if options.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_))) => {
+            Err("a cost map is nothing to grade by".into())
         }
-        Ok(Command::Render(options)) if options.region.is_some() => Err(CommandsProblem::Region),
-        Ok(Command::Render(options))
-            if options.has_standard_output() || options.input.as_deref() == Some(Path::new("-")) =>
-        {
-            Err(CommandsProblem::Stream)
-        }
-        Ok(Command::Render(options)) => Ok(*options),
-        Ok(_) => Err(CommandsProblem::NotRendering),
-        Err(error) => Err(CommandsProblem::Invalid(error)),
+        () if options.region.is_some() => Err("a part of a picture is nothing to grade by".into()),
+        () if is_stream => Err("`-` is no file to grade by".into()),
+        () => Ok(options),
     }
-}
-
-fn is_cost(layer: Layer) -> bool {
-    matches!(layer, Layer::Cost(_))
 }
 
 impl fmt::Display for CommandsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: ", self.line)?;
-        match &self.problem {
-            CommandsProblem::Invalid(error) => error.fmt(f),
-            CommandsProblem::NotRendering => f.write_str("the command does not render a scene"),
-            CommandsProblem::Region => f.write_str("a part of a picture is nothing to grade by"),
-            CommandsProblem::Stream => f.write_str("`-` is no file to grade by"),
-            CommandsProblem::CostMap => f.write_str("a cost map is nothing to grade by"),
-        }
+        write!(f, "line {}: {}", self.line, self.problem)
     }
 }
 
@@ -106,7 +77,7 @@ mod tests {
     #[test]
     fn a_line_that_cannot_be_used_is_named() {
         for (line, message) in [
-            ("rt -input a.txt -sise 1 1", "line 2: unknown flag `-sise`; did you mean `-size`?"),
+            ("rt -input a.txt -sise 1 1", "line 2: unexpected argument '-sise' found; did you mean '-size'?"),
             ("rt -help", "line 2: the command does not render a scene"),
             ("rt -compare a.tga -reference b.tga", "line 2: the command does not render a scene"),
             ("rt -grade a -reference b", "line 2: the command does not render a scene"),

@@ -1,10 +1,10 @@
-//! The flags about a comparison of two pictures.
+//! A comparison of two pictures.
 
 use super::error::CliError;
-use super::flags;
-use super::raw::Raw;
-use super::values::lossy_or_null;
+use super::flags::Comparing;
+use super::values::{lossy_or_null, picture, value};
 use crate::tools::compare::Tolerance;
+use clap::value_parser;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -25,22 +25,26 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The comparison that the flags ask for.
-    pub(super) fn from_raw(raw: &Raw) -> Result<Option<Self>, CliError> {
-        let (picture, reference) = (raw.read(&flags::COMPARE)?, raw.read(&flags::REFERENCE)?);
-        let (difference, tolerance) = (raw.read(&flags::DIFFERENCE)?, raw.read(&flags::TOLERANCE)?);
-        if picture.is_some() || reference.is_some() {
-            return Ok(Some(Self { picture, reference, difference, tolerance }));
+    pub(super) fn new(flags: &Comparing) -> Result<Option<Self>, CliError> {
+        if flags.compare.is_none() && flags.reference.is_none() {
+            return Ok(None);
         }
-        match (difference, tolerance) {
-            (None, None) => Ok(None),
-            (Some(_), _) => Err(CliError::ComparisonNeeded { flag: flags::DIFFERENCE.name }),
-            (None, Some(_)) => Err(CliError::ComparisonNeeded { flag: flags::TOLERANCE.name }),
-        }
+        let reference = flags.reference.as_ref();
+        let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
+        let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
+        Ok(Some(Self { picture, reference, difference, tolerance: tolerance(flags)? }))
     }
 
-    /// Whether one of the pictures is to be rendered.
+    /// Returns true if one of the pictures is to be rendered.
     pub fn needs_scene(&self) -> bool {
         self.picture.is_none() || self.reference.is_none()
     }
+}
+
+pub(super) fn tolerance(flags: &Comparing) -> Result<Option<Tolerance>, CliError> {
+    let Some([levels, pixels]) = flags.tolerance.as_deref() else { return Ok(None) };
+    Ok(Some(Tolerance {
+        levels: value("tolerance", levels, value_parser!(u8))?,
+        pixels: value("tolerance", pixels, value_parser!(u32))?.into(),
+    }))
 }

@@ -1,5 +1,4 @@
-//! Parses the command line to [`Options`], in two stages: raw flags with their values as words, then checked
-//! values.
+//! Parses the command line to [`Options`] with clap.
 //!
 //! The syntax is that of the course: long flags with a single dash, in any order, each at most once, with
 //! values as separate words. A word that starts with one or two dashes and a letter is a flag, and any other
@@ -8,37 +7,29 @@
 
 mod commands;
 mod comparison;
-mod conversion;
-pub mod completions;
+mod dashes;
 mod error;
-mod error_report;
-mod flag;
 mod flags;
-mod grading;
 mod help;
-mod live_page;
-pub mod man_page;
 mod options;
 mod outputs;
-mod parts;
-mod raw;
 mod rest;
-mod section;
-pub mod table;
+mod runs;
 mod values;
 
-pub use commands::{CommandsError, CommandsProblem, Rendering, parse_commands};
+pub use commands::{CommandsError, Rendering, parse_commands};
 pub use comparison::Comparison;
-pub use conversion::Converting;
-pub use error::{CliError, Problem};
-pub use error_report::ErrorReporting;
-pub use grading::{Grading, References};
-pub use live_page::LivePage;
-pub use options::{JsonTarget, Options, ShowProgress};
+pub use error::CliError;
+pub use flags::command;
+pub use options::{JsonTarget, LivePage, Options, ShowProgress};
 pub use outputs::Output;
-pub use parts::Merging;
-use raw::{Raw, Stop};
 pub use rest::{command_of_merge, command_of_rest};
+pub use runs::{Converting, ErrorReporting, Grading, Merging, References};
+
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, FromArgMatches};
+use flags::{Flags, SHAPING};
 use std::ffi::OsString;
 
 /// The action that the command line requests.
@@ -65,28 +56,55 @@ pub enum Command {
 /// No file is accessed. `-h`, `-help` and `-version` take precedence over errors later in the line. Errors: the
 /// first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
-    match Raw::parse(argv.into_iter().skip(1).collect()) {
-        Ok(raw) => command(&raw),
-        Err(Stop::Help(None)) => Ok(Command::Help(help::text())),
-        Err(Stop::Usual) => Ok(Command::Help(help::usual())),
-        Err(Stop::Help(Some(word))) => help::about(&word).map(Command::Help),
-        Err(Stop::Version) => Ok(Command::Version(help::version())),
-        Err(Stop::Error(error)) => Err(error),
+    let mut words: Vec<OsString> = argv.into_iter().skip(1).map(|word| dashes::double(&word)).collect();
+    let topic = help::topic(&mut words);
+    let mut command = command();
+    let matches = match command.try_get_matches_from_mut(&words) {
+        Ok(matches) => matches,
+        Err(error) => {
+            return match (error.kind(), topic) {
+                (ErrorKind::DisplayHelp, Some(topic)) => help::text(&topic).map(Command::Help),
+                (ErrorKind::DisplayVersion, _) => Ok(Command::Version(error.to_string())),
+                _ => Err(CliError::of(error, &words)),
+            };
+        }
+    };
+    let flags = Flags::from_arg_matches(&matches).map_err(|error| CliError::of(error, &words))?;
+    if let Some(folder) = flags.grading.grade.clone() {
+        return Grading::new(folder, flags).map(Command::Grade);
     }
+    if let Some(parts) = flags.pictures.merge.clone() {
+        return Merging::new(parts, &flags).map(Command::Merge);
+    }
+    if let Some(picture) = flags.pictures.convert.clone() {
+        return Converting::new(picture, &flags).map(Command::Convert);
+    }
+    let (report, target) = (flags.error_reporting.error_report.clone(), flags.error_reporting.target);
+    // clap does not require a flag that conflicts with one that is given.
+    if flags.grading.commands.is_some() || flags.grading.report.is_some() {
+        return Err(CliError::new("-commands and -report need '-grade <folder>'"));
+    }
+    if target.is_some() && report.is_none() {
+        return Err(CliError::new("-target needs '-error_report <folder>'"));
+    }
+    let options = Options::new(flags, shaping_words(&command, &matches))?;
+    Ok(match report {
+        Some(folder) => Command::ReportErrors(Box::new(ErrorReporting { options, folder, target })),
+        None => Command::Render(Box::new(options)),
+    })
 }
 
-fn command(raw: &Raw) -> Result<Command, CliError> {
-    if let Some(grading) = Grading::from_raw(raw)? {
-        return Ok(Command::Grade(grading));
+/// The flags that shape the colour picture, with their values, in the order of the help.
+fn shaping_words(command: &clap::Command, matches: &ArgMatches) -> Vec<String> {
+    let groups = command.get_groups().filter(|group| SHAPING.contains(&group.get_id().as_str()));
+    let given = groups.flat_map(|group| group.get_args()).map(|flag| flag.as_str());
+    let mut words = vec![];
+    for flag in given.filter(|flag| matches.value_source(flag) == Some(ValueSource::CommandLine)) {
+        words.push(format!("-{flag}"));
+        let takes_values =
+            command.get_arguments().any(|arg| arg.get_id() == flag && arg.get_action().takes_values());
+        let values = matches.get_raw(flag).filter(|_| takes_values);
+        words.extend(values.into_iter().flatten().map(|value| value.to_string_lossy().into_owned()));
     }
-    if let Some(merging) = Merging::from_raw(raw)? {
-        return Ok(Command::Merge(merging));
-    }
-    if let Some(converting) = Converting::from_raw(raw)? {
-        return Ok(Command::Convert(converting));
-    }
-    match ErrorReporting::from_raw(raw)? {
-        Some(reporting) => Ok(Command::ReportErrors(Box::new(reporting))),
-        None => Options::from_raw(raw).map(|options| Command::Render(Box::new(options))),
-    }
+    words
 }

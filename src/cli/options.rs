@@ -1,14 +1,11 @@
-//! The second stage of the command line: the values are parsed and checked, each by itself and then together.
+//! The options of a run that renders or compares: the flags, checked together.
 
 use super::comparison::Comparison;
 use super::error::CliError;
-use super::flag::Flag;
-use super::flags;
-use super::live_page::LivePage;
+use super::flags::{Flags, MAX_INT, SIDES, Sampling, Shading};
 use super::outputs::{Output, distinct, outputs};
-use super::raw::Raw;
-use super::values::{lossy, lossy_or_null};
-use crate::caster::choose::Structure;
+use super::values::{Sides, lossy, lossy_or_null, not_negative, value};
+use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::{REDUCTION, reduced};
@@ -18,8 +15,13 @@ use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::edition::Edition;
 use crate::scene_io::Hints;
 use crate::trace::{Effects, Shadows};
+use clap::value_parser;
 use serde::Serialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+/// The number of cells stays below this, so that the index of a cell fits into 32 bits.
+const CELL_LIMIT: u64 = 1 << 31;
 
 /// The checked options of a run. Every number is in the range that its field states.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,6 +85,18 @@ pub struct Options {
     pub progress: ShowProgress,
 }
 
+/// The live page that `-gui` asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LivePage {
+    /// The port to serve it at, where 0 is any free one; `None` for any free port, and only on a terminal.
+    pub port: Option<u16>,
+    /// Opens a browser.
+    pub browser: bool,
+    /// The flags of the command line that shape the colour picture, with their values. No word is the name of a file.
+    #[serde(skip)]
+    pub words: Vec<String>,
+}
+
 /// Where a JSON document goes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -108,9 +122,8 @@ pub enum ShowProgress {
 }
 
 impl ShowProgress {
-    /// What the flags ask for.
-    pub(super) fn from_raw(raw: &Raw) -> Self {
-        match (raw.given(&flags::PROGRESS), raw.given(&flags::QUIET)) {
+    pub(super) fn new(flags: &Flags) -> Self {
+        match (flags.other.progress, flags.other.quiet) {
             (_, true) => Self::Never,
             (true, false) => Self::Always,
             (false, false) => Self::OnTerminal,
@@ -119,40 +132,47 @@ impl ShowProgress {
 }
 
 impl Options {
-    /// Checks each flag in the order of the help, then the combination of the flags.
-    pub(super) fn from_raw(raw: &Raw) -> Result<Self, CliError> {
+    /// Checks what depends on more than one flag. `words` are the flags that the live page begins with.
+    pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, CliError> {
+        let edition = edition(&flags)?;
+        let triples = flags.view.edition != Some(Edition::Y2019);
         let options = Self {
-            input: raw.read(&flags::INPUT)?,
-            outputs: outputs(raw)?,
-            size: raw.read_or_default(&flags::SIZE)?,
-            region: raw.read(&flags::REGION)?,
-            edition: edition(raw)?,
-            uv: raw.given(&flags::UV),
-            jitter: three_sizes(raw, &flags::JITTER),
-            reduced: three_sizes(raw, &flags::FILTER),
+            outputs: outputs(&flags)?,
+            size: size(&flags.view.size)?,
+            region: flags.pictures.region.as_deref().map(region).transpose()?,
+            edition,
+            uv: flags.view.uv,
+            // The program of 2019 accepts both flags and does nothing.
+            jitter: flags.sampling.jitter && triples,
+            reduced: flags.sampling.filter && triples,
             effects: Effects {
-                shadows: shadows(raw),
-                shade_back: raw.given(&flags::SHADE_BACK),
-                bounces: raw.read_or_default(&flags::BOUNCES)?,
-                min_weight: weight(raw)?,
+                shadows: shadows(&flags.shading),
+                shade_back: flags.shading.shade_back,
+                bounces: flags.shading.bounces.unwrap_or(0),
+                min_weight: flags.shading.weight.or(edition.map(Edition::default_weight)).unwrap_or(0.0),
             },
-            has_default_bounces: !raw.given(&flags::BOUNCES),
-            says_no_bounces: raw.read(&flags::BOUNCES)? == Some(0),
-            sampler: sampler(raw)?,
-            adaptive: raw.read(&flags::ADAPTIVE_SAMPLES)?,
-            filter: filter(raw)?,
-            structure: raw.read(&flags::GRID)?.unwrap_or(Structure::Any),
-            visualize_grid: raw.given(&flags::VISUALIZE_GRID),
-            comparison: Comparison::from_raw(raw)?,
-            stats: raw.given(&flags::STATS),
-            repeat: raw.read(&flags::REPEAT)?,
-            strict: raw.given(&flags::STRICT),
-            json: raw.read(&flags::JSON)?,
-            pixel: raw.read(&flags::PIXEL)?,
-            preview: preview(raw)?,
-            page: LivePage::from_raw(raw)?,
-            threads: raw.read(&flags::THREADS)?,
-            progress: ShowProgress::from_raw(raw),
+            has_default_bounces: flags.shading.bounces.is_none(),
+            says_no_bounces: flags.shading.bounces == Some(0),
+            sampler: sampler(&flags.sampling, edition, triples)?,
+            adaptive: adaptive(&flags.sampling)?,
+            filter: filter(&flags.sampling),
+            structure: flags.grid.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
+            visualize_grid: flags.grid.visualize_grid,
+            comparison: Comparison::new(&flags.comparing)?,
+            stats: flags.statistics.stats,
+            repeat: flags.statistics.repeat,
+            strict: flags.other.strict,
+            pixel: flags.statistics.pixel.as_deref().map(|place| [place[0] as usize, place[1] as usize]),
+            preview: flags.preview.gui || flags.preview.tessellation.is_some() || flags.preview.gouraud,
+            page: flags.preview.gui.then_some(LivePage {
+                port: flags.preview.port,
+                browser: !flags.preview.no_browser,
+                words,
+            }),
+            threads: flags.other.threads.map(|threads| threads as usize),
+            progress: ShowProgress::new(&flags),
+            json: flags.statistics.json,
+            input: flags.pictures.input,
         };
         options.check_together()?;
         Ok(match options.edition {
@@ -183,35 +203,39 @@ impl Options {
     }
 
     fn check_together(&self) -> Result<(), CliError> {
-        let needs_scene =
-            self.pixel.is_some() || self.comparison.as_ref().is_none_or(Comparison::needs_scene);
-        if self.input.is_none() && needs_scene {
-            return Err(CliError::InputNeeded);
-        }
-        if self.picture_size().contains(&0) {
-            return Err(CliError::ReducedToNothing);
-        }
         let [width, height] = self.picture_size();
+        if self.picture_size().contains(&0) {
+            return Err(CliError::new("-filter: a third of the picture's width or height is no pixel"));
+        }
         let is_outside =
             |region: Window| region.x + region.width > width || region.y + region.height > height;
         if self.region.is_some_and(is_outside) {
-            return Err(CliError::RegionOutside { size: self.size });
+            return Err(CliError::new(format!(
+                "-region: not within the picture of {width} x {height} pixels"
+            )));
         }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
-            return Err(CliError::PixelOutside { last: [width - 1, height - 1] });
+            return Err(CliError::new(format!(
+                "-pixel: outside the picture, whose columns are 0 to {} and rows 0 to {}",
+                width - 1,
+                height - 1
+            )));
         }
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
-            return Err(CliError::GridNeeded);
+            return Err(CliError::new("-visualize_grid needs a grid, as in '-grid 20 20 20'"));
         }
         for output in &self.outputs {
             let [width, height] = output.layer.size(self.size);
-            if width.max(height) > flags::SIDE.1 as usize {
-                return Err(CliError::EnlargedTooMuch { flag: output.flag().name });
+            if !SIDES.contains(&(width.max(height) as i64)) {
+                let flag = output.flag();
+                return Err(CliError::new(format!(
+                    "{flag}: the enlarged picture has more than 65535 pixels a side"
+                )));
             }
         }
         match (self.outputs.iter().find(|output| output.is_standard_output()), &self.json) {
             (Some(output), Some(JsonTarget::StandardOutput)) => {
-                Err(CliError::SameStream { flag: output.flag().name, other: flags::JSON.name })
+                Err(CliError::new(format!("{} and -json both write to standard output", output.flag())))
             }
             _ => distinct(&self.files()),
         }
@@ -223,10 +247,10 @@ impl Options {
     }
 
     /// The pictures to write, each with the flag that names its file.
-    fn files(&self) -> Vec<(&'static Flag, &Path)> {
+    fn files(&self) -> Vec<(&'static str, &Path)> {
         let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        pictures.chain(difference.map(|file| (&flags::DIFFERENCE.flag, file))).collect()
+        pictures.chain(difference.map(|file| ("-difference", file))).collect()
     }
 
     /// The names of all files to write, where `-` is standard output.
@@ -277,20 +301,22 @@ impl Options {
 }
 
 /// The edition that is named, or the one that has a flag.
-fn edition(raw: &Raw) -> Result<Option<Edition>, CliError> {
-    let named = raw.read(&flags::EDITION)?;
-    let flags = [
-        (&flags::JITTER.flag, Edition::Y2012A5),
-        (&flags::FILTER.flag, Edition::Y2012A5),
-        (&flags::REGULAR_SAMPLES.flag, Edition::Aalto),
-        (&flags::UV.flag, Edition::Aalto),
+fn edition(flags: &Flags) -> Result<Option<Edition>, CliError> {
+    let named = flags.view.edition;
+    let implied = [
+        ("jitter", flags.sampling.jitter, Edition::Y2012A5),
+        ("filter", flags.sampling.filter, Edition::Y2012A5),
+        ("regular_samples", flags.sampling.regular_samples.is_some(), Edition::Aalto),
+        ("uv", flags.view.uv, Edition::Aalto),
     ];
-    for (flag, has_it) in flags.into_iter().filter(|(flag, _)| raw.given(flag)) {
+    for (flag, _, has_it) in implied.into_iter().filter(|(_, is_given, _)| *is_given) {
         match named {
             None => return Ok(Some(has_it)),
-            // The program of 2019 accepts both and does nothing.
+            // The program of 2019 accepts all of them and does nothing.
             Some(named) if named != has_it && named != Edition::Y2019 => {
-                return Err(CliError::OtherEdition { flag: flag.name, has_it, named });
+                return Err(CliError::new(format!(
+                    "-{flag} is a flag of the edition {has_it}, not of {named}"
+                )));
             }
             Some(_) => {}
         }
@@ -298,48 +324,80 @@ fn edition(raw: &Raw) -> Result<Option<Edition>, CliError> {
     Ok(named)
 }
 
-/// Whether a flag is given that changes the size, in an edition in which it does.
-fn three_sizes(raw: &Raw, flag: &Flag) -> bool {
-    raw.given(flag) && !matches!(raw.read(&flags::EDITION), Ok(Some(Edition::Y2019)))
+fn size(values: &[Sides]) -> Result<[usize; 2], CliError> {
+    let sides = values.concat();
+    let wrong =
+        |_| CliError::new(format!("-size takes 2 values, as in '-size 200 200'; {} given", sides.len()));
+    sides.as_slice().try_into().map_err(wrong)
 }
 
-fn shadows(raw: &Raw) -> Shadows {
-    match (raw.given(&flags::TRANSPARENT_SHADOWS), raw.given(&flags::SHADOWS)) {
+pub(super) fn region(values: &[u32]) -> Result<Window, CliError> {
+    match values {
+        &[x, y, width, height] if width > 0 && height > 0 => {
+            let [x, y, width, height] = [x, y, width, height].map(|n| n as usize);
+            Ok(Window { x, y, width, height })
+        }
+        _ => Err(CliError::new("-region: width and height must be at least 1")),
+    }
+}
+
+fn shadows(flags: &Shading) -> Shadows {
+    match (flags.transparent_shadows, flags.shadows) {
         (true, _) => Shadows::Transparent,
         (false, true) => Shadows::Opaque,
         (false, false) => Shadows::None,
     }
 }
 
-/// The least weight of a ray that is traced.
-fn weight(raw: &Raw) -> Result<f64, CliError> {
-    match (raw.given(&flags::WEIGHT), edition(raw)?) {
-        (false, Some(edition)) => Ok(edition.default_weight()),
-        _ => raw.read_or_default(&flags::WEIGHT),
-    }
-}
-
-fn sampler(raw: &Raw) -> Result<Sampler, CliError> {
-    let rng = raw.read(&flags::SEED)?.unwrap_or(Drand48::UNSEEDED);
-    let samples =
-        [&flags::RANDOM_SAMPLES, &flags::UNIFORM_SAMPLES, &flags::REGULAR_SAMPLES, &flags::JITTERED_SAMPLES];
-    let are_random = edition(raw)? == Some(Edition::Aalto) && raw.given(&flags::UNIFORM_SAMPLES);
-    Ok(match raw.read_first(&samples)? {
-        Some((_, count)) if are_random => Sampler::new(Pattern::Random, count, rng),
+fn sampler(flags: &Sampling, edition: Option<Edition>, triples: bool) -> Result<Sampler, CliError> {
+    let rng = flags.seed.map_or(Drand48::UNSEEDED, Drand48::seeded);
+    let uniform = if edition == Some(Edition::Aalto) { Pattern::Random } else { Pattern::Uniform };
+    let given = [
+        (Pattern::Random, flags.random_samples),
+        (uniform, flags.uniform_samples),
+        (Pattern::Uniform, flags.regular_samples),
+        (Pattern::Jittered, flags.jittered_samples),
+    ];
+    Ok(match given.into_iter().find_map(|(pattern, count)| Some((pattern, count?))) {
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
-        None if three_sizes(raw, &flags::JITTER) => Sampler::DISPLACED,
-        None if raw.given(&flags::ADAPTIVE_SAMPLES) => Sampler::of_adaptive(rng),
+        None if flags.jitter && triples => Sampler::DISPLACED,
+        None if flags.adaptive_samples.is_some() => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
     })
 }
 
-fn filter(raw: &Raw) -> Result<Filter, CliError> {
-    let others = [&flags::TENT_FILTER, &flags::GAUSSIAN_FILTER, &flags::MITCHELL_FILTER];
-    raw.read_first(&others)?.map_or_else(|| raw.read_or_default(&flags::BOX_FILTER), Ok)
+fn adaptive(flags: &Sampling) -> Result<Option<Adaptive>, CliError> {
+    let Some([most, error]) = flags.adaptive_samples.as_deref() else { return Ok(None) };
+    let counts = i64::from(Adaptive::BASE)..=i64::from(Adaptive::LIMIT);
+    Ok(Some(Adaptive {
+        most: value("adaptive_samples", most, value_parser!(u32).range(counts))?,
+        error: value("adaptive_samples", error, not_negative)?,
+    }))
 }
 
-fn preview(raw: &Raw) -> Result<bool, CliError> {
-    let tessellation = raw.read(&flags::TESSELLATION)?;
-    let others = [&flags::GUI.flag, &flags::GOURAUD.flag];
-    Ok(tessellation.is_some() || others.into_iter().any(|flag| raw.given(flag)))
+fn filter(flags: &Sampling) -> Filter {
+    let tent = flags.tent_filter.map(|radius| Filter::Tent { radius });
+    let gaussian = flags.gaussian_filter.map(|sigma| Filter::Gaussian { sigma });
+    let mitchell = flags.mitchell_filter.map(|radius| Filter::Mitchell { radius });
+    tent.or(gaussian).or(mitchell).unwrap_or(Filter::Box { radius: flags.box_filter })
+}
+
+fn structure(values: &[OsString]) -> Result<Structure, CliError> {
+    let [x, y, z] = match values {
+        [word] if word == "auto" => return Ok(Structure::Grid(Resolution::Auto)),
+        [word] if word == "none" => return Ok(Structure::List),
+        [x, y, z] => [x, y, z].map(|word| value::<_>("grid", word, value_parser!(u32).range(1..=MAX_INT))),
+        _ => return Err(CliError::new("-grid takes 3 values, as in '-grid 20 20 20', or 'auto' or 'none'")),
+    };
+    let cells = [x?, y?, z?];
+    let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
+    match product {
+        Some(product) if product < CELL_LIMIT => {
+            Ok(Structure::Grid(Resolution::Cells(cells.map(|n| n as usize))))
+        }
+        _ => {
+            let [x, y, z] = cells;
+            Err(CliError::new(format!("-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most")))
+        }
+    }
 }

@@ -1,13 +1,14 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::{CliError, Problem};
-use super::flag::Flag;
-use super::flags;
-use super::raw::Raw;
-use super::values::lossy;
+use super::error::CliError;
+use super::flags::{Flags, SIDES};
+use super::values::{NOT_BYTES, NOT_PICTURE, finite, lossy, value};
 use crate::image_io::Format;
-use crate::render::Layer;
+use crate::render::{Cost, Layer};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::value_parser;
 use serde::Serialize;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf, absolute};
 
 /// A picture to write.
@@ -24,57 +25,133 @@ pub struct Output {
 }
 
 impl Output {
-    /// Whether it goes to standard output.
+    /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
+    /// `/dev/stdout` are standard output. The layers are those of a picture of bytes and of floating-point numbers.
+    fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, CliError> {
+        let Some((name, rest)) = values.split_first() else {
+            return Err(CliError::new(format!("-{flag} needs a picture")));
+        };
+        let is_standard_output = name == "-" || name == "/dev/stdout";
+        let format = match (Format::of(Path::new(name)), rest.first()) {
+            (Some(_), Some(word)) => return Err(CliError::unexpected(&word.to_string_lossy())),
+            (Some(format), None) => format,
+            (None, Some(word)) => word
+                .to_str()
+                .and_then(Format::named)
+                .ok_or_else(|| CliError::value(flag, word, "none of tga, png, bmp, ppm, pfm and exr"))?,
+            (None, None) if is_standard_output => {
+                return Err(CliError::value(flag, name, "needs its format after it, as in '- png'"));
+            }
+            (None, None) => return Err(CliError::value(flag, name, NOT_PICTURE)),
+        };
+        let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
+        Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
+    }
+
+    /// Refuses a picture in floating point.
+    fn of_bytes(self, flag: &str) -> Result<Self, CliError> {
+        if self.format.is_float() { Err(CliError::value(flag, &self.file, NOT_BYTES)) } else { Ok(self) }
+    }
+
+    /// Returns true if it goes to standard output.
     pub fn is_standard_output(&self) -> bool {
         self.file == Path::new("-")
     }
 
     /// The flag that asks for it.
-    pub(super) fn flag(&self) -> &'static Flag {
+    pub(super) fn flag(&self) -> &'static str {
         match self.layer {
-            Layer::Color => &flags::OUTPUT,
-            Layer::Depth { .. } | Layer::Distance => &flags::DEPTH,
-            Layer::Normals | Layer::SignedNormals => &flags::NORMALS,
-            Layer::Samples { .. } => &flags::RENDER_SAMPLES,
-            Layer::Cost(_) => &flags::COST_MAP,
-            Layer::Filter { .. } => &flags::RENDER_FILTER,
+            Layer::Color => "-output",
+            Layer::Depth { .. } | Layer::Distance => "-depth",
+            Layer::Normals | Layer::SignedNormals => "-normals",
+            Layer::Samples { .. } => "-render_samples",
+            Layer::Cost(_) => "-cost_map",
+            Layer::Filter { .. } => "-render_filter",
         }
     }
 }
 
 /// The pictures that the flags ask for, in the order of the help.
-pub(super) fn outputs(raw: &Raw) -> Result<Vec<Output>, CliError> {
-    let flags = [
-        &flags::OUTPUT,
-        &flags::DEPTH,
-        &flags::NORMALS,
-        &flags::RENDER_SAMPLES,
-        &flags::RENDER_FILTER,
-        &flags::COST_MAP,
+pub(super) fn outputs(flags: &Flags) -> Result<Vec<Output>, CliError> {
+    let all = [
+        colors(flags)?,
+        flags.pictures.depth.as_deref().map(depth).transpose()?,
+        simple("normals", &flags.pictures.normals, [Layer::Normals, Layer::SignedNormals])?,
+        enlarged("render_samples", &flags.pictures.render_samples, |zoom| Layer::Samples { zoom })?,
+        enlarged("render_filter", &flags.pictures.render_filter, |zoom| Layer::Filter { zoom })?,
+        flags.statistics.cost_map.as_deref().map(cost_map).transpose()?,
     ];
-    flags.into_iter().filter_map(|flag| raw.read(flag).transpose()).collect()
+    Ok(all.into_iter().flatten().collect())
 }
 
-/// The picture of bytes that `-output` asks for, which `flag` needs.
-pub(super) fn output_of_bytes(raw: &Raw, flag: &'static Flag) -> Result<Output, CliError> {
-    let needed = || CliError::Needed { flag: flag.name, needed: flags::OUTPUT.usage() };
-    let values = raw.values(&flags::OUTPUT).ok_or_else(needed)?;
-    let output = (flags::OUTPUT.read)(&values)?;
-    match values.words.last() {
-        Some(word) if output.format.is_float() => Err(values.bad(word, Problem::NotBytes)),
-        _ => Ok(output),
+/// The picture of bytes that `-output` asks for, which clap has required.
+pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, CliError> {
+    colors(flags)?.ok_or_else(|| CliError::new("-output is required"))?.of_bytes("output")
+}
+
+fn colors(flags: &Flags) -> Result<Option<Output>, CliError> {
+    simple("output", &flags.pictures.output, [Layer::Color; 2])
+}
+
+fn simple(
+    flag: &str,
+    values: &Option<Vec<OsString>>,
+    layers: [Layer; 2],
+) -> Result<Option<Output>, CliError> {
+    values.as_ref().map(|values| Output::new(flag, values, layers)).transpose()
+}
+
+fn depth(values: &[OsString]) -> Result<Output, CliError> {
+    let (ends, picture) = values.split_at(2);
+    let (near, far) = (value("depth", &ends[0], finite)?, value("depth", &ends[1], finite)?);
+    if near >= far {
+        return Err(CliError::new(format!("-depth: t0 must be less than t1, but {near} >= {far}")));
     }
+    // The greys divide by the difference.
+    if !(far - near).is_finite() {
+        return Err(CliError::new("-depth: t1 - t0 is too large for a number"));
+    }
+    Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-/// Compares full paths, not the file system: links that lead to one file are found when the files are at hand.
-pub(super) fn distinct(files: &[(&'static Flag, &Path)]) -> Result<(), CliError> {
+fn enlarged(
+    flag: &str,
+    values: &Option<Vec<OsString>>,
+    layer: fn(usize) -> Layer,
+) -> Result<Option<Output>, CliError> {
+    let Some((zoom, picture)) = values.as_ref().and_then(|values| values.split_last()) else {
+        return Ok(None);
+    };
+    if let [name, _] = picture
+        && Format::of(Path::new(name)).is_some()
+    {
+        return Err(CliError::unexpected(&zoom.to_string_lossy()));
+    }
+    let side: u32 = value(flag, zoom, value_parser!(u32).range(SIDES))?;
+    Output::new(flag, picture, [layer(side as usize); 2]).map(Some)
+}
+
+fn cost_map(values: &[OsString]) -> Result<Output, CliError> {
+    let kinds = PossibleValuesParser::new(["rays", "tests", "cells"]).map(|kind| match kind.as_str() {
+        "rays" => Cost::Rays,
+        "tests" => Cost::Tests,
+        _ => Cost::Cells,
+    });
+    let cost = value("cost_map", &values[0], kinds)?;
+    // A picture in false colours has nothing beyond bytes.
+    Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")
+}
+
+/// Refuses two pictures with one name. Full paths are compared, not files: links are found when the files are opened.
+pub(super) fn distinct(files: &[(&'static str, &Path)]) -> Result<(), CliError> {
     let full = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
     for (i, &(flag, file)) in files.iter().enumerate() {
         if let Some((other, _)) = files[i + 1..].iter().find(|(_, later)| full(later) == full(file)) {
-            if file == Path::new("-") {
-                return Err(CliError::SameStream { flag: flag.name, other: other.name });
-            }
-            return Err(CliError::SameFile { flag: flag.name, other: other.name, file: file.to_owned() });
+            let name = match file.as_os_str() {
+                stream if stream == OsStr::new("-") => "to standard output".to_owned(),
+                name => format!("'{}'", name.to_string_lossy()),
+            };
+            return Err(CliError::new(format!("{flag} and {other} both write {name}")));
         }
     }
     Ok(())

@@ -1,21 +1,30 @@
 //! The command lines that complete a picture of which only the first rows are there.
 
-use super::flag::{Flag, Value};
-use super::flags;
-use super::raw::{is_flag, named};
-use super::section::Section;
+use super::flags::{command, find};
 use crate::image_io::beside;
 use crate::render::Window;
 use crate::shell::Shell;
+use clap::{Arg, Command};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 /// What the file of the rest is called: `o.rest.tga` for `o.tga`.
 const REST: &str = "rest";
 
-/// Whether a flag has no meaning for a part, or another one.
-fn is_dropped(flag: &Flag) -> bool {
-    flag.name == flags::REGION.name || flag.conflicts(&flags::REGION) || flag.section == Section::Comparison
+/// Returns true if a flag has no meaning for a part, or another one.
+fn is_dropped(command: &Command, flag: &Arg) -> bool {
+    let no_region = find(command, "region").map(|region| command.get_arg_conflicts_with(region));
+    let is_excluded = |other: &&Arg| other.get_id() == flag.get_id();
+    flag.get_id() == "region"
+        || flag.get_help_heading() == Some("Comparison")
+        || no_region.is_some_and(|flags| flags.iter().any(is_excluded))
+}
+
+/// The name in a word that is a flag: one or two dashes and a letter.
+fn name_of(word: &OsStr) -> Option<&str> {
+    let word = word.to_str()?;
+    let name = word.strip_prefix("--").or(word.strip_prefix('-'))?;
+    name.starts_with(|first: char| first.is_ascii_alphabetic()).then_some(name)
 }
 
 /// The command line that renders this region with all else as in `argv`, whose first word is the program's name.
@@ -25,25 +34,26 @@ pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> Strin
     let (program, mut words) = argv
         .split_first()
         .map_or(("raytracer".as_ref(), &[][..]), |(program, words)| (program.as_os_str(), words));
+    let command = command();
     let mut line = vec![shell.program(program)];
     while let Some((word, rest)) = words.split_first() {
-        let count = rest.iter().take_while(|word| !is_flag(word.as_encoded_bytes())).count();
+        let count = rest.iter().take_while(|word| name_of(word).is_none()).count();
         let (values, after) = rest.split_at(count);
-        line.extend(kept(word, values, shell));
+        line.extend(kept(&command, word, values, shell));
         words = after;
     }
     format!("{} -region {x} {y} {width} {height}", line.join(" "))
 }
 
 /// A flag and its values for the rest.
-fn kept(word: &OsStr, values: &[OsString], shell: Shell) -> Vec<String> {
-    let flag = named(word);
-    if flag.is_some_and(is_dropped) {
+fn kept(command: &Command, word: &OsStr, values: &[OsString], shell: Shell) -> Vec<String> {
+    let flag = name_of(word).and_then(|name| find(command, name));
+    if flag.is_some_and(|flag| is_dropped(command, flag)) {
         return vec![];
     }
     // The pictures of the rest get names of their own.
-    let is_file =
-        |index| flag.and_then(|flag| flag.values.get(index)).is_some_and(|value: &Value| value.is_output);
+    let names = flag.and_then(Arg::get_value_names).unwrap_or_default();
+    let is_file = |index: usize| names.get(index).is_some_and(|name| name == "picture");
     let value = |(index, value): (usize, &OsString)| match is_file(index) {
         true if value != "-" => shell.word(beside(Path::new(value), REST)),
         _ => shell.word(value),

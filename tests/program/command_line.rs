@@ -137,6 +137,7 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -pixel 0 99", Options { pixel: Some([0, 99]), ..plain() });
     accepts("-input s.txt -threads 2", Options { threads: Some(2), ..plain() });
     accepts("--input s.txt --stats", Options { stats: true, ..plain() });
+    accepts("-input=s.txt -repeat=3 --", Options { repeat: Some(3), ..plain() });
 }
 
 #[test]
@@ -241,7 +242,7 @@ fn negative_numbers_are_values() {
         "-input s.txt -depth -3. 0. d.tga -stats",
         Options { outputs: vec![depth(-3.0, 0.0)], stats: true, ..plain() },
     );
-    accepts("-input s.txt -output -5.tga", Options { outputs: vec![colors("-5.tga")], ..plain() });
+    accepts("-input s.txt -output -5.tga", Options { outputs: vec![colors("./-5.tga")], ..plain() });
 }
 
 #[test]
@@ -325,7 +326,7 @@ fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
     }
     for line in ["-help size", "-help -size", "-h --size", "-input s.txt -help size -nonsense"] {
         assert!(
-            matches!(parse_line(line), Ok(Command::Help(text)) if text.starts_with("-size w h\n")),
+            matches!(parse_line(line), Ok(Command::Help(text)) if text.starts_with("  -size <w> [h]\n")),
             "{line}"
         );
     }

@@ -43,7 +43,7 @@ fn numbers_become_bytes_and_clamped_ones_are_counted() {
     assert!(folder.read("c.tga") == folder.read("o.tga"));
     assert_eq!(
         folder.run("-convert o.tga -output c.exr").message(2),
-        "error: `-output`: `c.exr` ends in none of .tga, .png, .bmp and .ppm\n"
+        "error: invalid value 'c.exr' for '-output': none of .tga, .png, .bmp and .ppm\n"
     );
 }
 
@@ -55,9 +55,21 @@ fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
     for (line, status, message) in [
         ("-convert o.png -output o.png", 2, "`o.png` is the picture `o.png`, which would be lost"),
         ("-convert o.png -output ./o.png", 2, "`./o.png` is the picture `o.png`, which would be lost"),
-        ("-convert o.png", 2, "`-convert` needs `-output file`"),
-        ("-convert o.png -output a.bmp -size 3 3", 2, "`-convert` cannot be combined with `-size`"),
-        ("-convert o.png -merge o.png -output a.bmp", 2, "`-convert` cannot be combined with `-merge`"),
+        (
+            "-convert o.png",
+            2,
+            "the following required arguments were not provided: -output <picture> [format]",
+        ),
+        (
+            "-convert o.png -output a.bmp -size 3 3",
+            2,
+            "the argument '-convert <picture>' cannot be used with '-size <w> [h]'",
+        ),
+        (
+            "-convert o.png -merge o.png -output a.bmp",
+            2,
+            "the argument '-convert <picture>' cannot be used with '-merge <parts>...'",
+        ),
         (
             "-convert gone.png -output a.bmp",
             1,
@@ -66,14 +78,18 @@ fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
         (
             "-convert s.txt -output a.bmp",
             2,
-            "`-convert`: `s.txt` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+            "invalid value 's.txt' for '-convert <picture>': none of .tga, .png, .bmp, .ppm, .pfm and .exr",
         ),
         (
             "-merge o.png -output a.bmp",
             1,
             "`o.png` is a whole picture of 21 x 15 pixels, and no part as `-region` makes it",
         ),
-        ("-merge o.bmp -output a.png", 2, "`-merge`: `o.bmp` ends in neither .tga nor .png, as parts do"),
+        (
+            "-merge o.bmp -output a.png",
+            2,
+            "invalid value 'o.bmp' for '-merge <parts>...': neither .tga nor .png, as parts are",
+        ),
     ] {
         assert_eq!(folder.run(line).message(status), format!("error: {message}\n"), "{line}");
     }

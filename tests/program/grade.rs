@@ -1,6 +1,6 @@
 //! `-grade`: a folder of everybody's pictures against references, and the page and the table of the results.
 
-use crate::support::{Folder, Run, only_line, program, sphere};
+use crate::support::{Folder, Run, only_line, program, says, sphere};
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
@@ -387,19 +387,16 @@ fn the_results_do_not_depend_on_the_threads() {
 fn a_command_line_that_makes_no_sense_is_refused() {
     let folder = folder();
     for (line, message) in [
-        ("-grade class", "`-grade` needs `-reference folder` or `-commands file`"),
-        ("-report page.html", "`-report` needs `-grade folder`"),
-        ("-input s.txt -commands commands.txt", "`-commands` needs `-grade folder`"),
-        ("-grade class -reference ref -report page.txt", "`-report`: `page.txt` does not end in .html"),
-        (
-            "-grade class -reference ref -commands commands.txt",
-            "`-reference` cannot be combined with `-commands`",
-        ),
-        ("-grade class -reference ref -input s.txt", "`-grade` cannot be combined with `-input`"),
-        ("-grade class -reference ref -stats", "`-grade` cannot be combined with `-stats`"),
-        ("-grade class -reference ref -compare o.tga", "`-grade` cannot be combined with `-compare`"),
+        ("-grade class", "-reference ... -commands"),
+        ("-report page.html", "-grade <folder>"),
+        ("-input s.txt -commands commands.txt", "-commands ... -grade"),
+        ("-grade class -reference ref -report page.txt", "-report ... page.txt"),
+        ("-grade class -reference ref -commands commands.txt", "-reference ... -commands"),
+        ("-grade class -reference ref -input s.txt", "-grade ... -input"),
+        ("-grade class -reference ref -stats", "-grade ... -stats"),
+        ("-grade class -reference ref -compare o.tga", "-grade ... -compare"),
     ] {
-        assert_eq!(only_line(&folder.run(line).message(2)), format!("error: {message}"), "{line}");
+        assert!(says(&folder.run(line).message(2), message), "{line}");
     }
 }
 
@@ -417,7 +414,7 @@ fn what_cannot_be_read_or_written_ends_the_run() {
         ("-grade class -reference none", "error: cannot read the folder `none`: "),
         ("-grade class -reference hollow", "error: there is no picture to grade by"),
         ("-grade class -commands ref", "error: cannot read the commands `ref`: it is not a regular file"),
-        ("-grade class -commands bad.txt", "error: `bad.txt`, line 2: unknown flag `-sise`"),
+        ("-grade class -commands bad.txt", "error: `bad.txt`, line 2: unexpected argument '-sise' found"),
         ("-grade class -commands idle.txt", "error: there is no picture to grade by"),
         ("-grade class -reference ref -report none/p.html", "error: cannot write `none/p.html`: "),
     ] {

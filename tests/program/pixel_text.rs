@@ -1,7 +1,7 @@
 //! What `-pixel` prints.
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
-use crate::support::Folder;
+use crate::support::{Folder, says};
 
 /// What the program prints for a pixel.
 fn said(text: &str, flags: &str) -> String {
@@ -212,23 +212,20 @@ fn a_pixel_may_be_explained_beside_pictures_and_statistics() {
 #[test]
 fn a_pixel_that_cannot_be_explained_is_an_error() {
     let folder = Folder::with_scene(GLASS);
-    let outside = "error: `-pixel`: outside the picture, whose columns are 0 to 23 and rows 0 to 16\n";
+    let outside = "-pixel ... columns are 0 to 23 and rows 0 to 16";
     for (flags, message) in [
         ("-pixel 24 0", outside),
         ("-pixel 0 17", outside),
-        ("-pixel -1 0", "error: `-pixel`: `-1` is not between 0 and 65534\n"),
-        ("-pixel 1.5 0", "error: `-pixel`: `1.5` is not a whole number\n"),
-        ("-pixel 1", "error: `-pixel` takes 2 values, as in `-pixel 100 160`; 1 given\n"),
-        (
-            "-pixel 1 1 -grid 2 2 2 -visualize_grid",
-            "error: `-pixel` cannot be combined with `-visualize_grid`\n",
-        ),
+        ("-pixel -1 0", "-pixel ... -1"),
+        ("-pixel 1.5 0", "-pixel ... 1.5"),
+        ("-pixel 1", "-pixel ... 2 values"),
+        ("-pixel 1 1 -grid 2 2 2 -visualize_grid", "-pixel ... -visualize_grid"),
     ] {
         let found = folder.run(&format!("-input s.txt -size 24 17 {flags}")).message(2);
-        assert_eq!(found, message, "{flags}");
+        assert!(says(&found, message), "{flags}: {found}");
     }
     let found = folder.run("-compare a.tga -reference b.tga -pixel 1 1").message(2);
-    assert!(found.starts_with("error: no scene: `-input file` is required"), "{found}");
+    assert!(says(&found, "-input"), "{found}");
     // A deep hall of mirrors is as well explained as rendered.
     folder.run("-input s.txt -size 9 9 -pixel 4 4 -bounces 11").ok();
 }

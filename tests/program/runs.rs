@@ -1,24 +1,21 @@
 //! What the program prints on which stream, how it ends, and which files it leaves.
 
-use crate::support::{CAMERA, Folder, finish, nobody, only_line, program, scene, sphere};
+use crate::support::{CAMERA, Folder, finish, nobody, only_line, program, says, scene, sphere};
 use raytracer::image_io;
 
 #[test]
 fn a_faulty_command_line_is_status_2_and_one_line() {
     let folder = Folder::with_scene(&sphere());
     for (line, expected) in [
-        ("", "error: no scene: `-input file` is required (`-h` lists the usual flags)"),
-        ("-input s.txt -shadow", "error: unknown flag `-shadow`; did you mean `-shadows`?"),
-        ("-input s.txt -visualize_grid", "error: `-visualize_grid` needs `-grid nx ny nz`"),
-        ("-input s.txt -size 10", "error: `-size` takes 2 values, as in `-size 200 200`; 1 given"),
-        ("-input s.txt -stats -stats", "error: `-stats` given twice"),
-        ("-input s.txt -bounces many", "error: `-bounces`: `many` is not a whole number"),
-        (
-            "-input s.txt -random_samples 4 -jittered_samples 4",
-            "error: `-random_samples` cannot be combined with `-jittered_samples`",
-        ),
+        ("", "-input ... -h"),
+        ("-input s.txt -shadow", "-shadow ... -shadows"),
+        ("-input s.txt -visualize_grid", "-grid <nx>"),
+        ("-input s.txt -size 10", "-size"),
+        ("-input s.txt -stats -stats", "-stats ... multiple times"),
+        ("-input s.txt -bounces many", "-bounces ... many"),
+        ("-input s.txt -random_samples 4 -jittered_samples 4", "-random_samples ... -jittered_samples"),
     ] {
-        assert_eq!(only_line(&folder.run(line).message(2)), expected, "{line}");
+        assert!(says(&folder.run(line).message(2), expected), "{line}");
     }
     assert_eq!(folder.names(), ["s.txt"]);
 }

@@ -1,7 +1,13 @@
-//! The manual page, the completions and the table in `docs/command-line.md` agree with the definitions of the flags, and
-//! the completions work in the shells.
+//! The manual page, the completions and the table in `docs/command-line.md` agree with the flags, and the completions
+//! work in the shells.
 
-use raytracer::cli::{completions, man_page, table};
+#[path = "../../examples/shell_files/completions.rs"]
+mod completions;
+#[path = "../../examples/shell_files/man_page.rs"]
+mod man_page;
+#[path = "../../examples/shell_files/table.rs"]
+mod table;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -188,7 +194,7 @@ fn the_manual_page_has_no_fault() {
             plain.push(character);
         }
     }
-    for part in ["       -size w h\n", "EXIT STATUS", "              Example: -grid 20 20 20\n"] {
+    for part in ["       -size <w> <h>", "EXIT STATUS", "-output picture.png -grid 20 20 20"] {
         assert!(plain.contains(part), "{part}\n{plain}");
     }
 }

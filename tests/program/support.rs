@@ -138,6 +138,12 @@ pub fn sphere() -> String {
     scene(1, "Sphere { center 0 0 0 radius .7 }")
 }
 
+/// Returns true if `message` is an error in one line that has all these parts, between which ` ... ` stands.
+pub fn says(message: &str, parts: &str) -> bool {
+    let is_error = message.starts_with("error: ") && message.lines().count() == 1;
+    is_error && parts.split(" ... ").all(|part| message.contains(part))
+}
+
 /// The only line of `message`, without the newline.
 pub fn only_line(message: &str) -> &str {
     let line = message.strip_suffix('\n').expect("a line ends with a newline");

@@ -49,12 +49,13 @@ fn a_finished_run_says_what_it_wrote_and_how_long_it_took() {
 fn errors_have_colour_on_a_terminal_that_may_have_it() {
     let folder = Folder::with_scene(&scene(1, "Sphere { center 0 0 zero radius .7 }"));
     let Some((told, status)) = on_terminal(&folder, "-sise", None) else { return };
-    assert_eq!(told, "\u{1b}[1;31merror:\u{1b}[0m unknown flag `-sise`; did you mean `-size`?\n");
+    let rest = told.strip_prefix("\u{1b}[1;31merror:\u{1b}[0m ").expect("a red word");
+    assert!(rest.contains("-sise") && rest.contains("did you mean '-size'?"), "{told}");
     assert_eq!(status, Some(2));
     let (told, _) = on_terminal(&folder, "-input s.txt -output o.tga", None).unwrap();
     assert!(told.starts_with("s.txt:5:21: \u{1b}[1;31merror:\u{1b}[0m expected a number"), "{told}");
     for variable in [("NO_COLOR", "1"), ("TERM", "dumb")] {
         let (told, _) = on_terminal(&folder, "-sise", Some(variable)).unwrap();
-        assert_eq!(told, "error: unknown flag `-sise`; did you mean `-size`?\n", "{variable:?}");
+        assert_eq!(told, format!("error: {rest}"), "{variable:?}");
     }
 }

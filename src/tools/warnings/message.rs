@@ -5,7 +5,6 @@ use super::filter::flag_of;
 use crate::scene::Position;
 use crate::scene::error::labelled;
 use crate::scene::excerpt::with_caret;
-use crate::scene::warning::Doubt;
 use crate::scene_io::Source;
 use std::collections::HashMap;
 use std::mem::discriminant;
@@ -32,10 +31,9 @@ impl Severity {
 /// number of those that are not.
 pub fn render_all(found: &[Warning], source: &Source, severity: Severity) -> Vec<String> {
     const MOST: usize = 20;
-    let kind = |warning: &Warning| {
-        let Warning::Text(text) = warning else { return (discriminant(warning), None, None) };
-        let of_mesh = if let Doubt::InMesh { doubt, .. } = &text.doubt { Some(&doubt.kind) } else { None };
-        (discriminant(warning), Some(discriminant(&text.doubt)), of_mesh.map(discriminant))
+    let kind = |warning: &Warning| match warning {
+        Warning::Text(text) => (discriminant(warning), Some(discriminant(&text.doubt))),
+        _ => (discriminant(warning), None),
     };
     let mut counts = HashMap::new();
     found.iter().for_each(|warning| *counts.entry(kind(warning)).or_insert(0) += 1);

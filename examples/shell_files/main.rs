@@ -1,7 +1,10 @@
-//! Writes what is made from the definitions of the flags: the manual page, the completions, and the table in
+//! Writes what is made from the flags: the manual page, the completions, and the table in
 //! `docs/command-line.md`.
 
-use raytracer::cli::{completions, man_page, table};
+mod completions;
+mod man_page;
+mod table;
+
 use std::fs;
 use std::path::Path;
 
