@@ -70,6 +70,8 @@ impl<R> Copy for Tracer<'_, R> {}
 
 /// A surface as a ray arrives at it, with everything that shading needs. It has copies, which can stay in registers.
 pub(crate) struct Arrival<'m> {
+    /// Where the ray started.
+    pub origin: DVec3,
     /// The direction of the ray.
     pub direction: DVec3,
     pub surface: SurfacePoint,
@@ -142,7 +144,7 @@ impl<R: Rules> Tracer<'_, R> {
                 let mut mixture = Mixture::default();
                 let material = self.rules.material(&surface, &mut mixture);
                 observer.observe(|| Event::Surface { point: &surface, material: material.phong });
-                let arrival = Arrival { direction: ray.direction, surface, material };
+                let arrival = Arrival { origin: ray.origin, direction: ray.direction, surface, material };
                 self.reflect(path, &arrival, pending, observer);
                 self.refract(path, &arrival, pending, observer);
                 self.shade(&arrival, observer)
@@ -155,7 +157,7 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The colour of a surface by itself: ambient light, and the lights that are visible from the point.
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
-        let Arrival { direction, surface, material } = arrival;
+        let Arrival { direction, surface, material, .. } = arrival;
         let highlight = self.rules.model().highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.effects.shade_back {

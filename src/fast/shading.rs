@@ -82,7 +82,8 @@ impl<R: Rules> Shading<'_, R> {
     fn follow(&self, ray: &Ray, path: &Path, surface: &SurfacePoint, memory: &mut Memory) -> Color {
         let Memory { pending, mixture, rays } = memory;
         let material = self.tracer.rules.material(surface, mixture);
-        let arrival = Arrival { direction: ray.direction, surface: *surface, material };
+        let (origin, direction) = (ray.origin, ray.direction);
+        let arrival = Arrival { origin, direction, surface: *surface, material };
         if path.bounces < self.tracer.effects.bounces {
             self.tracer.reflect(path, &arrival, pending, &mut Quiet);
             self.tracer.refract(path, &arrival, pending, &mut Quiet);
@@ -94,7 +95,7 @@ impl<R: Rules> Shading<'_, R> {
     /// without effect.
     #[inline(always)]
     fn shade(&self, arrival: &Arrival, rays: &mut u64) -> Color {
-        let Arrival { direction, surface, material } = arrival;
+        let Arrival { direction, surface, material, .. } = arrival;
         let highlight = self.tracer.rules.model().highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.tracer.effects.shade_back {
@@ -132,11 +133,11 @@ impl<R: Rules> Shading<'_, R> {
         }
         *rays += 1;
         if shadows == Shadows::Transparent {
-            let (ray, _) = self.tracer.shadow_ray(surface, light);
+            let start = self.tracer.shadow_ray(surface, light);
             let starts_within = surface.normal.dot(light.direction) < 0.0;
-            return self.tracer.filtered(ray, index, starts_within, &mut Quiet);
+            return self.tracer.filtered(start, index, starts_within, &mut Quiet);
         }
-        if !self.world().triangles_at_light(index).is_empty() {
+        if !self.world().primitives_at_light(index).is_empty() {
             return Color::ZERO;
         }
         let blocker = self.blocker(surface, index, is_inside);

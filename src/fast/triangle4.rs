@@ -7,7 +7,7 @@ use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
-use crate::primitive::triangle::{interpolated, rounded_normal};
+use crate::primitive::triangle::{interpolated, largest_coordinate, rounded_normal};
 use glam::DVec3;
 
 /// Four triangles.
@@ -16,6 +16,8 @@ pub struct Triangles4<F> {
     corners: [Vector<F>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
+    /// The largest absolute coordinate of the corners of each.
+    pub extents: [f64; 4],
     /// The set of the triangles whose normals are accurate, bit 0 for the first one.
     accurate: u32,
 }
@@ -37,7 +39,8 @@ impl<F: F64x4> Triangles4<F> {
         let b = Vector::new(proof, [p[1], q[1], r[1], s[1]]);
         let c = Vector::new(proof, [p[2], q[2], r[2], s[2]]);
         let (normals, accurate) = rounded_normal([a, b, c]);
-        Self { corners: [a, b, c], normals: normals.to_array(), accurate }
+        let extents = F::to_array(largest_coordinate([a, b, c]));
+        Self { corners: [a, b, c], normals: normals.to_array(), extents, accurate }
     }
 
     /// The points where each ray hits its triangle.

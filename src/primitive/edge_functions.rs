@@ -64,6 +64,19 @@ impl<N: Number> EdgeRange<N> {
     }
 }
 
+/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound times
+/// the depth of the farthest vertex.
+const DEPTH_BOUNDS: f64 = 5.0;
+
+/// Whether the ray certainly begins on the side of the triangle that the sign of the computed depth says. `area` is the sum
+/// of the edge functions, whose signs are certain. `proofs/depth_sign.g` proves the bound.
+#[inline(always)]
+pub(crate) fn is_side_certain(depth: f64, area: f64, sheared: [Vector<f64>; 3]) -> bool {
+    let [a, b, c] = sheared;
+    let farthest = max3([a.z.abs(), b.z.abs(), c.z.abs()]);
+    (depth * area).abs() > DEPTH_BOUNDS * edge_error_bound(sheared) * farthest
+}
+
 /// A vertex in the sheared space of a ray, whose direction has these slopes along x and y per unit of z. The vertex is
 /// relative to the ray's origin.
 #[inline(always)]

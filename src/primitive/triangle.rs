@@ -14,7 +14,9 @@ use crate::math::ray::Ray;
 use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
 use crate::math::vector::Vector;
-use crate::primitive::edge_functions::{Sides, edge_functions, is_interpolation_accurate, sheared};
+use crate::primitive::edge_functions::{
+    Sides, edge_functions, is_interpolation_accurate, is_side_certain, sheared,
+};
 use glam::DVec3;
 
 /// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
@@ -39,7 +41,20 @@ pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     interpolated([a.into(), b.into(), c.into()], weights).into()
 }
 
+/// The largest absolute coordinate of the corners.
+#[inline(always)]
+pub fn extent(corners: [DVec3; 3]) -> f64 {
+    largest_coordinate(corners.map(Vector::from))
+}
+
 /// The same in any number of lanes.
+#[inline(always)]
+pub(crate) fn largest_coordinate<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
+    let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
+    x.max(y).max(z)
+}
+
+/// The same as [`point`] in any number of lanes.
 #[inline(always)]
 pub(crate) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
     (a * u + b * v + c * w) / (u + v + w)
@@ -98,8 +113,13 @@ impl<'r> Shear<'r> {
         let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form another order of the vertices changes t by little more than its rounding error.
-        let t = self.t_per_depth * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
-        if is_interpolation_accurate([a, b, c], sum) && t.is_finite() {
+        let depth = a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum;
+        let t = self.t_per_depth * depth;
+        // The sign of t is exact: it says on which side of the triangle the ray begins.
+        if is_interpolation_accurate([a, b, c], sum)
+            && is_side_certain(depth, sum, [a, b, c])
+            && t.is_finite()
+        {
             return Some((t, weights));
         }
         self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))

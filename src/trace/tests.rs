@@ -46,7 +46,14 @@ impl Setting {
     fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface =
-            SurfacePoint { position: DVec3::ZERO, normal, material: 0, primitive: None, triangle: None };
+            SurfacePoint {
+                position: DVec3::ZERO,
+                normal,
+                extent: 0.0,
+                material: 0,
+                primitive: None,
+                triangle: None,
+            };
         let tracer = Tracer { rules: &caster, effects: self.effects };
         tracer.color_of(&Ray::new(DVec3::Z, DVec3::NEG_Z), Some(surface), &mut Quiet)
     }

@@ -20,7 +20,7 @@ pub enum Reason {
     NegativeAttenuation,
     /// Its attenuation leaves less than a quarter of a level at the nearest object.
     TooFar,
-    /// It lies on a triangle, which shadows everything.
+    /// It lies on a surface, which shadows everything.
     OnSurface,
     /// It stands inside a sphere that shadows everything else.
     Enclosed {
@@ -52,7 +52,7 @@ impl fmt::Display for Reason {
 pub fn without_effect(scene: &Scene, world: &World, places: &Places, effects: &Effects) -> Vec<Warning> {
     let lights = scene.lights.iter().enumerate();
     let warning = |(index, light): (usize, &Light)| {
-        let lies_on_surface = !world.triangles_at_light(index).is_empty();
+        let lies_on_surface = !world.primitives_at_light(index).is_empty();
         let reason = match reason(light, scene, world, effects) {
             None if lies_on_surface && effects.shadows == Shadows::Opaque => Reason::OnSurface,
             reason => reason?,
