@@ -15,12 +15,14 @@ use serde::Serialize;
 
 mod observer;
 mod optics;
+mod patience;
 mod rules;
 mod secondary;
 mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
+pub(crate) use patience::Patience;
 pub use rules::{ByModel, Departure, Rules};
 pub(crate) use secondary::{Path, SecondaryRay};
 
@@ -92,10 +94,10 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The same, given the surface that the ray hits first.
     pub fn color_of<O: Observer>(&self, ray: &Ray, surface: Option<SurfacePoint>, observer: &mut O) -> Color {
-        self.color_with(&mut vec![], ray, surface, observer)
+        self.color_with(&mut vec![], &mut Patience::endless(), ray, surface, observer)
     }
 
-    /// The same.
+    /// The same, as far as the patience lasts.
     ///
     /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
     /// number of bounces is limited by nothing but memory. It is empty before and afterwards, and has its memory for the
@@ -103,6 +105,7 @@ impl<R: Rules> Tracer<'_, R> {
     pub(crate) fn color_with<O: Observer>(
         &self,
         pending: &mut Vec<SecondaryRay>,
+        patience: &mut Patience,
         ray: &Ray,
         surface: Option<SurfacePoint>,
         observer: &mut O,
@@ -113,6 +116,10 @@ impl<R: Rules> Tracer<'_, R> {
         loop {
             color += path.filter * self.local_color(&ray, &path, surface, pending, observer);
             let Some(next) = pending.pop() else { return color };
+            if patience.ends() {
+                pending.clear();
+                return color;
+            }
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
             (ray, path) = (next.ray, next.path);

@@ -30,7 +30,9 @@ const CLOSE_ROUNDINGS: f64 = 32.0;
 /// index of refraction in front of the surface over the one behind it, and `normal` points against
 /// `direction`.
 pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
-    refracted_between(direction, normal, [ratio, 1.0], || SquaredSine::of(direction, normal.to_array().map(Dd::from)))
+    refracted_between(direction, normal, [ratio, 1.0], || {
+        SquaredSine::of(direction, normal.to_array().map(Dd::from))
+    })
 }
 
 /// The same between two media, whose `indices` of refraction are that in front of the surface and that behind it.

@@ -65,7 +65,8 @@ impl<R: Rules> Tracer<'_, R> {
             let Some(visible) = self.rules.nearest(&ray, left, observer) else { break };
             let (hit, surface) = (self.rules.hit(&ray, visible), self.rules.surface(&ray, visible));
             let leaves = surface.normal.dot(ray.direction) >= 0.0;
-            let is_at_light = at_light.iter().any(|place| place.is_crossed(hit.primitive, ray.direction, leaves));
+            let is_at_light =
+                at_light.iter().any(|place| place.is_crossed(hit.primitive, ray.direction, leaves));
             if is_at_light {
                 way += hit.t;
             } else {
@@ -76,7 +77,8 @@ impl<R: Rules> Tracer<'_, R> {
                 }
                 is_within = !leaves;
                 if leaves {
-                    passed = (passed * self.rules.transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
+                    passed =
+                        (passed * self.rules.transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
                 }
                 way = 0.0;
             }

@@ -4,8 +4,8 @@
 //! whether it meets the surface. It is decided here once for each light: an opaque surface shadows everything from a
 //! light that lies on it, on both of its sides.
 
-use super::point_error::weights;
 use super::World;
+use super::point_error::weights;
 use crate::math::predicate::area_vector;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::primitive::plane::Plane;

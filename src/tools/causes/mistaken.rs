@@ -169,9 +169,7 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
             (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected)) => {
                 from_other_side(surface, direction)
             }
-            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => {
-                from_other_side(surface, direction)
-            }
+            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => from_other_side(surface, direction),
             _ => self.right.departing(why, surface, direction),
         }
     }
