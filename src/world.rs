@@ -35,6 +35,7 @@ use std::sync::Arc;
 
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
+pub(crate) use surface::LEAST_PART;
 pub use surface::SurfacePoint;
 
 /// A scene in world space, as it is traced.

@@ -109,6 +109,15 @@ impl Sphere {
         SquaredSine { denominator: dot(direction, direction) * (radius * radius), ..of_center }
     }
 
+    /// The normal and the point where a ray hits the sphere at `t`, computed along the ray and moved onto the sphere. The
+    /// point's error is one of its own coordinates, however far away the centre is.
+    #[cold]
+    pub fn precise_surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        let along = ray.at(t);
+        let normal = unit(along - self.center);
+        (normal, along - self.precise_power(along) / (2.0 * self.radius) * normal)
+    }
+
     #[cold]
     fn precise_power(&self, origin: DVec3) -> f64 {
         let f = difference(origin, self.center);

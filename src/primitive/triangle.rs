@@ -15,7 +15,7 @@ use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{
-    Sides, edge_functions, is_interpolation_accurate, is_side_certain, sheared,
+    Sides, edge_functions, is_depth_certain, is_interpolation_accurate, sheared,
 };
 use glam::DVec3;
 
@@ -117,7 +117,7 @@ impl<'r> Shear<'r> {
         let t = self.t_per_depth * depth;
         // The sign of t is exact: it says on which side of the triangle the ray begins.
         if is_interpolation_accurate([a, b, c], sum)
-            && is_side_certain(depth, sum, [a, b, c])
+            && is_depth_certain(depth, sum, [a, b, c])
             && t.is_finite()
         {
             return Some((t, weights));
@@ -136,6 +136,19 @@ impl<'r> Shear<'r> {
             Sides::Outside => None,
             Sides::Unsure => self.decide(corners.map(|&v| v)),
         }
+    }
+
+    /// The point where the ray crosses the triangle with this unit normal, computed along the ray and moved into the
+    /// triangle's plane. Its error is one of its own coordinates, however far away the corners are.
+    #[cold]
+    pub fn precise_point(&self, corners: [&DVec3; 3], normal: DVec3) -> Option<DVec3> {
+        let (a, b, c) = self.sheared(corners);
+        let corners = corners.map(|&v| v);
+        let along = self.ray.at(self.exact_t(corners, [a.z, b.z, c.z])?);
+        let area = area_vector(corners);
+        let largest = area.into_iter().max_by_key(|x| x.exponent)?;
+        let length = DVec3::from_array(area.map(|x| x.over(largest))).length();
+        Some(along + volume(along, corners).over(largest) / length * normal)
     }
 
     /// On which side of the edges the ray passes, as far as rounded numbers tell.

@@ -9,6 +9,10 @@ use crate::scene::MaterialId;
 use glam::DVec3;
 use serde::Serialize;
 
+/// A position whose coordinates are less than this part of the coordinates that it is computed from is computed along the
+/// ray.
+pub(crate) const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
+
 /// The surface at a hit.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct SurfacePoint {
@@ -96,7 +100,35 @@ impl World {
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
-        SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
+        let surface =
+            SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle };
+        if position.abs().max_element() < LEAST_PART * extent {
+            return self.precise_surface(ray, t, surface);
+        }
+        surface
+    }
+
+    /// The same surface with a position that is computed along the ray, where it would lose digits to the coordinates of
+    /// what is far away.
+    #[cold]
+    fn precise_surface(&self, ray: &Ray, t: f64, surface: SurfacePoint) -> SurfacePoint {
+        let found = match surface.primitive.map(|primitive| self.primitive(primitive)) {
+            Some(Primitive::Triangle(i)) => {
+                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), surface.normal);
+                point.map(|position| (surface.normal, position))
+            }
+            Some(Primitive::Shape(i)) => match &self.shapes[i] {
+                Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
+                Shape::Ellipsoid(_) => None,
+            },
+            _ => None,
+        };
+        let Some((normal, position)) = found else { return surface };
+        // The roundings of the way are moved off along the normal, which is rounded itself. Of what is far away
+        // double-double numbers leave less than a rounding of the square of the least part.
+        let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
+        let extent = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * surface.extent);
+        SurfacePoint { normal, position, extent: extent.min(surface.extent), ..surface }
     }
 
     /// The normal, the position and the extent on a triangle. The position is interpolated from the vertices, because the

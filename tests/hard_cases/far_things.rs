@@ -9,7 +9,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::scene_of;
 use crate::support::secondary::blocked;
 use glam::{DAffine3, DVec3};
-use num_traits::{Signed, Zero};
+use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
 use raytracer::math::ray::Ray;
@@ -45,15 +45,23 @@ fn far_thing(rng: &mut Rng) -> Vec<Object> {
     }
 }
 
-/// The ground at y = 0: a plane, or two triangles.
-fn ground(rng: &mut Rng, size: f64) -> Vec<Object> {
+/// The ground at y = 0, and whether it reaches far away: a plane, two triangles, or a ball whose top is at `top`.
+fn ground(rng: &mut Rng, size: f64, top: DVec3) -> (Vec<Object>, bool) {
     let material = 0;
-    if rng.below(2) == 0 {
-        return vec![Object::Plane { normal: DVec3::Y, offset: 0.0, material }];
+    let (far, kind) = (10f64.powf(rng.range(1.0, 14.0)), rng.below(4));
+    match kind {
+        0 => (vec![Object::Plane { normal: DVec3::Y, offset: 0.0, material }], false),
+        1 | 2 => {
+            let size = if kind == 1 { size } else { far * size };
+            let corner = |x: f64, z: f64| size * DVec3::new(x, 0.0, z);
+            let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+            ([[a, b, c], [a, c, d]].map(|vertices| Object::Triangle { vertices, material }).into(), kind == 2)
+        }
+        _ => {
+            let radius = 1e6 * far * size;
+            (vec![Object::Sphere { center: top - radius * DVec3::Y, radius, material }], true)
+        }
     }
-    let corner = |x: f64, z: f64| size * DVec3::new(x, 0.0, z);
-    let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
-    [[a, b, c], [a, c, d]].map(|vertices| Object::Triangle { vertices, material }).into()
 }
 
 /// Points of the ground near the spot where a ball touches it, as the world computes them, and the sun's direction. Counts
@@ -66,7 +74,8 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
     let ball = Object::Sphere { center: touched + radius * DVec3::Y, radius, material: 0 };
     let mut objects = far_thing(&mut rng);
     let is_transformed = objects.len() == 2;
-    objects.extend(ground(&mut rng, 8.0 * scale));
+    let (ground, is_far) = ground(&mut rng, 8.0 * scale, touched);
+    objects.extend(ground);
     objects.push(ball);
     let mut scene = scene_of(objects, vec![]);
     if is_transformed && let Object::Group(children) = &mut scene.objects[scene.root] {
@@ -79,15 +88,17 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         Caster::with(&world, layout, raytracer::caster::Instructions::available()[0]).expect("a grid");
     let mut counts = [0; 4];
     for _ in 0..8 {
-        // The gap between the ground and the ball is about half of the square of this.
-        let away = radius * 10f64.powf(rng.range(-5.0, 0.5));
+        // The gap between the ground and the ball is about half of the square of this. A point of ground that reaches a
+        // million times as far has an error of about 1e-8.
+        let away = radius * 10f64.powf(rng.range(if is_far { -2.0 } else { -5.0 }, 0.5));
         let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
         let target = touched + away * DVec3::new(cosine, 0.0, sine);
         let to_eye = DVec3::new(cosine, rng.range(0.05, 1.0), sine).normalize();
         let ray = Ray::new(target + 5.0 * scale * to_eye, -to_eye);
         let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
         let surface = world.surface(&ray, &hit);
-        if surface.position.y != 0.0 {
+        // The ball is the last of the shapes.
+        if hit.primitive + 1 == world.first_plane() {
             continue;
         }
         let direction =
@@ -104,7 +115,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         if discriminant.abs() < rim {
             continue;
         }
-        let is_in_shadow = b.is_positive() && !discriminant.is_negative() && !discriminant.is_zero();
+        let is_in_shadow = b.is_positive() && discriminant.is_positive();
         let is_blocked = blocked(&caster, &surface, direction);
         let wrong = failures.note(is_blocked != is_in_shadow, || {
             format!("68 {index} {} {direction} {is_in_shadow} {scene:?}", surface.position)

@@ -77,7 +77,7 @@ fn case_43_shells_of_glass() {
             let across = away.cross(rng.direction()).normalize();
             let ray = Ray::new(3.0 * away + impact * across, -away);
             let Some(expected) = shell_path(impact, 1.0 - thickness) else { return ([0; 2], []) };
-            let path = followed(&world, ray, |surface, d| secondary(surface, d));
+            let path = followed(&world, ray, secondary);
             let plain =
                 followed(&world, ray, |surface, d| Ray { t_min: FIXED, ..Ray::new(surface.position, d) });
             failures.note(path != expected, || {
