@@ -149,7 +149,7 @@ fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
              Group {{ numObjects 2 MaterialIndex 0 Box {{ min -1 -1 -1 max 1 1 1 }}
              Box {{ min -2 -2 -2 max 2 2 2 }} }}"
         ));
-        for flags in ["-output o.tga", "-stats", "-output o.tga -filter gaussian 0.4 -random_samples 4"] {
+        for flags in ["-output o.tga", "-stats", "-output o.tga -gaussian_filter 0.4 -random_samples 4"] {
             let line = format!("-input s.txt -size 1 1 -bounces 2147483647 -shade_back {flags}");
             let run = try_longer(|patience| {
                 let child = start(&folder, &line);
