@@ -2,7 +2,8 @@
 #@ src/math/robust.rs OFFSET_ROUNDINGS = 32.0
 #
 # Errors are measured along the normal, in units of u times `magnitude`, the largest coordinate of the point plus the
-# largest coordinate of the primitives. A point is moved by OFFSET_ROUNDINGS of these units: along the normal, or
+# extent of its own primitive: the largest coordinate of a triangle's corners, that of a sphere's centre plus its radius, or
+# a plane's offset. Other primitives need no offset, since the sign of t is exact there. A point is moved by OFFSET_ROUNDINGS of these units: along the normal, or
 # along a direction by that amount divided by the cosine. Each rounding is a factor 1 + e of a coordinate. The
 # coordinates are orthogonal, so an error of e M in each coordinate of a vector is an error of at most SQRT3 e M of
 # the vector, and each rounding of a dot product with a unit vector contributes as much.

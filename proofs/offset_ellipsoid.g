@@ -23,7 +23,7 @@
 # products and of half for the first of their sums, as its result is close to zero. This adds `skew` times the sum of
 # n_i w_j over different axes, which is at most sqrt(3) W - T with W for the sum of w.
 #
-# The magnitude, the largest coordinate of the point plus that of all primitives, is at least |p_j| + |c_j| + e_j for each
+# The magnitude, the largest coordinate of the point plus that of the centre plus the longest semi-axis, is at least |p_j| + |c_j| + e_j for each
 # axis j, so at least |v_j| + e_j, which is at least 2 |v_j|; and it is at least 2 |p_j|. Let it be 1. W is at most the root
 # of the sum of h^2, which is also that of e^2, so W^2 <= sum (1 - |v_j|)^2 = 3 - 2 sum |v_j| + |v|^2. As |v_j| <= 1/2,
 # sum |v_j| >= 2 |v|^2. Hence W^2 <= 3 (1 - |v|^2), and so sqrt(3) W <= 3 z with z = sqrt(1 - |v|^2). The total is at

@@ -148,7 +148,8 @@ impl<'w> Caster<'w> {
 
     /// The primitive that the ray hits first, decided exactly.
     ///
-    /// `leaves` is the primitive that the ray leaves. A triangle is not tested, because the ray cannot hit it again.
+    /// `leaves` is the primitive that the ray leaves. A triangle or a plane is not tested, because the ray cannot hit it
+    /// again.
     /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
     #[inline(always)]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
@@ -167,7 +168,7 @@ impl<'w> Caster<'w> {
         self.run::<P, true>(ray, Left::of(self, leaves), probe).is_some()
     }
 
-    /// Whether the ray hits a primitive, which is not the triangle that it leaves.
+    /// Whether the ray hits a triangle, which is not the one that it leaves.
     #[inline(never)]
     pub fn is_hit(&self, ray: &Ray, primitive: u32, leaves: Option<u32>) -> bool {
         if leaves == Some(primitive) && self.world.is_triangle(primitive) {

@@ -15,12 +15,14 @@ use serde::Serialize;
 
 mod observer;
 mod optics;
+mod patience;
 mod rules;
 mod secondary;
 mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
+pub(crate) use patience::Patience;
 pub use rules::{ByModel, Departure, Rules};
 pub(crate) use secondary::{Path, SecondaryRay};
 
@@ -70,6 +72,8 @@ impl<R> Copy for Tracer<'_, R> {}
 
 /// A surface as a ray arrives at it, with everything that shading needs. It has copies, which can stay in registers.
 pub(crate) struct Arrival<'m> {
+    /// Where the ray started.
+    pub origin: DVec3,
     /// The direction of the ray.
     pub direction: DVec3,
     pub surface: SurfacePoint,
@@ -90,10 +94,10 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The same, given the surface that the ray hits first.
     pub fn color_of<O: Observer>(&self, ray: &Ray, surface: Option<SurfacePoint>, observer: &mut O) -> Color {
-        self.color_with(&mut vec![], ray, surface, observer)
+        self.color_with(&mut vec![], &mut Patience::endless(), ray, surface, observer)
     }
 
-    /// The same.
+    /// The same, as far as the patience lasts.
     ///
     /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
     /// number of bounces is limited by nothing but memory. It is empty before and afterwards, and has its memory for the
@@ -101,6 +105,7 @@ impl<R: Rules> Tracer<'_, R> {
     pub(crate) fn color_with<O: Observer>(
         &self,
         pending: &mut Vec<SecondaryRay>,
+        patience: &mut Patience,
         ray: &Ray,
         surface: Option<SurfacePoint>,
         observer: &mut O,
@@ -111,6 +116,10 @@ impl<R: Rules> Tracer<'_, R> {
         loop {
             color += path.filter * self.local_color(&ray, &path, surface, pending, observer);
             let Some(next) = pending.pop() else { return color };
+            if patience.ends() {
+                pending.clear();
+                return color;
+            }
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
             (ray, path) = (next.ray, next.path);
@@ -142,7 +151,7 @@ impl<R: Rules> Tracer<'_, R> {
                 let mut mixture = Mixture::default();
                 let material = self.rules.material(&surface, &mut mixture);
                 observer.observe(|| Event::Surface { point: &surface, material: material.phong });
-                let arrival = Arrival { direction: ray.direction, surface, material };
+                let arrival = Arrival { origin: ray.origin, direction: ray.direction, surface, material };
                 self.reflect(path, &arrival, pending, observer);
                 self.refract(path, &arrival, pending, observer);
                 self.shade(&arrival, observer)
@@ -155,7 +164,7 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The colour of a surface by itself: ambient light, and the lights that are visible from the point.
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
-        let Arrival { direction, surface, material } = arrival;
+        let Arrival { direction, surface, material, .. } = arrival;
         let highlight = self.rules.model().highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.effects.shade_back {

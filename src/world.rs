@@ -33,6 +33,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 pub use placement::{Placement, placements};
+pub use resting_lights::RestingPlace;
+pub(crate) use surface::LEAST_PART;
 pub use surface::SurfacePoint;
 
 /// A scene in world space, as it is traced.
@@ -70,7 +72,7 @@ pub struct World {
     pub max_abs_coord: f64,
     /// Runs of primitives with the same material: the first id of each run, and the material.
     material_runs: Vec<(u32, u32)>,
-    /// The point lights that lie on triangles.
+    /// The point lights that lie on surfaces.
     resting_lights: RestingLights,
     /// What the scene means.
     pub model: Model,
@@ -153,16 +155,22 @@ impl World {
         self.finite_count() - self.without_area.len()
     }
 
+    /// The largest number of surfaces that a line may cross: each flat one once, and each round one twice. A loop along a
+    /// ray ends after so many, whatever roundings do.
+    pub fn most_crossings(&self) -> usize {
+        self.triangles.len() + 2 * self.shapes.len() + self.planes.len()
+    }
+
     /// Whether a ray may hit a triangle: it is not known to have no area.
     #[inline(always)]
     pub fn may_be_hit(&self, triangle: u32) -> bool {
         self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
     }
 
-    /// The triangles that the light with this index lies on: in their inside, on an edge or at a corner.
+    /// The surfaces that the light with this index lies on.
     #[inline(always)]
-    pub fn triangles_at_light(&self, light: usize) -> &[u32] {
-        self.resting_lights.triangles(light)
+    pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
+        self.resting_lights.places(light)
     }
 
     /// The primitive with this id.

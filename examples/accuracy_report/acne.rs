@@ -81,7 +81,7 @@ fn brightness(caster: &Caster, ray: &Ray, hit: Hit) -> [u8; 2] {
         return [30; 2];
     }
     let fixed = Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), to_light) };
-    let start = offset_origin(surface.position, surface.normal, to_light, caster.world.max_abs_coord);
+    let start = offset_origin(surface.position, surface.normal, to_light, surface.extent);
     [fixed, Ray::new(start, to_light)].map(|shadow| {
         let lit = !caster.any(&shadow, &mut Quiet);
         (30.0 + if lit { 200.0 * cosine } else { 0.0 }) as u8

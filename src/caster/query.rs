@@ -91,7 +91,7 @@ impl FilterState {
 }
 
 impl<'a> RayQuery<'a> {
-    /// `leaves` is the triangle that the ray leaves, which it is known to miss, or a primitive for
+    /// `leaves` is the triangle or the plane that the ray leaves, which it is known to miss, or a primitive for
     /// [`leave_round`](Self::leave_round), or [`NONE`].
     #[inline(always)]
     pub fn new(world: &'a World, ray: &'a Ray, leaves: u32) -> Self {
@@ -152,9 +152,12 @@ impl<'a> RayQuery<'a> {
     pub fn test_planes<P: Probe>(&mut self, ray: &Ray, probe: &mut P) {
         let first = self.world.first_plane();
         probe.intersections(self.world.planes.len());
-        for (i, plane) in self.world.planes.iter().enumerate() {
-            if let Some(t) = plane.intersect(ray) {
-                self.offer(t, first + i as u32);
+        for (id, plane) in (first..).zip(&self.world.planes) {
+            // A ray that leaves a plane does not hit it again.
+            if id != self.leaves
+                && let Some(t) = plane.intersect(ray)
+            {
+                self.offer(t, id);
             }
         }
     }

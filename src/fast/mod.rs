@@ -17,7 +17,7 @@ mod tests;
 use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
-use crate::trace::{ByModel, Effects, Shadows};
+use crate::trace::{ByModel, Effects, Patience, Shadows};
 use crate::world::World;
 use glam::DVec2;
 use raster::ShadowMaps;
@@ -50,6 +50,7 @@ pub struct FastTracer<'a> {
     caster: &'a Caster<'a>,
     demand: Demand,
     shadow_maps: Option<ShadowMaps>,
+    patience: Patience<'a>,
     /// Whether the scene means what those of 2004 do.
     is_of_course: bool,
 }
@@ -68,7 +69,7 @@ pub struct FastRows<'a> {
 #[derive(Debug)]
 pub struct FastRow<'a> {
     rows: &'a FastRows<'a>,
-    memory: Box<Memory>,
+    memory: Box<Memory<'a>>,
 }
 
 /// Whether the first hits of camera rays are found without casting most of them.
@@ -77,11 +78,16 @@ pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> boo
 }
 
 impl<'a> FastTracer<'a> {
-    /// A tracer for a picture.
-    pub fn new(camera: &'a Camera, caster: &'a Caster<'a>, demand: Demand) -> Self {
+    /// A tracer for a picture that follows secondary rays as long as the patience of a row lasts.
+    pub(crate) fn new(
+        camera: &'a Camera,
+        caster: &'a Caster<'a>,
+        demand: Demand,
+        patience: Patience<'a>,
+    ) -> Self {
         let is_needed = demand.colors > 0 && demand.effects.shadows == Shadows::Opaque;
         let shadow_maps = is_needed.then(|| ShadowMaps::new(caster.world, demand.colors));
-        Self { camera, caster, demand, shadow_maps, is_of_course: caster.world.is_of_course() }
+        Self { camera, caster, demand, shadow_maps, patience, is_of_course: caster.world.is_of_course() }
     }
 
     /// A tracer for these rows of the picture, counted from the bottom.
@@ -116,11 +122,16 @@ impl<'a> FastTracer<'a> {
 impl FastRows<'_> {
     /// A tracer for one of the rows.
     pub fn row(&self) -> FastRow<'_> {
-        FastRow { rows: self, memory: Box::default() }
+        FastRow { rows: self, memory: Box::new(Memory::new(self.picture.patience)) }
     }
 }
 
 impl FastRow<'_> {
+    /// Whether secondary rays were left out.
+    pub fn is_cut(&self) -> bool {
+        self.memory.patience.has_ended
+    }
+
     /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. Returns how
     /// many secondary and shadow rays were cast for them.
     pub fn trace(

@@ -11,7 +11,7 @@ use crate::scene::model::Highlight;
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, View};
 use crate::stats::Quiet;
-use crate::trace::{Arrival, Path, Rules, SecondaryRay, Shadows, Tracer};
+use crate::trace::{Arrival, Path, Patience, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
 
 /// Colours rays by these rules, none of which is a mistake.
@@ -26,13 +26,22 @@ pub struct Shading<'a, R> {
 }
 
 /// What is kept from one camera ray to the next, and how many rays were cast for them all.
-#[derive(Debug, Default)]
-pub struct Memory {
+#[derive(Debug)]
+pub struct Memory<'a> {
+    /// How long secondary rays are followed.
+    pub patience: Patience<'a>,
     /// A stack of secondary rays, kept so that the loop allocates no memory.
     pending: Vec<SecondaryRay>,
     mixture: Mixture,
     /// The number of secondary and shadow rays.
     pub rays: u64,
+}
+
+impl<'a> Memory<'a> {
+    /// Of nothing.
+    pub fn new(patience: Patience<'a>) -> Self {
+        Self { patience, pending: vec![], mixture: Mixture::default(), rays: 0 }
+    }
 }
 
 impl<R: Rules> Shading<'_, R> {
@@ -63,6 +72,10 @@ impl<R: Rules> Shading<'_, R> {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
+            if memory.patience.ends() {
+                memory.pending.clear();
+                break;
+            }
             memory.rays += 1;
             let rules = self.tracer.rules;
             let seen = match self.caster.nearest(&ray, leaves, &mut Quiet) {
@@ -80,9 +93,10 @@ impl<R: Rules> Shading<'_, R> {
     /// read as a whole, so that store forwarding fails and the processor stalls.
     #[inline(always)]
     fn follow(&self, ray: &Ray, path: &Path, surface: &SurfacePoint, memory: &mut Memory) -> Color {
-        let Memory { pending, mixture, rays } = memory;
+        let Memory { pending, mixture, rays, .. } = memory;
         let material = self.tracer.rules.material(surface, mixture);
-        let arrival = Arrival { direction: ray.direction, surface: *surface, material };
+        let (origin, direction) = (ray.origin, ray.direction);
+        let arrival = Arrival { origin, direction, surface: *surface, material };
         if path.bounces < self.tracer.effects.bounces {
             self.tracer.reflect(path, &arrival, pending, &mut Quiet);
             self.tracer.refract(path, &arrival, pending, &mut Quiet);
@@ -94,7 +108,7 @@ impl<R: Rules> Shading<'_, R> {
     /// without effect.
     #[inline(always)]
     fn shade(&self, arrival: &Arrival, rays: &mut u64) -> Color {
-        let Arrival { direction, surface, material } = arrival;
+        let Arrival { direction, surface, material, .. } = arrival;
         let highlight = self.tracer.rules.model().highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
         if is_inside && !self.tracer.effects.shade_back {
@@ -132,11 +146,11 @@ impl<R: Rules> Shading<'_, R> {
         }
         *rays += 1;
         if shadows == Shadows::Transparent {
-            let (ray, _) = self.tracer.shadow_ray(surface, light);
+            let start = self.tracer.shadow_ray(surface, light);
             let starts_within = surface.normal.dot(light.direction) < 0.0;
-            return self.tracer.filtered(ray, index, starts_within, &mut Quiet);
+            return self.tracer.filtered(start, index, starts_within, &mut Quiet);
         }
-        if !self.world().triangles_at_light(index).is_empty() {
+        if !self.world().primitives_at_light(index).is_empty() {
             return Color::ZERO;
         }
         let blocker = self.blocker(surface, index, is_inside);
@@ -220,7 +234,7 @@ mod tests {
             let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
             let tracer = Tracer { rules: &caster, effects };
             let shading = Shading { tracer, caster: &caster, shadow_maps: None };
-            let (mut memory, mut alone) = (Memory::default(), Counts::default());
+            let (mut memory, mut alone) = (Memory::new(Patience::endless()), Counts::default());
             for ray in (0..1500).map(camera_ray) {
                 let visible = caster.nearest(&ray, None, &mut Quiet);
                 let surface = visible.map(|visible| world.visible_surface(&ray, visible));

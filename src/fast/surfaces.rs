@@ -93,6 +93,7 @@ fn find_points<F: F64x4>(
             ray.surface = Some(SurfacePoint {
                 position: points[lane],
                 normal: group.triangles.normals[lane],
+                extent: group.triangles.extents[lane],
                 material: group.materials[lane],
                 primitive: Some(*id),
                 triangle: Some(*id),

@@ -28,7 +28,7 @@ fn rays_that_rasterization_leaves_are_counted() {
         let camera = Camera::new(&scene.camera, size);
         let effects = Effects::default();
         let demand = Demand { size, columns: 0..size[0], footprint, colors: 0, effects };
-        let tracer = FastTracer::new(&camera, &caster, demand);
+        let tracer = FastTracer::new(&camera, &caster, demand, Patience::endless());
         let rows = tracer.rows(0..size[1]);
         [rows.visibility.as_ref(), None].map(|visibility| tracer.rays_to_cast(visibility, 0..size[1]))
     };
@@ -100,7 +100,7 @@ fn compared(
         let caster = Caster::with(world, Layout::Grid([4; 3]), instructions).expect("a grid");
         // So many that there are shadow maps.
         let demand = Demand { size, columns: 0..size[0], footprint, colors: 1 << 20, effects };
-        let fast = FastTracer::new(camera, &caster, demand);
+        let fast = FastTracer::new(camera, &caster, demand, Patience::endless());
         assert_eq!(fast.shadow_maps.is_some(), effects.shadows == Shadows::Opaque);
         let rows = fast.rows(0..size[1]);
         let unsure = rows.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));

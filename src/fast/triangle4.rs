@@ -7,7 +7,8 @@ use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
-use crate::primitive::triangle::{interpolated, rounded_normal};
+use crate::primitive::triangle::{interpolated, largest_coordinate, rounded_normal};
+use crate::world::LEAST_PART;
 use glam::DVec3;
 
 /// Four triangles.
@@ -16,6 +17,10 @@ pub struct Triangles4<F> {
     corners: [Vector<F>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
+    /// The largest absolute coordinate of the corners of each.
+    pub extents: [f64; 4],
+    /// Points with smaller coordinates than these need exact arithmetic.
+    least: F,
     /// The set of the triangles whose normals are accurate, bit 0 for the first one.
     accurate: u32,
 }
@@ -37,14 +42,20 @@ impl<F: F64x4> Triangles4<F> {
         let b = Vector::new(proof, [p[1], q[1], r[1], s[1]]);
         let c = Vector::new(proof, [p[2], q[2], r[2], s[2]]);
         let (normals, accurate) = rounded_normal([a, b, c]);
-        Self { corners: [a, b, c], normals: normals.to_array(), accurate }
+        let extents: F = largest_coordinate([a, b, c]);
+        let least = extents.broadcast(LEAST_PART) * extents;
+        let (normals, extents) = (normals.to_array(), extents.to_array());
+        Self { corners: [a, b, c], normals, extents, least, accurate }
     }
 
     /// The points where each ray hits its triangle.
     #[inline(always)]
     pub fn hits(&self, proof: F::Proof, rays: [&Ray; 4]) -> Hits4 {
         let (weights, inside) = weights(proof, rays, self.corners);
-        Hits4 { points: interpolated(self.corners, weights).to_array(), certain: inside & self.accurate }
+        let points = interpolated(self.corners, weights);
+        let Vector { x, y, z } = points.abs();
+        let near = self.least.le_mask(x.max(y).max(z));
+        Hits4 { points: points.to_array(), certain: inside & self.accurate & near }
     }
 }
 

@@ -91,6 +91,23 @@ pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// The square of the sine of an angle, as a fraction.
+pub struct SquaredSine {
+    /// The square of the cross product of two vectors.
+    pub numerator: Dd,
+    /// The product of the squares of their lengths.
+    pub denominator: Dd,
+}
+
+impl SquaredSine {
+    /// The angle between two vectors of any length.
+    pub fn of(one: DVec3, other: [Dd; 3]) -> Self {
+        let one = one.to_array().map(Dd::from);
+        let across = cross(one, other);
+        Self { numerator: dot(across, across), denominator: dot(one, one) * dot(other, other) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -64,6 +64,23 @@ impl<N: Number> EdgeRange<N> {
     }
 }
 
+/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound times
+/// the depth of the farthest vertex.
+const DEPTH_BOUNDS: f64 = 5.0;
+
+/// A triangle that is so much larger than the depth at which it is hit would take its digits.
+const MAX_EXTENT_PER_DEPTH: f64 = (1 << 20) as f64;
+
+/// Whether the computed depth tells on which side of the triangle the ray begins, and has most of its digits. `area` is the
+/// sum of the edge functions, whose signs are certain. `proofs/depth_sign.g` proves the bound.
+#[inline(always)]
+pub(crate) fn is_depth_certain(depth: f64, area: f64, sheared: [Vector<f64>; 3]) -> bool {
+    let [a, b, c] = sheared;
+    let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
+    (depth * area).abs() > DEPTH_BOUNDS * edge_error_bound(sheared) * z
+        && MAX_EXTENT_PER_DEPTH * depth.abs() > x + y + z
+}
+
 /// A vertex in the sheared space of a ray, whose direction has these slopes along x and y per unit of z. The vertex is
 /// relative to the ray's origin.
 #[inline(always)]

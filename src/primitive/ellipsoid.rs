@@ -14,6 +14,8 @@ pub struct Ellipsoid {
     center: DVec3,
     linear: DMat3,
     inverse: DMat3,
+    /// The largest coordinate of the centre plus the longest semi-axis.
+    extent: f64,
 }
 
 /// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes.
@@ -31,7 +33,9 @@ impl Ellipsoid {
         let linear = half_axes(linear);
         let row = |axis: DVec3| axis / axis.length() / axis.length();
         let rows = DMat3::from_cols(row(linear.x_axis), row(linear.y_axis), row(linear.z_axis));
-        Self { center, linear, inverse: rows.transpose() }
+        let longest = linear.x_axis.length().max(linear.y_axis.length()).max(linear.z_axis.length());
+        let extent = center.abs().max_element() + longest;
+        Self { center, linear, inverse: rows.transpose(), extent }
     }
 
     /// The lengths of the semi-axes.
@@ -85,6 +89,10 @@ impl Form for Ellipsoid {
         };
         let normal = unit(self.inverse.transpose() * on_sphere);
         (normal, self.center + self.linear * on_sphere)
+    }
+
+    fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// Most of it is for the rotations that make the semi-axes orthogonal, which are less than a dozen.

@@ -7,7 +7,7 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use glam::{DMat3, DVec3};
 
-/// What a shape can do, in world space. All but the first five have an answer that is right for any form.
+/// What a shape can do, in world space. All but the first six have an answer that is right for any form.
 pub trait Form {
     /// The tight bounding box.
     fn bounds(&self) -> Aabb;
@@ -18,6 +18,9 @@ pub trait Form {
     /// The outward unit normal and the point of the surface where `ray` hits it at `t`, as found by
     /// [`intersect`](Self::intersect).
     fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3);
+
+    /// At least the largest absolute coordinate of any of its points.
+    fn extent(&self) -> f64;
 
     /// The error bound of a point of the surface along each axis, in roundings (2^-53).
     fn point_roundings(&self) -> DVec3;
@@ -87,6 +90,11 @@ impl Form for Shape {
     #[inline(always)]
     fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
         of_form!(self, form => form.surface(ray, t))
+    }
+
+    #[inline(always)]
+    fn extent(&self) -> f64 {
+        of_form!(self, form => form.extent())
     }
 
     fn point_roundings(&self) -> DVec3 {

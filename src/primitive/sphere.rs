@@ -2,7 +2,7 @@
 //! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
 use super::shape::{Form, InCells};
-use crate::math::double_double::{Dd, difference, dot};
+use crate::math::double_double::{Dd, SquaredSine, difference, dot};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::{DMat3, DVec3};
 
@@ -98,6 +98,26 @@ impl Sphere {
         if power.abs() > CLOSE * square { power } else { self.precise_power(origin) }
     }
 
+    /// The sine of the angle between a line and the normal where it crosses the sphere: the line's distance from the centre
+    /// over the radius.
+    pub fn sine(&self, origin: DVec3, direction: DVec3) -> SquaredSine {
+        let exponent = -libm::frexp(self.radius).1;
+        let radius = Dd::from(self.radius).times_exp2(exponent);
+        let from_center = difference(origin, self.center).map(|x| x.times_exp2(exponent));
+        let of_center = SquaredSine::of(direction, from_center);
+        let direction = direction.to_array().map(Dd::from);
+        SquaredSine { denominator: dot(direction, direction) * (radius * radius), ..of_center }
+    }
+
+    /// The normal and the point where a ray hits the sphere at `t`, computed along the ray and moved onto the sphere. The
+    /// point's error is one of its own coordinates, however far away the centre is.
+    #[cold]
+    pub fn precise_surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
+        let along = ray.at(t);
+        let normal = unit(along - self.center);
+        (normal, along - self.precise_power(along) / (2.0 * self.radius) * normal)
+    }
+
     #[cold]
     fn precise_power(&self, origin: DVec3) -> f64 {
         let f = difference(origin, self.center);
@@ -144,6 +164,11 @@ impl Form for Sphere {
         let outward = ray.at(t) - self.center;
         let normal = unit(if outward == DVec3::ZERO { -ray.direction } else { outward });
         (normal, self.center + self.radius * normal)
+    }
+
+    #[inline(always)]
+    fn extent(&self) -> f64 {
+        self.center.abs().max_element() + self.radius
     }
 
     fn point_roundings(&self) -> DVec3 {

@@ -14,7 +14,9 @@ use crate::math::ray::Ray;
 use crate::math::robust::unit;
 use crate::math::scaled::on_one_scale;
 use crate::math::vector::Vector;
-use crate::primitive::edge_functions::{Sides, edge_functions, is_interpolation_accurate, sheared};
+use crate::primitive::edge_functions::{
+    Sides, edge_functions, is_depth_certain, is_interpolation_accurate, sheared,
+};
 use glam::DVec3;
 
 /// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
@@ -39,7 +41,20 @@ pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     interpolated([a.into(), b.into(), c.into()], weights).into()
 }
 
+/// The largest absolute coordinate of the corners.
+#[inline(always)]
+pub fn extent(corners: [DVec3; 3]) -> f64 {
+    largest_coordinate(corners.map(Vector::from))
+}
+
 /// The same in any number of lanes.
+#[inline(always)]
+pub(crate) fn largest_coordinate<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
+    let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
+    x.max(y).max(z)
+}
+
+/// The same as [`point`] in any number of lanes.
 #[inline(always)]
 pub(crate) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
     (a * u + b * v + c * w) / (u + v + w)
@@ -98,8 +113,13 @@ impl<'r> Shear<'r> {
         let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form another order of the vertices changes t by little more than its rounding error.
-        let t = self.t_per_depth * (a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum);
-        if is_interpolation_accurate([a, b, c], sum) && t.is_finite() {
+        let depth = a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum;
+        let t = self.t_per_depth * depth;
+        // The sign of t is exact: it says on which side of the triangle the ray begins.
+        if is_interpolation_accurate([a, b, c], sum)
+            && is_depth_certain(depth, sum, [a, b, c])
+            && t.is_finite()
+        {
             return Some((t, weights));
         }
         self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))
@@ -116,6 +136,19 @@ impl<'r> Shear<'r> {
             Sides::Outside => None,
             Sides::Unsure => self.decide(corners.map(|&v| v)),
         }
+    }
+
+    /// The point where the ray crosses the triangle with this unit normal, computed along the ray and moved into the
+    /// triangle's plane. Its error is one of its own coordinates, however far away the corners are.
+    #[cold]
+    pub fn precise_point(&self, corners: [&DVec3; 3], normal: DVec3) -> Option<DVec3> {
+        let (a, b, c) = self.sheared(corners);
+        let corners = corners.map(|&v| v);
+        let along = self.ray.at(self.exact_t(corners, [a.z, b.z, c.z])?);
+        let area = area_vector(corners);
+        let largest = area.into_iter().max_by_key(|x| x.exponent)?;
+        let length = DVec3::from_array(area.map(|x| x.over(largest))).length();
+        Some(along + volume(along, corners).over(largest) / length * normal)
     }
 
     /// On which side of the edges the ray passes, as far as rounded numbers tell.

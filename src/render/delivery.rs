@@ -18,12 +18,12 @@ pub fn most_at_once(rows: usize) -> usize {
 /// out: all, unless the watch cancels the render.
 ///
 /// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the
-/// others go on. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new
+/// others go on. A row that is cancelled while it is traced is none, and ends the delivery. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new
 /// memory takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
 pub fn in_order<T: Send>(
     rows: usize,
     tally: &Tally,
-    trace: impl Fn(usize, Option<T>) -> T + Sync,
+    trace: impl Fn(usize, Option<T>) -> Option<T> + Sync,
     hand_out: impl FnMut(&mut T) -> Result<(), Stopped> + Send,
 ) -> Result<usize, Stopped> {
     let threads = rayon::current_num_threads();
@@ -35,7 +35,8 @@ pub fn in_order<T: Send>(
     let take_rows = || {
         let _end = End(&delivery);
         while let Some((row, used)) = delivery.take(tally) {
-            delivery.put(row, trace(row, used));
+            let Some(traced) = trace(row, used) else { break };
+            delivery.put(row, traced);
         }
     };
     rayon::scope(|scope| {

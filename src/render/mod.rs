@@ -24,6 +24,7 @@ use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
+use crate::trace::Patience;
 use glam::DVec2;
 use row::RenderSetting;
 use std::fmt;
@@ -45,7 +46,7 @@ pub struct Progress {
 }
 
 /// A callback that is told the progress of a render, and may cancel it. It is called from any of the render's
-/// threads, at least once for each row.
+/// threads, at least once for each row, and within a row that takes long.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A callback that takes the rows of the layers: the arguments are the index of a layer in the request, and
@@ -109,8 +110,10 @@ pub fn render(
     let rows = request.rows();
     // No strip takes more than the first.
     memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
     let tally = Tally::new(rows.len(), watch);
+    let is_cancelled = || tally.asks();
+    let patience = Patience::until(&is_cancelled);
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let mut counts = Counts::default();
     let mut end = rows.end;
@@ -158,7 +161,7 @@ pub fn adaptive_offsets(
     pixel: [usize; 2],
 ) -> Vec<DVec2> {
     let tracing = Tracing::Counted;
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing);
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, Patience::endless());
     let setting = RenderSetting { caster, view, request, tracing };
     let unseen = Unseen::new(camera, caster.world, request);
     setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel)

@@ -37,19 +37,27 @@ pub struct RenderSetting<'a> {
 }
 
 impl RenderSetting<'_> {
-    /// Traces an empty row. If `is_shown` is false, only the samples are traced, because they contribute to the rows
-    /// around it.
-    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, plan: Option<Plan>) -> Row {
+    /// Traces an empty row; none if the render is cancelled meanwhile, within a pixel that takes long. If `is_shown` is
+    /// false, only the samples are traced, because they contribute to the rows around it.
+    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
         let mut painter = Painter { plan, ..self.painter(empty, tracer, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
-            columns.for_each(|column| painter.paint_and_count(column, &mut packet));
-            return painter.row;
+            for column in columns {
+                painter.paint_and_count(column, &mut packet);
+                if painter.tracer.is_cut() {
+                    return None;
+                }
+            }
+            return Some(painter.row);
         }
         for first in columns.clone().step_by(SamplePacket::SIZE) {
             painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
+            if painter.tracer.is_cut() {
+                return None;
+            }
         }
-        painter.row
+        Some(painter.row)
     }
 
     /// The number of colours of all layers that a row of pixels has.

@@ -189,28 +189,28 @@ impl<'a> Strip<'a> {
         let RenderSetting { request, .. } = *self.setting;
         let adaptive = request.adaptive.filter(|_| request.traces_colors(self.setting.tracing));
         let Some((settings, unseen)) = adaptive.zip(self.unseen) else {
-            return in_parallel(rows, tally, |j| {
-                self.row(self.setting.empty_row(j, None), tracer, None, tally)
-            });
+            let row = |j| self.row(self.setting.empty_row(j, None), tracer, None, tally);
+            return in_parallel(rows, tally, row).into_iter().map(Option::flatten).collect();
         };
         let columns = self.setting.columns();
         let pilot = Pilot::new(self.setting, (tracer, unseen), settings, [columns, rows.clone()], tally);
         let Some(pilot) = pilot else { return rows.map(|_| None).collect() };
-        in_parallel(rows, tally, |j| {
-            let mut row = self.row(self.setting.empty_row(j, None), tracer, Some(pilot.plan(j)), tally);
+        let row = |j| {
+            let mut row = self.row(self.setting.empty_row(j, None), tracer, Some(pilot.plan(j)), tally)?;
             row.counts = row.counts.merge(pilot.counts(j));
-            row
-        })
+            Some(row)
+        };
+        in_parallel(rows, tally, row).into_iter().map(Option::flatten).collect()
     }
 
-    /// Traces a row.
-    fn row(&self, empty: Row, tracer: &RowsTracer, plan: Option<Plan>, tally: &Tally) -> Row {
+    /// Traces a row; none if the render is cancelled meanwhile.
+    fn row(&self, empty: Row, tracer: &RowsTracer, plan: Option<Plan>, tally: &Tally) -> Option<Row> {
         let is_shown = self.rows.contains(&empty.j);
-        let row = self.setting.row(empty, tracer.row(), is_shown, plan);
+        let row = self.setting.row(empty, tracer.row(), is_shown, plan)?;
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }
-        row
+        Some(row)
     }
 }
 

@@ -30,6 +30,18 @@ impl<'a> Tally<'a> {
     pub fn row_is_done(&self, rays: u64) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
+        self.tell(done, rays);
+    }
+
+    /// Asks the watch whether the render is cancelled.
+    pub fn asks(&self) -> bool {
+        if !self.is_cancelled() {
+            self.tell(self.done.load(Ordering::Relaxed), self.rays.load(Ordering::Relaxed));
+        }
+        self.is_cancelled()
+    }
+
+    fn tell(&self, done: usize, rays: u64) {
         if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
             self.is_cancelled.store(true, Ordering::Relaxed);
         }

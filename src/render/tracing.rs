@@ -7,7 +7,7 @@ use crate::caster::Caster;
 use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;
-use crate::trace::{ByModel, Effects, Observer, Rules, Tracer};
+use crate::trace::{ByModel, Effects, Observer, Patience, Rules, Tracer};
 use glam::DVec2;
 use serde::Serialize;
 use std::ops::Range;
@@ -50,6 +50,7 @@ pub struct PlainTracer<'a> {
     camera: &'a Camera,
     caster: &'a Caster<'a>,
     effects: Effects,
+    patience: Patience<'a>,
 }
 
 impl<'a> PictureTracer<'a> {
@@ -59,13 +60,14 @@ impl<'a> PictureTracer<'a> {
         view: View,
         request: &Request,
         tracing: Tracing,
+        patience: Patience<'a>,
     ) -> Self {
         match tracing {
             #[cfg(feature = "fast")]
-            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request))),
+            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request), patience)),
             _ => {
                 let _ = view;
-                Self::Plain(PlainTracer { camera, caster, effects: request.effects })
+                Self::Plain(PlainTracer { camera, caster, effects: request.effects, patience })
             }
         }
     }
@@ -94,6 +96,15 @@ impl RowsTracer<'_> {
 }
 
 impl RowTracer<'_> {
+    /// Whether secondary rays of the row were left out, since the render was cancelled.
+    pub fn is_cut(&self) -> bool {
+        match self {
+            Self::Plain(plain) => plain.patience.has_ended,
+            #[cfg(feature = "fast")]
+            Self::Fast(fast) => fast.is_cut(),
+        }
+    }
+
     /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. The rays from
     /// the camera are not counted.
     pub fn trace(
@@ -114,7 +125,7 @@ impl RowTracer<'_> {
 
 impl PlainTracer<'_> {
     fn trace<O: Observer>(
-        &self,
+        &mut self,
         j: usize,
         wanted: Wanted,
         packet: &mut SamplePacket,
@@ -130,7 +141,7 @@ impl PlainTracer<'_> {
     }
 
     fn trace_with<R: Rules, O: Observer>(
-        &self,
+        &mut self,
         tracer: Tracer<R>,
         j: usize,
         wanted: Wanted,
@@ -155,7 +166,13 @@ impl PlainTracer<'_> {
         if wanted.colors {
             let mut pending = vec![];
             for (sample, color) in samples.iter().zip(colors) {
-                *color = tracer.color_with(&mut pending, &sample.ray, sample.surface, observer);
+                *color = tracer.color_with(
+                    &mut pending,
+                    &mut self.patience,
+                    &sample.ray,
+                    sample.surface,
+                    observer,
+                );
             }
         }
     }

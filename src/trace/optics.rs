@@ -1,6 +1,6 @@
 //! The laws of reflection, refraction and absorption.
 
-use crate::math::double_double::{Dd, cross, dot};
+use crate::math::double_double::{Dd, SquaredSine};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::scene::Color;
 use glam::DVec3;
@@ -30,11 +30,13 @@ const CLOSE_ROUNDINGS: f64 = 32.0;
 /// index of refraction in front of the surface over the one behind it, and `normal` points against
 /// `direction`.
 pub fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
-    refracted_between(direction, normal, [ratio, 1.0], || normal.to_array().map(Dd::from))
+    refracted_between(direction, normal, [ratio, 1.0], || {
+        SquaredSine::of(direction, normal.to_array().map(Dd::from))
+    })
 }
 
 /// The same between two media, whose `indices` of refraction are that in front of the surface and that behind it.
-/// `precise_normal` is the normal with less rounding, of any length and to either side.
+/// `sine` is that of the angle between the direction and the normal, with less rounding.
 ///
 /// The direction is computed as the sum of its tangential and its normal component, because both are then
 /// accurate at grazing incidence, where a formula that subtracts cosines suffers from cancellation.
@@ -43,14 +45,14 @@ pub fn refracted_between(
     direction: DVec3,
     normal: DVec3,
     indices: [f64; 2],
-    precise_normal: impl FnOnce() -> [Dd; 3],
+    sine: impl FnOnce() -> SquaredSine,
 ) -> Option<DVec3> {
     let ratio = indices[0] / indices[1];
     let (tangential, normal_squared) = components(direction, normal, ratio);
     let is_refracted = if normal_squared.abs() > CRITICAL * ratio {
         normal_squared > 0.0
     } else {
-        is_refracted_precisely(direction, precise_normal(), indices)
+        is_refracted_precisely(sine(), indices)
     };
     is_refracted.then(|| (tangential - normal_squared.max(0.0).sqrt() * normal).normalize())
 }
@@ -71,13 +73,10 @@ fn components(direction: DVec3, normal: DVec3, ratio: f64) -> (DVec3, f64) {
     (tangential, normal_squared)
 }
 
-/// Whether the sine of the angle times the index in front is at most the index behind: by their squares, multiplied by
-/// those of both vectors' lengths, in double-double arithmetic. So it is decided to within 2^-96 of itself, and exactly
-/// where the products have few digits.
+/// Whether the sine of the angle times the index in front is at most the index behind: by their squares, in double-double
+/// arithmetic. So it is decided to within 2^-96 of itself, and exactly where the products have few digits.
 #[cold]
-fn is_refracted_precisely(direction: DVec3, normal: [Dd; 3], indices: [f64; 2]) -> bool {
-    let direction = direction.to_array().map(Dd::from);
-    let across = cross(direction, normal);
+fn is_refracted_precisely(SquaredSine { numerator, denominator }: SquaredSine, indices: [f64; 2]) -> bool {
     // A common factor keeps the squares of extreme indices in range.
     let largest = indices[0].max(indices[1]);
     let exponent = libm::frexp(largest).1;
@@ -85,8 +84,7 @@ fn is_refracted_precisely(direction: DVec3, normal: [Dd; 3], indices: [f64; 2]) 
         let index = Dd::from(libm::ldexp(index, -exponent));
         index * index
     });
-    let lengths = dot(direction, direction) * dot(normal, normal);
-    (behind * lengths - front * dot(across, across)).value() >= 0.0
+    (behind * denominator - front * numerator).value() >= 0.0
 }
 
 /// Whether a few roundings could turn refraction into total reflection, or the reverse.

@@ -4,7 +4,7 @@
 use super::optics::transmittance;
 use super::{Secondary, reflected};
 use crate::caster::Caster;
-use crate::math::double_double::Dd;
+use crate::math::double_double::SquaredSine;
 use crate::math::instructions::Instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
@@ -101,12 +101,14 @@ pub trait Rules: Sync {
         self.world().background_along(direction)
     }
 
-    /// A vector along the normal of a primitive's surface, with less rounding than this unit normal where that is known.
+    /// The sine of the angle between a ray and the normal of a surface that it meets, with less rounding than that of the
+    /// unit normal where that is known.
     #[inline(always)]
-    fn precise_normal(&self, primitive: Option<u32>, normal: DVec3) -> [Dd; 3] {
+    fn precise_sine(&self, origin: DVec3, direction: DVec3, surface: &SurfacePoint) -> SquaredSine {
         // A smooth normal is not the triangle's.
-        let is_flat = self.model().normals == MeshNormals::Flat;
-        self.world().precise_normal(if is_flat { primitive } else { None }, normal)
+        let is_smooth = self.model().normals != MeshNormals::Flat && surface.triangle.is_some();
+        let primitive = surface.primitive.filter(|_| !is_smooth);
+        self.world().precise_sine((origin, direction), primitive, surface.normal)
     }
 
     /// A ray from a surface, and the primitive that it leaves. It starts a few roundings off the surface, on the side to
@@ -116,8 +118,7 @@ pub trait Rules: Sync {
         if let Some(t_min) = self.model().epsilon {
             return (Ray { t_min, ..Ray::new(surface.position, direction) }, None);
         }
-        let largest = self.world().max_abs_coord;
-        let origin = offset_origin(surface.position, surface.normal, direction, largest);
+        let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
         (Ray::new(origin, direction), surface.primitive)
     }
 

@@ -80,9 +80,8 @@ impl<R: Rules> Tracer<'_, R> {
         let against = if is_entering { normal } else { -normal };
         let indices = self.rules.indices(path.index, material, is_entering);
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        let primitive = arrival.surface.primitive;
-        let precise_normal = || self.rules.precise_normal(primitive, normal);
-        let refracted = refracted_between(direction, against, indices, precise_normal);
+        let sine = || self.rules.precise_sine(arrival.origin, direction, &arrival.surface);
+        let refracted = refracted_between(direction, against, indices, sine);
         let (onwards, index) = match refracted {
             Some(refracted) => (Some(refracted), if is_entering { indices[1] } else { 1.0 }),
             None => (self.rules.totally_reflected(direction, normal), path.index),

@@ -10,7 +10,6 @@ use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::material_at;
 use crate::world::SurfacePoint;
-use glam::DVec3;
 
 impl<R: Rules> Tracer<'_, R> {
     /// How much of the light with this index passes what is between it and a surface, per channel.
@@ -29,11 +28,11 @@ impl<R: Rules> Tracer<'_, R> {
         observer.observe(|| Event::ShadowRay(ray));
         if self.effects.shadows == Shadows::Transparent {
             let starts_within = arrival.surface.normal.dot(light.direction) < 0.0;
-            return self.filtered(ray, index, starts_within, observer);
+            return self.filtered((ray, leaves), index, starts_within, observer);
         }
         let is_blocked = self.rules.is_blocked(&ray, leaves, observer);
-        // A ray to a light that lies on a triangle ends there, so that roundings would decide whether it is blocked.
-        let is_at_rest = !self.world().triangles_at_light(index).is_empty();
+        // A ray to a light that lies on a surface ends there, so that roundings would decide whether it is blocked.
+        let is_at_rest = !self.world().primitives_at_light(index).is_empty();
         if is_blocked || is_at_rest { Color::ZERO } else { Color::ONE }
     }
 
@@ -45,44 +44,49 @@ impl<R: Rules> Tracer<'_, R> {
         (Ray { t_max: self.rules.shadow_end(light.distance), ..ray }, leaves)
     }
 
-    /// The fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an
-    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
+    /// The fraction of light that transparent objects transmit along a shadow ray, which leaves a primitive. Where the ray
+    /// leaves an object, this is the object's colour to the power of the distance since the last surface (Beer's law).
     ///
-    /// The triangles that the light lies on are left behind at the light if the ray was within an object before. So it
+    /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
     /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
     pub(crate) fn filtered<O: Observer>(
         &self,
-        mut ray: Ray,
+        (mut ray, mut left): (Ray, Option<u32>),
         light: usize,
         starts_within: bool,
         observer: &mut O,
     ) -> Color {
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
-        let at_light = self.world().triangles_at_light(light);
+        let at_light = self.world().primitives_at_light(light);
         let mut is_within = starts_within;
         // The way since the last surface, up to where the ray starts now.
         let mut way = 0.0;
-        while let Some(visible) = self.rules.nearest(&ray, None, observer) {
+        for _ in 0..self.world().most_crossings() {
+            let Some(visible) = self.rules.nearest(&ray, left, observer) else { break };
             let (hit, surface) = (self.rules.hit(&ray, visible), self.rules.surface(&ray, visible));
-            if at_light.contains(&hit.primitive) {
-                way += hit.t;
-                ray = self.behind(&surface, ray.direction, ray.t_max - hit.t);
-                continue;
-            }
-            let tint = self.rules.material(&surface, &mut mixture).phong.transparent;
             let leaves = surface.normal.dot(ray.direction) >= 0.0;
-            observer.observe(|| Event::Crossed { hit, tint, leaves });
-            if tint == Color::ZERO {
-                return Color::ZERO;
+            let is_at_light =
+                at_light.iter().any(|place| place.is_crossed(hit.primitive, ray.direction, leaves));
+            if is_at_light {
+                way += hit.t;
+            } else {
+                let tint = self.rules.material(&surface, &mut mixture).phong.transparent;
+                observer.observe(|| Event::Crossed { hit, tint, leaves });
+                if tint == Color::ZERO {
+                    return Color::ZERO;
+                }
+                is_within = !leaves;
+                if leaves {
+                    passed =
+                        (passed * self.rules.transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
+                }
+                way = 0.0;
             }
-            is_within = !leaves;
-            if leaves {
-                passed = (passed * self.rules.transmittance(tint, way + hit.t)).min(Color::splat(LARGEST));
-            }
-            way = 0.0;
-            ray = self.behind(&surface, ray.direction, ray.t_max - hit.t);
+            let t_max = ray.t_max - hit.t;
+            (ray, left) = self.rules.departing(Departure::Onwards, &surface, ray.direction);
+            ray.t_max = t_max;
         }
-        let tints = at_light.iter().map(|&triangle| self.tint_at_light(triangle, light));
+        let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, light));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
             Some(Color::ZERO) => Color::ZERO,
             Some(tint) if is_within => {
@@ -93,17 +97,11 @@ impl<R: Rules> Tracer<'_, R> {
         }
     }
 
-    /// The rest of a ray behind a surface.
-    fn behind(&self, surface: &SurfacePoint, direction: DVec3, t_max: f64) -> Ray {
-        let (ray, _) = self.rules.departing(Departure::Onwards, surface, direction);
-        Ray { t_max, ..ray }
-    }
-
-    /// The transparent colour of a triangle where the light with this index lies on it.
-    fn tint_at_light(&self, triangle: u32, index: usize) -> Color {
+    /// The transparent colour of a primitive where the light with this index lies on it.
+    fn tint_at_light(&self, primitive: u32, index: usize) -> Color {
         let world = self.world();
         let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };
-        let (material, instructions) = (world.material_of(triangle), self.rules.instructions());
+        let (material, instructions) = (world.material_of(primitive), self.rules.instructions());
         let mut mixture = Mixture::default();
         material_at(&world.materials, material, &position.into(), instructions, &mut mixture)
             .phong

@@ -45,8 +45,14 @@ impl Setting {
     /// The colour of a surface with this normal for a ray along the negative z axis.
     fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
-        let surface =
-            SurfacePoint { position: DVec3::ZERO, normal, material: 0, primitive: None, triangle: None };
+        let surface = SurfacePoint {
+            position: DVec3::ZERO,
+            normal,
+            extent: 0.0,
+            material: 0,
+            primitive: None,
+            triangle: None,
+        };
         let tracer = Tracer { rules: &caster, effects: self.effects };
         tracer.color_of(&Ray::new(DVec3::Z, DVec3::NEG_Z), Some(surface), &mut Quiet)
     }
@@ -222,6 +228,65 @@ fn the_normal_component_is_accurate_near_the_critical_angle() {
         let error_bound = 8.0 * f64::EPSILON * if ratio < 1.5 { (ratio - 1.0) + rest } else { 1.0 };
         let inward = refracted.y * refracted.y;
         assert!((inward - rest).abs() <= error_bound, "{ratio}: {inward} {rest}");
+    }
+}
+
+/// No coordinate of the point where these rays leave a surface has a rounding that they could be moved by.
+#[test]
+fn rays_leave_a_surface_at_the_origin() {
+    let light = |position: &str| format!("PointLight {{ position {position} color 1 1 1 }}");
+    let plane = |material: &str, plane: &str| format!("Material {{ {material} }} Plane {{ {plane} }}");
+    let (floor, lit) = ("normal 0 1 0 offset 0", Color::splat(1.125));
+    let shadows = |shadows| Effects { shadows, ..Effects::default() };
+    let bounces = |bounces| Effects { bounces, shade_back: true, ..shadows(Shadows::Opaque) };
+    // Two planes in one place have the same numbers.
+    let twice = |material: &str| [plane(material, floor), plane(material, floor)].concat();
+    for (objects, effects, expected) in [
+        (twice("diffuseColor 1 1 1"), shadows(Shadows::Opaque), lit),
+        (twice("diffuseColor 1 1 1"), shadows(Shadows::Transparent), lit),
+        (twice("diffuseColor 0 0 0 reflectiveColor 1 1 1"), bounces(1), BACKGROUND),
+        (plane("diffuseColor 0 0 0 transparentColor 1 1 1", floor), bounces(1), BACKGROUND),
+    ] {
+        let setting = Setting::new(&light("0 3 0"), &objects, effects);
+        assert_eq!(setting.seen([0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), expected, "{objects}");
+    }
+    let glass = plane("transparentColor .5 .5 .5", "normal 1 0 0 offset 0");
+    let objects = [plane("diffuseColor 1 1 1", "normal -1 0 0 offset -1"), glass].concat();
+    let setting = Setting::new(&light("-1 0 0"), &objects, shadows(Shadows::Transparent));
+    assert_eq!(setting.seen([0.5, 0.0, 0.0], [1.0, 0.0, 0.0]), lit);
+}
+
+/// The light lies on a ball of glass, whose far side the ray may have met before.
+#[test]
+fn tinted_shadows_of_a_light_on_a_ball_follow_the_length_of_the_way_within() {
+    for (transform, stretch) in [("", 1.0), ("Scale 1 1 .5", 0.5)] {
+        for k in 0..400 {
+            let turn = f64::from(k);
+            let light = DVec3::new((1.1 * turn).sin(), (0.7 * turn).cos(), (0.31 * turn).sin()).normalize();
+            let light = light * DVec3::new(1.0, 1.0, stretch);
+            let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
+            let [x, y, z] = light.to_array();
+            let lights = format!("PointLight {{ position {x:?} {y:?} {z:?} color 1 1 1 }}");
+            let ball = "Sphere { center 0 0 0 radius 1 }";
+            let ball =
+                if transform.is_empty() { ball } else { &format!("Transform {{ {transform} {ball} }}") };
+            let objects = format!(
+                "Material {{ diffuseColor 1 1 1 }} Plane {{ normal 0 0 1 offset -3 }}
+                 Material {{ transparentColor .5 .25 .75 indexOfRefraction 1 }} {ball}"
+            );
+            let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
+            let setting = Setting::new(&lights, &objects, effects);
+            let color = setting.seen((target + 0.5 * DVec3::Z).to_array(), [0.0, 0.0, -1.0]);
+            // In the space of the unit sphere: the part of the way from the other crossing to the light.
+            let to_sphere = DVec3::new(1.0, 1.0, 1.0 / stretch);
+            let (way, on) = ((light - target) * to_sphere, light * to_sphere);
+            let part = (2.0 * on.dot(way) / way.length_squared()).max(0.0);
+            let length = part * (light - target).length();
+            let cosine = (light - target).normalize().z;
+            let passed = Color::new(0.5, 0.25, 0.75).powf(length);
+            let expected = Color::splat(0.125) + cosine * passed;
+            assert!((color - expected).length() < 1e-9, "{transform} {light} {target}: {color} {expected}");
+        }
     }
 }
 

@@ -1,45 +1,107 @@
-//! Point lights that lie on a triangle: in its inside, on an edge or at a corner.
+//! Point lights that lie on a surface.
 //!
-//! The ray from a surface to such a light ends on the triangle, so that it would be roundings of the ray that decide
-//! whether it meets the triangle. It is decided here once for each light: an opaque triangle shadows everything from a
+//! The ray from elsewhere to such a light ends on the surface, so that it would be roundings of the ray that decide
+//! whether it meets the surface. It is decided here once for each light: an opaque surface shadows everything from a
 //! light that lies on it, on both of its sides.
 
 use super::World;
 use super::point_error::weights;
 use crate::math::predicate::area_vector;
-use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::robust::{UNIT_ROUNDOFF, unit};
+use crate::primitive::plane::Plane;
+use crate::primitive::shape::{Form, Shape};
 use crate::scene::Light;
 use glam::DVec3;
 
-/// How far from a triangle a light may be that lies on it, in roundings of the largest of their coordinates. The
-/// corners of a triangle under transforms are off by a few roundings, and so is a light that was computed to lie on it.
+/// How far from a surface a light may be that lies on it, in roundings of the largest of their coordinates, beside what
+/// flattening may have moved the surface. Of a light that was computed to lie on it the coordinates are rounded.
 const RESTING_ROUNDINGS: f64 = 32.0;
 
-/// For each light the triangles that it lies on; empty if no light lies on any.
+/// A surface that a light lies on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestingPlace {
+    /// The primitive's id.
+    pub primitive: u32,
+    /// The outward normal where the light is, of a round surface.
+    outward: Option<DVec3>,
+}
+
+impl RestingPlace {
+    /// Whether a ray to the light that meets this primitive meets it at the light. `leaves` is true where it goes outwards
+    /// there: it does so at only one of the two points of a round surface.
+    pub fn is_crossed(&self, primitive: u32, direction: DVec3, leaves: bool) -> bool {
+        primitive == self.primitive
+            && self.outward.is_none_or(|outward| (outward.dot(direction) >= 0.0) == leaves)
+    }
+}
+
+/// For each light the surfaces that it lies on; empty if no light lies on any.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RestingLights(Vec<Vec<u32>>);
+pub(super) struct RestingLights(Vec<Vec<RestingPlace>>);
 
 impl RestingLights {
     pub(super) fn of(world: &World) -> Self {
-        let triangles = |light: &Light| match *light {
-            Light::Point { position, .. } => triangles_at(position, world),
+        let places = |light: &Light| match *light {
+            Light::Point { position, .. } => places_at(position, world),
             Light::Directional { .. } => vec![],
         };
-        let all: Vec<_> = world.lights.iter().map(triangles).collect();
-        let rests = all.iter().any(|triangles| !triangles.is_empty());
+        let all: Vec<_> = world.lights.iter().map(places).collect();
+        let rests = all.iter().any(|places| !places.is_empty());
         Self(if rests { all } else { vec![] })
     }
 
     #[inline(always)]
-    pub(super) fn triangles(&self, light: usize) -> &[u32] {
+    pub(super) fn places(&self, light: usize) -> &[RestingPlace] {
         self.0.get(light).map_or(&[], Vec::as_slice)
     }
 }
 
-/// The triangles on which a point lies.
+/// The surfaces on which a point lies, in the order of their ids.
+fn places_at(point: DVec3, world: &World) -> Vec<RestingPlace> {
+    let flat = |primitive| RestingPlace { primitive, outward: None };
+    let mut found: Vec<_> = triangles_at(point, world).into_iter().map(flat).collect();
+    let first_shape = world.triangles.len() as u32;
+    found.extend((first_shape..).zip(&world.shapes).filter_map(|(primitive, shape)| {
+        let outward = normal_at(point, shape, world.flattening_error(primitive, point).max_element())?;
+        Some(RestingPlace { primitive, outward: Some(outward) })
+    }));
+    let planes = (world.first_plane()..).zip(&world.planes);
+    let lies_on_plane = |&(id, plane): &(u32, &Plane)| {
+        let flattening = world.flattening_error(id, point).length();
+        plane.ahead_of(point).abs() <= margin(point, plane.offset.abs()) + flattening
+    };
+    found.extend(planes.filter(lies_on_plane).map(|(id, _)| flat(id)));
+    found
+}
+
+/// The outward normal of a shape at a point that lies on it, although the shape may have moved so far.
+fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
+    /// A step ends beside a disc if the point is beyond its rim, however close to its plane.
+    const STEPS: usize = 3;
+    let margin = margin(point, shape.extent()) + moved;
+    let (center, _, inverse) = shape.unit_sphere_maps()?;
+    let (mut place, mut outward) = (point, DVec3::ZERO);
+    for _ in 0..STEPS {
+        // The surface is where the length is 1, and the gradient tells how far away that is.
+        let on_unit_sphere = inverse * (place - center);
+        let length = on_unit_sphere.length();
+        let gradient = inverse.transpose() * (on_unit_sphere / length);
+        outward = unit(gradient);
+        let height = (length - 1.0) / gradient.dot(outward);
+        // Also false for a NaN.
+        let is_close = height.abs() <= margin;
+        if !is_close {
+            return None;
+        }
+        place -= height * outward;
+    }
+    Some(outward)
+}
+
+/// The triangles on which a point lies: in their inside, on an edge or at a corner.
 fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
     let mut found = vec![];
-    let margin = margin(point, DVec3::splat(world.max_abs_coord));
+    let margin = margin(point, world.max_abs_coord) + world.flattening_errors.largest();
     let to_bounds = point.clamp(world.bounds.min, world.bounds.max) - point;
     if world.triangles.is_empty() || to_bounds.abs().max_element() > margin {
         return found;
@@ -51,7 +113,7 @@ fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
         if is_beside(x, point.x, margin) || is_beside(y, point.y, margin) {
             continue;
         }
-        if lies_on(point, [*a, *b, *c]) {
+        if lies_on(point, id, world) {
             found.push(id as u32);
         }
     }
@@ -64,28 +126,31 @@ fn is_beside([a, b, c]: [f64; 3], point: f64, margin: f64) -> bool {
     a.min(b).min(c) > point + margin || a.max(b).max(c) < point - margin
 }
 
-fn margin(point: DVec3, corner: DVec3) -> f64 {
-    RESTING_ROUNDINGS * UNIT_ROUNDOFF * point.abs().max(corner.abs()).max_element()
+fn margin(point: DVec3, extent: f64) -> f64 {
+    RESTING_ROUNDINGS * UNIT_ROUNDOFF * point.abs().max_element().max(extent)
 }
 
 /// Whether a point lies on a triangle. Nothing lies on one without area, which no ray hits.
 ///
-/// Each corner's roundings count by its weight at the nearest point of the triangle, since a corner that is far away is not
+/// Each corner's error counts by its weight at the nearest point of the triangle, since a corner that is far away is not
 /// where the light is.
-fn lies_on(point: DVec3, corners: [DVec3; 3]) -> bool {
-    let sizes = corners.map(|corner| corner.abs().max_element());
-    let margin = |size: f64| margin(point, DVec3::splat(size));
+fn lies_on(point: DVec3, triangle: usize, world: &World) -> bool {
+    let corners = world.corners(triangle);
+    let errors = corners.map(|corner| {
+        let flattening = world.flattening_error(triangle as u32, corner).max_element();
+        margin(point, corner.abs().max_element()) + flattening
+    });
     // Divided by the largest size, so that no product overflows, and none that matters underflows.
     let relative = corners.map(|corner| corner - point);
-    let unit = relative.iter().map(|v| v.abs().max_element()).fold(margin(sizes[0]), f64::max);
+    let unit = relative.iter().map(|v| v.abs().max_element()).fold(errors[0], f64::max);
     let relative = relative.map(|v| v / unit);
     let is_at_edge = [[0, 1], [1, 2], [2, 0]].into_iter().any(|[i, j]| {
         let (distance, part) = distance_to_edge([relative[i], relative[j]]);
-        distance * unit <= margin((1.0 - part) * sizes[i] + part * sizes[j])
+        distance * unit <= (1.0 - part) * errors[i] + part * errors[j]
     });
     let is_inside = || {
         let [u, v, w] = weights(point, corners);
-        is_above(relative) && height(relative) * unit <= margin(u * sizes[0] + v * sizes[1] + w * sizes[2])
+        is_above(relative) && height(relative) * unit <= u * errors[0] + v * errors[1] + w * errors[2]
     };
     (is_at_edge || is_inside()) && area_vector(corners).iter().any(|component| component.sign() != 0)
 }

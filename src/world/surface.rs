@@ -1,13 +1,17 @@
 //! The surface at a hit.
 
 use super::{Primitive, World};
-use crate::math::double_double::{Dd, cross, difference};
+use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::primitive::shape::Form;
+use crate::primitive::shape::{Form, Shape};
 use crate::primitive::triangle;
 use crate::scene::MaterialId;
 use glam::DVec3;
 use serde::Serialize;
+
+/// A position whose coordinates are less than this part of the coordinates that it is computed from is computed along the
+/// ray.
+pub(crate) const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
 
 /// The surface at a hit.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -17,6 +21,10 @@ pub struct SurfacePoint {
     pub position: DVec3,
     /// The outward unit normal, which is not turned towards the ray.
     pub normal: DVec3,
+    /// The largest absolute coordinate that the position was computed from, which bounds its error:
+    /// [`offset_origin`](crate::math::robust::offset_origin) counts in roundings of it.
+    #[serde(skip)]
+    pub extent: f64,
     /// The material of the surface.
     pub material: MaterialId,
     /// The id of the primitive; none if the point is on a surface that is not in a world.
@@ -46,43 +54,90 @@ impl World {
         self.surface_with(ray, hit.t, hit.primitive, hit.weights)
     }
 
-    /// A vector along the unit normal of a primitive's surface, of any length and with less rounding than the unit normal: that of a
-    /// triangle follows from its corners, and that of a plane is the one before it is scaled to unit length.
+    /// The sine of the angle between a ray, given by its origin and direction, and the normal of a primitive's surface that it
+    /// meets, with less rounding than that of the unit normal: a triangle's normal follows from its corners, that of a plane
+    /// is the one before it is scaled to unit length, and a sphere's is the distance of the ray's line from the centre over
+    /// the radius.
     #[cold]
-    pub(crate) fn precise_normal(&self, primitive: Option<u32>, unit_normal: DVec3) -> [Dd; 3] {
-        let rounded = unit_normal.to_array().map(Dd::from);
-        match primitive.map(|primitive| self.primitive(primitive)) {
+    pub(crate) fn precise_sine(
+        &self,
+        (origin, direction): (DVec3, DVec3),
+        primitive: Option<u32>,
+        unit_normal: DVec3,
+    ) -> SquaredSine {
+        let normal = match primitive.map(|primitive| self.primitive(primitive)) {
             Some(Primitive::Triangle(i)) => {
                 let [a, b, c] = self.corners(i);
                 cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
             }
             Some(Primitive::Plane(i)) => {
-                self.plane_directions.get(i).map_or(rounded, |direction| direction.to_array().map(Dd::from))
+                self.plane_directions.get(i).unwrap_or(&unit_normal).to_array().map(Dd::from)
             }
-            _ => rounded,
-        }
+            Some(Primitive::Shape(i)) => match &self.shapes[i] {
+                Shape::Sphere(sphere) => return sphere.sine(origin, direction),
+                Shape::Ellipsoid(_) => unit_normal.to_array().map(Dd::from),
+            },
+            None => unit_normal.to_array().map(Dd::from),
+        };
+        SquaredSine::of(direction, normal)
     }
 
     /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
     #[inline(always)]
     fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
         let along = ray.at(t);
-        let (normal, position) = match self.primitive(primitive) {
+        let (normal, position, extent) = match self.primitive(primitive) {
             Primitive::Triangle(i) => self.triangle_surface(i, weights, along),
-            Primitive::Shape(i) => self.shapes[i].surface(ray, t),
-            Primitive::Plane(i) => (self.planes[i].normal, self.planes[i].project(along)),
+            Primitive::Shape(i) => {
+                let shape = &self.shapes[i];
+                let (normal, position) = shape.surface(ray, t);
+                (normal, position, shape.extent())
+            }
+            Primitive::Plane(i) => {
+                let plane = &self.planes[i];
+                (plane.normal, plane.project(along), plane.offset.abs())
+            }
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
-        SurfacePoint { position, normal, material, primitive: Some(primitive), triangle }
+        let surface =
+            SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle };
+        if position.abs().max_element() < LEAST_PART * extent {
+            return self.precise_surface(ray, t, surface);
+        }
+        surface
     }
 
-    /// The normal and the position on a triangle. The position is interpolated from the vertices, because the one
-    /// `along` the ray has a rounding error that grows with the distance from its origin.
+    /// The same surface with a position that is computed along the ray, where it would lose digits to the coordinates of
+    /// what is far away.
+    #[cold]
+    fn precise_surface(&self, ray: &Ray, t: f64, surface: SurfacePoint) -> SurfacePoint {
+        let found = match surface.primitive.map(|primitive| self.primitive(primitive)) {
+            Some(Primitive::Triangle(i)) => {
+                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), surface.normal);
+                point.map(|position| (surface.normal, position))
+            }
+            Some(Primitive::Shape(i)) => match &self.shapes[i] {
+                Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
+                Shape::Ellipsoid(_) => None,
+            },
+            _ => None,
+        };
+        let Some((normal, position)) = found else { return surface };
+        // The roundings of the way are moved off along the normal, which is rounded itself. Of what is far away
+        // double-double numbers leave less than a rounding of the square of the least part.
+        let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
+        let extent = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * surface.extent);
+        SurfacePoint { normal, position, extent: extent.min(surface.extent), ..surface }
+    }
+
+    /// The normal, the position and the extent on a triangle. The position is interpolated from the vertices, because the
+    /// one `along` the ray has a rounding error that grows with the distance from its origin.
     #[inline(always)]
-    fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3) {
+    fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3, f64) {
         let corners = self.corners(i);
-        (triangle::normal(corners), weights.map_or(along, |weights| triangle::point(corners, weights)))
+        let position = weights.map_or(along, |weights| triangle::point(corners, weights));
+        (triangle::normal(corners), position, triangle::extent(corners))
     }
 }
 

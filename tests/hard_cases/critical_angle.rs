@@ -28,7 +28,16 @@ fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
 fn any_surface(rng: &mut Rng) -> (Object, Exact3) {
     let mut whole = || DVec3::new(rng.integer(9), rng.integer(9), 1.0 + rng.integer(9).abs());
     let (u, v) = (whole(), whole());
-    if rng.below(2) == 0 {
+    let kind = rng.below(3);
+    if kind == 2 {
+        // The radius is a whole number, too.
+        let [x, y, z] = [[2.0, 3.0, 6.0], [1.0, 4.0, 8.0], [8.0, 9.0, 12.0], [2.0, 6.0, 9.0]][rng.below(4)];
+        let mut side = |x: f64| if rng.below(2) == 0 { x } else { -x };
+        let outward = DVec3::new(side(x), side(y), z);
+        let sphere = Object::Sphere { center: -outward, radius: outward.length(), material: 0 };
+        return (sphere, exact3(outward));
+    }
+    if kind == 0 {
         let scale = 10f64.powf(rng.range(-3.0, 3.0));
         let normal = scale * u;
         return (Object::Plane { normal, offset: 0.0, material: 0 }, exact3(normal));
@@ -105,7 +114,7 @@ fn case_66_critical_angle() {
     Record {
         case: 66,
         basis: Basis::Sampled,
-        name: "rays within 4 ulps of the index at the critical angle, onto planes and triangles of whole numbers",
+        name: "rays within 4 ulps of the index at the critical angle, onto planes, triangles and spheres of whole numbers",
         inputs: format!("{cast} rays, {transmitted} of them transmitted"),
         measure: "rays wrongly transmitted or reflected",
         textbook: format!("1 - eta^2 (1 - cosine^2) in f64: {textbook}"),

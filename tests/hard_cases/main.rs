@@ -7,6 +7,7 @@
 
 mod coincident_surfaces;
 mod critical_angle;
+mod far_things;
 mod filter;
 mod filter_worst;
 mod grid;
@@ -14,6 +15,7 @@ mod grid_dda;
 mod grid_scenes;
 mod hostile_input;
 mod invariance;
+mod lights_on_surfaces;
 mod lights_on_triangles;
 mod near_lights;
 mod offsets;
@@ -29,6 +31,7 @@ mod shading_textures;
 mod shadow_rays;
 mod singular_transforms;
 mod spheres;
+mod starts_on_triangles;
 mod support;
 mod transforms;
 mod triangles_accuracy;

@@ -207,7 +207,7 @@ fn no_ray_skips_what_covers_the_surface() {
         }
         let covered = stage.world(Some(gap));
         let caster = Caster::new(&covered, None).expect("no grid");
-        let fixed = Ray { t_min: FIXED * stage.size, ..secondary(&covered, &surface, direction) };
+        let fixed = Ray { t_min: FIXED * stage.size, ..secondary(&surface, direction) };
         Some([!blocked(&caster, &surface, direction), !caster.any(&fixed, &mut Quiet)])
     });
 }

@@ -77,7 +77,7 @@ fn case_43_shells_of_glass() {
             let across = away.cross(rng.direction()).normalize();
             let ray = Ray::new(3.0 * away + impact * across, -away);
             let Some(expected) = shell_path(impact, 1.0 - thickness) else { return ([0; 2], []) };
-            let path = followed(&world, ray, |surface, d| secondary(&world, surface, d));
+            let path = followed(&world, ray, secondary);
             let plain =
                 followed(&world, ray, |surface, d| Ray { t_min: FIXED, ..Ray::new(surface.position, d) });
             failures.note(path != expected, || {
@@ -124,7 +124,7 @@ fn mirror_error(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
         let hit = caster.closest(&ray, &mut Quiet).expect("a mirror");
         let surface = world.surface(&ray, &hit);
         place = surface.position;
-        ray = secondary(&world, &surface, reflected(ray.direction, surface.normal));
+        ray = secondary(&surface, reflected(ray.direction, surface.normal));
         let to = if direction32.y < 0.0 { -place32.y } else { 1.0 - place32.y };
         place32 += to / direction32.y * direction32;
         direction32.y = -direction32.y;

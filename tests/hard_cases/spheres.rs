@@ -267,7 +267,7 @@ fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let hit = caster.closest(&ray, &mut Quiet)?;
     let surface = world.surface(&ray, &hit);
     let truth = far_side(&sphere, surface.position, out)?;
-    let secondary = secondary(&world, &surface, out);
+    let secondary = secondary(&surface, out);
     let found = caster.nearest(&secondary, surface.triangle, &mut Quiet).map(|visible| visible.t_bound);
     let spurious = found.is_some_and(|t| truth.is_none_or(|far| t < 0.5 * far));
     let lost = found.is_none() && truth.is_some();

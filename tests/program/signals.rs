@@ -138,6 +138,32 @@ fn a_run_that_keeps_nothing_says_so() {
     assert_eq!(folder.names(), ["s.txt"]);
 }
 
+/// A ray that is mirrored two thousand million times within a box, and one that splits at each of its meetings.
+#[test]
+fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
+    for material in ["", "transparentColor 1 1 1"] {
+        let folder = Folder::with_scene(&format!(
+            "PerspectiveCamera {{ center .1 .2 .3 direction 3 2 1 up 0 1 0 angle 40 }}
+             Lights {{ numLights 0 }} Materials {{ numMaterials 1
+             Material {{ diffuseColor .5 .5 .5 reflectiveColor 1 1 1 {material} }} }}
+             Group {{ numObjects 2 MaterialIndex 0 Box {{ min -1 -1 -1 max 1 1 1 }}
+             Box {{ min -2 -2 -2 max 2 2 2 }} }}"
+        ));
+        for flags in ["-output o.tga", "-stats", "-output o.tga -gaussian_filter 0.4 -random_samples 4"] {
+            let line = format!("-input s.txt -size 1 1 -bounces 2147483647 -shade_back {flags}");
+            let run = try_longer(|patience| {
+                let child = start(&folder, &line);
+                sleep(patience);
+                send("-TERM", &child);
+                Some(wait(child)).filter(|run| run.stderr.contains("stopped"))
+            });
+            assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""), "{line}");
+            assert!(run.stderr.ends_with("stopped at row 0 of 1; wrote nothing\n"), "{line}: {}", run.stderr);
+            assert_eq!(folder.names(), ["s.txt"]);
+        }
+    }
+}
+
 #[test]
 fn progress_is_for_terminals_and_for_those_who_ask() {
     let folder = Folder::with_scene(&sphere());

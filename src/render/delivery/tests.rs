@@ -23,7 +23,7 @@ fn delivered(
     let trace = |row, _used| {
         let traced = trace(row);
         tally.row_is_done(0);
-        traced
+        Some(traced)
     };
     let mut rows = vec![];
     let hand_out = |row: &mut usize| {
@@ -101,7 +101,7 @@ fn rows_that_are_handed_out_are_used_again() {
     let trace = |row, used: Option<usize>| {
         new.fetch_add(usize::from(used.is_none()), Ordering::Relaxed);
         assert!(used.is_none_or(|used| used < row));
-        row
+        Some(row)
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let result = pool.install(|| in_order(ROWS, &tally, trace, |_| Ok::<(), Stopped>(())));

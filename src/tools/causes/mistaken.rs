@@ -88,9 +88,9 @@ impl<R: Rules> Mistaken<'_, R> {
 }
 
 /// A ray that starts on the other side of the surface, and so meets it at once.
-pub fn from_other_side<R: Rules>(right: &R, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
-    let largest = right.world().max_abs_coord;
-    (Ray::new(offset_origin(surface.position, surface.normal, -direction, largest), direction), None)
+pub fn from_other_side(surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
+    let origin = offset_origin(surface.position, surface.normal, -direction, surface.extent);
+    (Ray::new(origin, direction), None)
 }
 
 /// The colour along a camera ray.
@@ -167,11 +167,9 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
                 (Ray { t_min, ..Ray::new(surface.position, direction) }, surface.triangle)
             }
             (Some(Rule::ReflectionFromBelow), Departure::Secondary(Secondary::Reflected)) => {
-                from_other_side(self.right, surface, direction)
+                from_other_side(surface, direction)
             }
-            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => {
-                from_other_side(self.right, surface, direction)
-            }
+            (Some(Rule::NoEpsilon { rays }), _) if rays.includes(why) => from_other_side(surface, direction),
             _ => self.right.departing(why, surface, direction),
         }
     }
@@ -217,7 +215,8 @@ impl<R: Rules> Rules for Mistaken<'_, R> {
     fn is_blocked<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
         let (mut ray, mut leaves) = (*ray, leaves);
         let mut mixture = Mixture::default();
-        while let Some(visible) = self.nearest(&ray, leaves, probe) {
+        for _ in 0..self.world().most_crossings() {
+            let Some(visible) = self.nearest(&ray, leaves, probe) else { return false };
             if !self.breaks(Rule::GlassWithoutShadows) {
                 return true;
             }

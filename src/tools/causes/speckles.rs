@@ -168,7 +168,7 @@ impl<R: Rules> Rules for SelfHits<'_, R> {
         }
         let number = self.passed.fetch_add(1, Ordering::Relaxed);
         match number < MAX_RAYS && self.chosen >> number & 1 != 0 {
-            true => from_other_side(self.right, surface, direction),
+            true => from_other_side(surface, direction),
             false => self.right.departing(why, surface, direction),
         }
     }

@@ -303,17 +303,16 @@ impl<'p, 'r> Explainer<'p, 'r> {
         }
         let first = shadow.crossed.first().map(|crossing| crossing.hit);
         let sees = first.or_else(|| {
-            let exclude = ((leaves as usize) < world.triangles.len()).then_some(leaves);
             caster
-                .nearest(&shadow.ray, exclude, &mut Counts::default())
+                .nearest(&shadow.ray, Some(leaves), &mut Counts::default())
                 .map(|visible| world.hit(&shadow.ray, visible))
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, RayEnds { leaves: Some(leaves), sees });
         if shadow.crossed.is_empty() {
-            // A light on a triangle is behind it, whether or not the ray's roundings let it meet the triangle.
+            // A light on a surface is behind it, whether or not the ray's roundings let it meet the surface.
             let at_light =
-                world.triangles_at_light(light).first().map(|&triangle| (triangle, shadow.ray.t_max));
+                world.primitives_at_light(light).first().map(|place| (place.primitive, shadow.ray.t_max));
             let blocker = sees.or(at_light);
             shadow.blocker =
                 blocker.map(|(primitive, t)| LightBlocker { object: self.objects.of(primitive), t });

@@ -314,7 +314,7 @@ fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut L
             lines.line(format_args!("shadow ray blocked by {} at t {}", Named(object), Short(*t)))?
         }
         None if light.passed == Color::ZERO && light.cosine > 0.0 && shadow.crossed.is_empty() => {
-            lines.line("the light lies on a triangle, which keeps it from all surfaces")?
+            lines.line("the light lies on a surface, which keeps it from all others")?
         }
         None if shadow.crossed.is_empty() => lines.line("shadow ray meets nothing")?,
         None => {}
@@ -389,7 +389,7 @@ mod tests {
         for (passed, cosine, expected) in [
             (Color::ONE, 0.5, "shadow ray meets nothing"),
             (Color::ZERO, -0.5, "shadow ray meets nothing"),
-            (Color::ZERO, 0.5, "the light lies on a triangle, which keeps it from all surfaces"),
+            (Color::ZERO, 0.5, "the light lies on a surface, which keeps it from all others"),
         ] {
             let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
             let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };

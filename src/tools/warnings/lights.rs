@@ -20,7 +20,7 @@ pub enum Reason {
     NegativeAttenuation,
     /// Its attenuation leaves less than a quarter of a level at the nearest object.
     TooFar,
-    /// It lies on a triangle, which shadows everything.
+    /// It lies on a surface, which shadows everything.
     OnSurface,
     /// It stands inside a sphere that shadows everything else.
     Enclosed {
@@ -53,7 +53,7 @@ pub fn without_effect(scene: &Scene, world: &World, places: &Places, effects: &E
     let lights = scene.lights.iter().enumerate();
     let brightest = world.materials.iter().map(brightness).fold(1.0, f64::max);
     let warning = |(index, light): (usize, &Light)| {
-        let lies_on_surface = !world.triangles_at_light(index).is_empty();
+        let lies_on_surface = !world.primitives_at_light(index).is_empty();
         let reason = match reason(light, scene, world, brightest, effects) {
             None if lies_on_surface && effects.shadows == Shadows::Opaque => Reason::OnSurface,
             reason => reason?,

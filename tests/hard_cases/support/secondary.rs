@@ -5,14 +5,14 @@ use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::offset_origin;
 use raytracer::stats::Quiet;
-use raytracer::world::{SurfacePoint, World};
+use raytracer::world::SurfacePoint;
 
 /// The ray along `direction` that leaves a surface.
-pub fn secondary(world: &World, surface: &SurfacePoint, direction: DVec3) -> Ray {
-    Ray::new(offset_origin(surface.position, surface.normal, direction, world.max_abs_coord), direction)
+pub fn secondary(surface: &SurfacePoint, direction: DVec3) -> Ray {
+    Ray::new(offset_origin(surface.position, surface.normal, direction, surface.extent), direction)
 }
 
 /// Whether anything blocks this ray.
 pub fn blocked(caster: &Caster, surface: &SurfacePoint, direction: DVec3) -> bool {
-    caster.any_from(&secondary(caster.world, surface, direction), surface.triangle, &mut Quiet)
+    caster.any_from(&secondary(surface, direction), surface.primitive, &mut Quiet)
 }

@@ -120,6 +120,7 @@ impl Rules for SinglePrecision<'_> {
         let flat = SurfacePoint {
             position: position.as_dvec3(),
             normal: self.normal(position, primitive).as_dvec3(),
+            extent: self.world.max_abs_coord,
             material: self.world.material_of(primitive),
             primitive: None,
             triangle: Some(primitive).filter(|&id| self.world.is_triangle(id)),
