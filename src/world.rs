@@ -8,6 +8,7 @@ mod builder;
 mod coincidence;
 mod crossing;
 mod placement;
+mod planes;
 mod point_error;
 mod resting_lights;
 mod surface;
@@ -29,7 +30,6 @@ use glam::DVec3;
 use point_error::{BoundaryWidth, FlatteningErrors};
 use resting_lights::RestingLights;
 use std::borrow::Cow;
-use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -51,6 +51,8 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
     plane_directions: Vec<DVec3>,
+    /// For each plane, how many of the triangles come before it in the scene.
+    triangles_before_planes: Vec<u32>,
     flattening_errors: FlatteningErrors,
     boundary_width: BoundaryWidth,
     /// The part of [`World::coincidence_reach`] that does not depend on t.
@@ -124,6 +126,7 @@ impl World {
             shapes: vec![],
             planes: vec![],
             plane_directions: vec![],
+            triangles_before_planes: vec![],
             flattening_errors: FlatteningErrors::default(),
             boundary_width: BoundaryWidth::default(),
             coincidence_margin: 0.0,
@@ -214,26 +217,23 @@ impl World {
 
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer hit precedes. At equal t triangles are ordered by the coordinates of their vertices, and other
-    /// primitives by their ids, so that the result depends neither on the grid, nor on the order of tests, nor
-    /// on the order of a mesh's faces.
+    /// The nearer hit precedes, and at equal t the one that [comes first](Self::comes_first), so that the result depends
+    /// neither on the grid nor on the order of tests.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same
-    /// vertices, are ordered by their ids.
+    /// Orders primitives by the places of their objects in the scene, and the triangles of one object by their own. Spheres
+    /// and ellipsoids, which lie in no plane, come last.
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
-        let by_coordinates = match (self.primitive(one), self.primitive(other)) {
-            (Primitive::Triangle(i), Primitive::Triangle(j)) => {
-                let coordinates = |k| self.corners(k).into_iter().flat_map(|v| v.to_array());
-                coordinates(i).partial_cmp(coordinates(j)).unwrap_or(Ordering::Equal)
-            }
-            _ => Ordering::Equal,
+        let place = |id: u32| match self.primitive(id) {
+            Primitive::Plane(k) => (self.triangles_before_planes.get(k).copied().unwrap_or(u32::MAX), 0, id),
+            Primitive::Triangle(_) => (id, 1, id),
+            Primitive::Shape(_) => (u32::MAX, 1, id),
         };
-        by_coordinates.then(one.cmp(&other)).is_lt()
+        place(one) < place(other)
     }
 
     /// The hit of a ray, computed from the primitive that the ray hits first.

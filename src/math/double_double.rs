@@ -81,6 +81,11 @@ pub fn difference(a: DVec3, b: DVec3) -> [Dd; 3] {
     [Dd::difference(a.x, b.x), Dd::difference(a.y, b.y), Dd::difference(a.z, b.z)]
 }
 
+/// A vector minus a point.
+pub fn minus(a: [Dd; 3], b: DVec3) -> [Dd; 3] {
+    [a[0] - b.x.into(), a[1] - b.y.into(), a[2] - b.z.into()]
+}
+
 /// The dot product of two vectors.
 pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -65,8 +65,13 @@ impl World {
     }
 }
 
-/// A vector along the normal of each vertex of a mesh under a linear map; none for a mesh that is flat.
-pub fn vertex_normals(mesh: &Mesh, linear: DMat3, normals: MeshNormals) -> Option<Vec<DVec3>> {
+/// A vector along the normal of each vertex of a mesh under a linear map; none for a mesh that is flat. `is_mirrored` tells
+/// whether the map's determinant is negative.
+pub fn vertex_normals(
+    mesh: &Mesh,
+    (linear, is_mirrored): (DMat3, bool),
+    normals: MeshNormals,
+) -> Option<Vec<DVec3>> {
     let MeshNormals::Smooth { weights, flat_up_to } = normals else { return None };
     if mesh.vertices.len() <= flat_up_to {
         return None;
@@ -83,7 +88,8 @@ pub fn vertex_normals(mesh: &Mesh, linear: DMat3, normals: MeshNormals) -> Optio
     }
     // The cofactor matrix is the inverse transpose times the determinant, whose sign matters.
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * linear.determinant().signum();
+    let side = if is_mirrored { -1.0 } else { 1.0 };
+    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
     Some(sums.into_iter().map(|sum| cofactor * sum.normalize_or_zero()).collect())
 }
 
@@ -100,7 +106,8 @@ mod tests {
     }
 
     fn normals(weights: FaceWeights, linear: DMat3) -> Vec<DVec3> {
-        vertex_normals(&folded(), linear, MeshNormals::Smooth { weights, flat_up_to: 3 }).unwrap()
+        let smooth = MeshNormals::Smooth { weights, flat_up_to: 3 };
+        vertex_normals(&folded(), (linear, linear.determinant() < 0.0), smooth).unwrap()
     }
 
     #[test]
@@ -135,7 +142,7 @@ mod tests {
     fn a_small_mesh_is_flat() {
         let smooth = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 4 };
         for normals in [smooth, MeshNormals::Flat] {
-            assert_eq!(vertex_normals(&folded(), DMat3::IDENTITY, normals), None);
+            assert_eq!(vertex_normals(&folded(), (DMat3::IDENTITY, false), normals), None);
         }
     }
 }
