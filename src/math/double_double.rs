@@ -6,7 +6,7 @@
 
 use super::exact_product::exact_product;
 use glam::DVec3;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// A double-double number: the unevaluated sum of a float and a correction of at most half an ulp.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,15 @@ impl Mul for Dd {
     fn mul(self, other: Self) -> Self {
         let [high, rounding] = exact_product(self.high, other.high);
         renormalized(high, rounding + (self.high * other.low + self.low * other.high))
+    }
+}
+
+impl Div for Dd {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let first = self.value() / other.value();
+        let rest = self - other * first.into();
+        renormalized(first, rest.value() / other.value())
     }
 }
 
@@ -138,6 +147,7 @@ mod tests {
                 assert_accurate(x + y, &exact_x + &exact_y, "sum");
                 assert_accurate(x - y, &exact_x - &exact_y, "difference");
                 assert_accurate(x * y, &exact_x * &exact_y, "product");
+                assert_accurate(x / y, &exact_x / &exact_y, "quotient");
             }
         });
     }
