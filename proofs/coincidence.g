@@ -1,4 +1,4 @@
-# The t of two flat surfaces that are not united tell which one is nearer, from as far as 2^41 times their coordinates.
+# The t of two flat surfaces that are not united tell which one is nearer, from as far as 2^39 times their coordinates.
 #@ src/world/coincidence.rs WRITTEN_ROUNDINGS = 4.0
 #
 # With point = o + t d at some t near that of the hit, the height over a surface is computed in double-double arithmetic, the
@@ -13,9 +13,10 @@
 # quotient one and the difference one: less than 10 e together. They count with the height, which is at most 2^-20 of t
 # times the slope where t is within what is looked through (PER_T in src/world/coincidence.rs), and so with 2^-20 of `size`.
 #
-# Times the slope, each t is so off by `error`. The unit is the size of the surfaces' coordinates. The origin and the way
-# t d are at most 2^41, so that `size` is below 2^43 for a unit normal. Surfaces that are not united are at least somewhere
-# farther apart than WRITTEN_ROUNDINGS roundings, which exceeds both errors.
+# Times the slope, which is at most 1, each t is so off by `error`. The unit is the size of the surfaces' coordinates. The
+# origin and the way t d are at most 2^39, so that `size` is below 2^41 for a unit normal, and the t of triangles that count
+# as the same differ by at most 2^-92 (SAME_T in src/world/coincidence.rs) of 2^40. Surfaces that are not united are at
+# least somewhere farther apart than WRITTEN_ROUNDINGS roundings, which exceeds both errors and that.
 
 WRITTEN_ROUNDINGS = 4.0;
 u = 1b-53;
@@ -23,5 +24,6 @@ u = 1b-53;
 error = of_height * size + of_step * (part * size);
 apart = WRITTEN_ROUNDINGS * u;
 
-{ |of_height| <= 10b-100 /\ |of_step| <= 10b-100 /\ part in [-1b-20, 1b-20] /\ size in [0, 1b43]
-  -> apart - 2 * |error| >= 0 }
+{ |of_height| <= 10b-100 /\ |of_step| <= 10b-100 /\ part in [-1b-20, 1b-20] /\ size in [0, 1b41]
+  /\ same in [0, 1b-52]
+  -> apart - 2 * |error| - same >= 0 }
