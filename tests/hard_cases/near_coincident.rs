@@ -123,7 +123,7 @@ fn first_of(world: &World) -> u32 {
     u32::from(world.comes_first(1, 0))
 }
 
-/// A plane in object space and a list of scales and quarter turns, which have no roundings.
+/// Scales and quarter turns, which have no roundings, as they are written and as the columns of their exact product.
 fn scaled(rng: &mut Rng) -> (String, [[BigRational; 3]; 3]) {
     let identity = [DVec3::X, DVec3::Y, DVec3::Z].map(exact3);
     let (mut text, mut columns) = (String::new(), identity);
@@ -145,8 +145,8 @@ fn scaled(rng: &mut Rng) -> (String, [[BigRational; 3]; 3]) {
     (text, columns)
 }
 
-/// Counts for two planes under the same transforms, whose offsets differ by 1e-13 to 1e-6 of themselves: rays, those that see
-/// the farther plane, and 1 if there are such by planes placed in f64.
+/// Counts for two planes under the same transforms, whose offsets differ by 1e-13 to 1e-6 of themselves: rays, and those that
+/// see the farther plane.
 fn planes(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 2] {
     let (text, columns) = scaled(rng);
     // Their lengths are whole numbers.
