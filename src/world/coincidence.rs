@@ -57,7 +57,28 @@ impl World {
     pub fn foremost(&self, ray: &Ray, mut hits: Vec<(f64, u32)>) -> Option<(f64, u32)> {
         hits.sort_unstable_by_key(|&(_, id)| id);
         hits.dedup();
-        let first = hits.iter().map(|&(t, _)| t).reduce(f64::min)?;
+        let first = (0..hits.len()).min_by(|&i, &j| hits[i].0.total_cmp(&hits[j].0))?;
+        let mut united = self.united(&hits, first);
+        // Where all are united, it does not matter which of them is the nearest.
+        if united.len() < hits.len() {
+            united = self.united(&hits, self.nearest(ray, &hits, hits[first].0));
+        }
+        united.into_iter().reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
+    }
+
+    /// Those of some hits whose surfaces are united with that of one of them, directly or by way of others.
+    fn united(&self, hits: &[(f64, u32)], one: usize) -> Vec<(f64, u32)> {
+        let mut others = hits.to_vec();
+        let (mut united, mut next) = (vec![others.swap_remove(one)], 0);
+        while let Some(&(_, one)) = united.get(next) {
+            united.extend(others.extract_if(.., |&mut (_, other)| self.coincide(one, other)));
+            next += 1;
+        }
+        united
+    }
+
+    /// The index of the nearest of some hits, whose smallest t is `first` as it is rounded.
+    fn nearest(&self, ray: &Ray, hits: &[(f64, u32)], first: f64) -> usize {
         let behind: Vec<Dd> = hits.iter().map(|&hit| self.behind(ray, hit, first)).collect();
         // Triangles meet at edges and corners, where a ray hits several of them at the same t.
         let same = SAME_T * (ray.origin.abs() + first.abs() * ray.direction.abs()).max_element();
@@ -67,13 +88,7 @@ impl World {
             let is_same = apart.abs() <= if are_triangles { same } else { 0.0 };
             if is_same { self.comes_first(one, other) } else { apart < 0.0 }
         };
-        let nearest = (0..hits.len()).reduce(|i, j| if is_nearer(j, i) { j } else { i })?;
-        let (mut united, mut next) = (vec![hits.swap_remove(nearest)], 0);
-        while let Some(&(_, one)) = united.get(next) {
-            united.extend(hits.extract_if(.., |&mut (_, other)| self.coincide(one, other)));
-            next += 1;
-        }
-        united.into_iter().reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
+        (0..hits.len()).reduce(|i, j| if is_nearer(j, i) { j } else { i }).unwrap_or(0)
     }
 
     /// How far the t of a hit is behind the first one, in double-double arithmetic: by a step of Newton's method from its
