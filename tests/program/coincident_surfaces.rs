@@ -177,10 +177,10 @@ fn a_flattened_triangle_shows_its_front_however_it_is_turned() {
                  Group {{ numObjects 1 MaterialIndex 0 Transform {{ YRotate {turn} {flattening}
                    Triangle {{ vertex0 -2 -1 1 vertex1 2 -1 1 vertex2 0 1 -2 }} }} }}"
             );
-            let pixels = Folder::with_scene(&text).render("-size 30 30").pixels;
+            let pixels = Folder::with_scene(&text).render("-size 60 60").pixels;
             let red = pixels.iter().filter(|&&pixel| pixel == [255, 0, 0]).count();
             let empty = pixels.iter().filter(|&&pixel| pixel == [0, 255, 0]).count();
-            assert!(red > 30 && red + empty == pixels.len(), "{turn} {flattening}: {red} and {empty}");
+            assert!(red > 60 && red + empty == pixels.len(), "{turn} {flattening}: {red} and {empty}");
         }
     }
 }
