@@ -29,7 +29,7 @@ use crate::caster::blocks::triangle8;
 use crate::caster::build::{AccelerationStructure, Order};
 use crate::caster::choose::{Layout, Rays};
 use crate::caster::descent::DescentKernel;
-use crate::caster::query::RayQuery;
+use crate::caster::query::{HitList, RayQuery};
 use crate::caster::ray_entry::Entry;
 use crate::math::f64x4::Scalar;
 #[cfg(target_arch = "x86_64")]
@@ -209,7 +209,7 @@ impl<'w> Caster<'w> {
                 // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
                 unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
             }
-            Instructions::Portable => self.run_portable::<P, ANY>(ray, leaves, triangle8::NONE, probe),
+            Instructions::Portable => self.run_portable::<P, ANY>(ray, leaves, None, probe),
         };
         (best.primitive != triangle8::NONE).then_some(best)
     }
@@ -220,14 +220,13 @@ impl<'w> Caster<'w> {
         &self,
         ray: &Ray,
         leaves: Left,
-        coincides_with: u32,
+        collected: Option<&HitList>,
         probe: &mut P,
     ) -> Visible {
-        self.run_with::<_, P, ANY>(Portable, *ray, leaves, coincides_with, probe)
+        self.run_with::<_, P, ANY>(Portable, *ray, leaves, collected, probe)
     }
 
-    /// Looks for the nearest primitive or, if `coincides_with` is the id of one, for the first of those that coincide with
-    /// that.
+    /// Looks for the nearest primitive or, if there is a list for them, collects all that the ray hits.
     ///
     /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
     /// not.
@@ -237,7 +236,7 @@ impl<'w> Caster<'w> {
         kernel: K,
         ray: Ray,
         leaves: Left,
-        coincides_with: u32,
+        collected: Option<&HitList>,
         probe: &mut P,
     ) -> Visible {
         let structure = self.structure.as_deref();
@@ -250,7 +249,7 @@ impl<'w> Caster<'w> {
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = RayQuery::new(self.world, &stored, leaves.primitive);
-        query.look_for_coincident(coincides_with);
+        query.collect_in(collected);
         query.test_planes(&ray, probe);
         if leaves.may_return {
             query.leave_round::<P>(probe);
@@ -267,8 +266,8 @@ impl<'w> Caster<'w> {
         query.best
     }
 
-    /// What a ray sees of the primitives that coincide with the nearest one. They are looked for by another query, since
-    /// those that the ray hits before it finds the nearest one may coincide with it, too.
+    /// What a ray sees of the primitives that it hits so close to each other that their t do not decide. They are collected
+    /// by another query, since it may have hit some of them before it found the nearest one.
     #[cold]
     #[inline(never)]
     fn foremost(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
@@ -276,12 +275,10 @@ impl<'w> Caster<'w> {
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         // These rays are so few that the portable instructions will do.
-        let found = self.run_portable::<_, false>(&ray_to_there, leaves, nearest.primitive, &mut Quiet);
-        let first = found.primitive;
-        if first == triangle8::NONE || first == nearest.primitive {
-            return nearest;
-        }
-        Visible { primitive: first, t_bound: self.world.crossing(ray, first).unwrap_or(t) }
+        let found = HitList::default();
+        self.run_portable::<_, false>(&ray_to_there, leaves, Some(&found), &mut Quiet);
+        let foremost = self.world.foremost(ray, found.into_inner());
+        foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
 }
 
@@ -301,7 +298,7 @@ fn run_avx2<P: Probe, const ANY: bool>(
     leaves: Left,
     probe: &mut P,
 ) -> Visible {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, triangle8::NONE, probe)
+    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, None, probe)
 }
 
 #[cfg(test)]

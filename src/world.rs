@@ -8,6 +8,7 @@ mod builder;
 mod coincidence;
 mod crossing;
 mod placement;
+mod planes;
 mod point_error;
 mod resting_lights;
 mod surface;
@@ -28,7 +29,6 @@ use glam::DVec3;
 use point_error::{BoundaryWidth, FlatteningErrors};
 use resting_lights::RestingLights;
 use std::borrow::Cow;
-use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -52,6 +52,8 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
     plane_directions: Vec<DVec3>,
+    /// For each plane, how many of the triangles come before it in the scene.
+    triangles_before_planes: Vec<u32>,
     flattening_errors: FlatteningErrors,
     boundary_width: BoundaryWidth,
     /// The part of [`World::coincidence_reach`] that does not depend on t.
@@ -125,6 +127,7 @@ impl World {
             shapes: vec![],
             planes: vec![],
             plane_directions: vec![],
+            triangles_before_planes: vec![],
             flattening_errors: FlatteningErrors::default(),
             boundary_width: BoundaryWidth::default(),
             coincidence_margin: 0.0,
@@ -221,26 +224,23 @@ impl World {
 
     /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer hit precedes. At equal t triangles are ordered by the coordinates of their vertices, and other
-    /// primitives by their ids, so that the result depends neither on the grid, nor on the order of tests, nor
-    /// on the order of a mesh's faces.
+    /// The nearer hit precedes, and at equal t the one that [comes first](Self::comes_first), so that the result depends
+    /// neither on the grid nor on the order of tests.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Orders triangles by the coordinates of their vertices. Other primitives, and triangles with the same
-    /// vertices, are ordered by their ids.
+    /// Orders primitives by the places of their objects in the scene, and the triangles of one object by their own. Spheres
+    /// and ellipsoids, which lie in no plane, come last.
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
-        let by_coordinates = match (self.primitive(one), self.primitive(other)) {
-            (Primitive::Triangle(i), Primitive::Triangle(j)) => {
-                let coordinates = |k| self.corners(k).into_iter().flat_map(|v| v.to_array());
-                coordinates(i).partial_cmp(coordinates(j)).unwrap_or(Ordering::Equal)
-            }
-            _ => Ordering::Equal,
+        let place = |id: u32| match self.primitive(id) {
+            Primitive::Plane(k) => (self.triangles_before_planes.get(k).copied().unwrap_or(u32::MAX), 0, id),
+            Primitive::Triangle(_) => (id, 1, id),
+            Primitive::Shape(_) => (u32::MAX, 1, id),
         };
-        by_coordinates.then(one.cmp(&other)).is_lt()
+        place(one) < place(other)
     }
 
     /// The hit of a ray, computed from the primitive that the ray hits first.
@@ -332,17 +332,14 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_smaller_coordinates() {
+    fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_lower_object() {
         let world = world();
         let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
+        // The objects of triangles and planes are in the order of their materials, and shapes come last.
+        let rank = |id| ((6..10).contains(&id), world.material_of(id));
         for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
             assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
-            // Triangles 1 and 4 have smaller coordinates than the others, which are identical.
-            let rank = |id| if id < 6 { (id % 3 != 1, id) } else { (true, id) };
-            let expected = rank(one) < rank(other);
-            let is_between_kinds = (one < 6) != (other < 6);
-            let expected = if is_between_kinds { one < other } else { expected };
-            assert_eq!(precedes(2.0, one, other), expected, "{one} {other}");
+            assert_eq!(precedes(2.0, one, other), rank(one) < rank(other), "{one} {other}");
         }
     }
 }

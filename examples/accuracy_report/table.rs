@@ -13,7 +13,7 @@ const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 7] = [
     ("Secondary rays", 40..=46),
     ("Transforms and invariance of the scene", 47..=52),
     ("Shading, textures, output", 53..=64),
-    ("Exact coincidences", 65..=70),
+    ("Exact coincidences", 65..=72),
 ];
 
 const INTRO: &str = include_str!("introduction.md");

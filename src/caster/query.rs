@@ -12,6 +12,7 @@ use crate::math::ray_lanes::RayLanes;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
+use std::cell::RefCell;
 
 /// The search along one ray, with the nearest primitive that it has found so far.
 pub struct RayQuery<'a> {
@@ -33,10 +34,12 @@ pub struct RayQuery<'a> {
     /// Whether a primitive other than the best one was hit so close to the best one of then that both may lie in the same
     /// place.
     is_close: bool,
-    /// If not [`NONE`], all primitives that coincide with this one are looked for, and the best of them is the one that
-    /// comes first.
-    coincides_with: u32,
+    /// If not none, all primitives that the ray hits up to its end are collected here, and none becomes the best one.
+    collected: Option<&'a HitList>,
 }
+
+/// The primitives that a ray hits, each with its t, perhaps more than once.
+pub type HitList = RefCell<Vec<(f64, u32)>>;
 
 /// The number of primitives in [`RayQuery::tested`].
 const MAX_TESTED: usize = 4;
@@ -97,15 +100,15 @@ impl<'a> RayQuery<'a> {
     pub fn new(world: &'a World, ray: &'a Ray, leaves: u32) -> Self {
         let best = Visible { primitive: NONE, t_bound: ray.t_max };
         let (t_lower_bound, tested) = (best.t_bound, [NONE; MAX_TESTED]);
-        let (next, is_close, coincides_with) = (0, false, NONE);
-        Self { world, ray, shear: None, best, t_lower_bound, leaves, tested, next, is_close, coincides_with }
+        let (next, is_close, collected) = (0, false, None);
+        Self { world, ray, shear: None, best, t_lower_bound, leaves, tested, next, is_close, collected }
     }
 
-    /// Looks for the primitives that coincide with this one, unless it is [`NONE`].
+    /// Collects all primitives that the ray hits in a list, if there is one.
     #[inline(always)]
-    pub fn look_for_coincident(&mut self, primitive: u32) {
-        if primitive != NONE {
-            self.coincides_with = primitive;
+    pub fn collect_in(&mut self, list: Option<&'a HitList>) {
+        if list.is_some() {
+            self.collected = list;
             // No bounds suffice to decide.
             self.t_lower_bound = f64::NEG_INFINITY;
         }
@@ -120,7 +123,7 @@ impl<'a> RayQuery<'a> {
     /// Whether it is still to be decided which of several primitives in the same place the ray sees.
     #[inline(always)]
     pub fn is_undecided(&self) -> bool {
-        self.is_close && self.coincides_with == NONE
+        self.is_close && self.collected.is_none()
     }
 
     /// The t up to which primitives are looked for: behind the best one there may be others in the same place. Any hit
@@ -329,21 +332,12 @@ impl<'a> RayQuery<'a> {
     /// Whether a primitive precedes the best one, where both may lie in the same place.
     #[cold]
     fn offer_close(&mut self, t: f64, primitive: u32) -> bool {
-        if self.coincides_with != NONE {
-            self.offer_coincident(primitive);
+        if let Some(list) = self.collected {
+            list.borrow_mut().push((t, primitive));
             return false;
         }
         self.is_close |= self.best.primitive != NONE;
         t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive))
-    }
-
-    /// Keeps a primitive that coincides with the one that is looked for, if it comes before the best one.
-    fn offer_coincident(&mut self, primitive: u32) {
-        let (world, other) = (self.world, self.coincides_with);
-        let is_first = self.best.primitive == NONE || world.comes_first(primitive, self.best.primitive);
-        if is_first && (primitive == other || world.coincide(primitive, other)) {
-            self.best.primitive = primitive;
-        }
     }
 
     /// Whether a primitive precedes the best one, for a t within the bounds on the latter's t.

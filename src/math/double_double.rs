@@ -6,7 +6,7 @@
 
 use super::exact_product::exact_product;
 use glam::DVec3;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// A double-double number: the unevaluated sum of a float and a correction of at most half an ulp.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +70,15 @@ impl Mul for Dd {
     }
 }
 
+impl Div for Dd {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let first = self.value() / other.value();
+        let rest = self - other * first.into();
+        renormalized(first, rest.value() / other.value())
+    }
+}
+
 /// The same sum with `high` rounded to the nearest float (Dekker's fast two-sum).
 fn renormalized(high: f64, low: f64) -> Dd {
     let sum = high + low;
@@ -79,6 +88,11 @@ fn renormalized(high: f64, low: f64) -> Dd {
 /// The exact difference of two points, by coordinate.
 pub fn difference(a: DVec3, b: DVec3) -> [Dd; 3] {
     [Dd::difference(a.x, b.x), Dd::difference(a.y, b.y), Dd::difference(a.z, b.z)]
+}
+
+/// A vector minus a point.
+pub fn minus(a: [Dd; 3], b: DVec3) -> [Dd; 3] {
+    [a[0] - b.x.into(), a[1] - b.y.into(), a[2] - b.z.into()]
 }
 
 /// The dot product of two vectors.
@@ -150,6 +164,7 @@ mod tests {
                 assert_accurate(x + y, &exact_x + &exact_y, "sum");
                 assert_accurate(x - y, &exact_x - &exact_y, "difference");
                 assert_accurate(x * y, &exact_x * &exact_y, "product");
+                assert_accurate(x / y, &exact_x / &exact_y, "quotient");
             }
         });
     }

@@ -2,6 +2,7 @@
 //! normals at any scale, and whether a matrix is singular (`proofs/determinant.g`).
 
 use super::double_double::{Dd, dot};
+use super::exact_sum::ExactSum;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The largest relative error of one f64 operation, 2^-53. Error bounds are counted in multiples of it,
@@ -56,11 +57,15 @@ fn unit_of_extreme(v: DVec3) -> DVec3 {
 /// The image of a point under an affine map, with each coordinate rounded only once. In plain f64 the error
 /// could reach seven roundings of the largest intermediate result.
 pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
-    let (rows, point) = (map.matrix3.transpose(), point.to_array().map(Dd::from));
-    let coordinate =
-        |row: DVec3, offset: f64| (dot(row.to_array().map(Dd::from), point) + offset.into()).value();
+    DVec3::from_array(transformed_precisely(map, point.to_array().map(Dd::from)).map(Dd::value))
+}
+
+/// The same in double-double arithmetic.
+pub fn transformed_precisely(map: &DAffine3, point: [Dd; 3]) -> [Dd; 3] {
+    let rows = map.matrix3.transpose();
+    let coordinate = |row: DVec3, offset: f64| dot(row.to_array().map(Dd::from), point) + offset.into();
     let DVec3 { x, y, z } = map.translation;
-    DVec3::new(coordinate(rows.x_axis, x), coordinate(rows.y_axis, y), coordinate(rows.z_axis, z))
+    [coordinate(rows.x_axis, x), coordinate(rows.y_axis, y), coordinate(rows.z_axis, z)]
 }
 
 /// `v` times a power of two such that its largest absolute coordinate is from 0.5 to 1, and the exponent of
@@ -82,18 +87,18 @@ fn with_unit_columns(m: DMat3) -> (DMat3, [i32; 3]) {
     (DMat3::from_cols(x, y, z), [i, j, k])
 }
 
-/// The image of a normal under a matrix that is not singular. It points to the image of the side that the
-/// normal pointed to, and its length is arbitrary.
+/// The image of a normal under a matrix whose determinant has the sign `orientation`, which is not 0. It points to the
+/// image of the side that the normal pointed to, and its length is arbitrary.
 ///
 /// Normals are mapped by the cofactor matrix, which is the inverse transpose times the determinant. The
 /// columns are scaled so that products stay in range, and each coordinate of the normal is scaled by the same
 /// factor as its column, which preserves the direction of the result.
-pub fn transformed_normal(m: DMat3, normal: DVec3) -> DVec3 {
+pub fn transformed_normal(m: DMat3, orientation: i32, normal: DVec3) -> DVec3 {
     let (m, exponents) = with_unit_columns(m);
     let largest = exponents.into_iter().max().unwrap_or(0);
     let normal = rescaled(normal);
     let rescaled_normal: [f64; 3] = std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest));
-    cofactor(m) * DVec3::from_array(rescaled_normal) * m.determinant().signum()
+    cofactor(m) * DVec3::from_array(rescaled_normal) * f64::from(orientation)
 }
 
 /// The cofactor matrix, which is the inverse transpose times the determinant. Unlike the inverse transpose it
@@ -133,9 +138,11 @@ fn unsigned_cofactor(one: DMat3, other: DMat3) -> DMat3 {
     )
 }
 
-/// Whether a matrix reverses orientation, that is, has a negative determinant.
-pub fn is_mirroring(m: DMat3) -> bool {
-    with_unit_columns(m).0.determinant() < 0.0
+/// The exact sign of the determinant of a finite matrix: -1, 0 or 1.
+pub fn determinant_sign(m: DMat3) -> i32 {
+    let mut determinant = ExactSum::default();
+    determinant.add_determinant([m.x_axis, m.y_axis, m.z_axis]);
+    determinant.value().sign()
 }
 
 /// The factor by which a matrix scales all lengths, or none when it is not a similarity (to a relative
@@ -215,16 +222,16 @@ mod tests {
     fn normals_and_scales_are_right_at_any_scale() {
         let r = DMat3::from_cols_array(&[0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0]);
         let uneven = DMat3::from_diagonal(DVec3::new(1.0, 4.0, -2.0));
-        let expected = unit(transformed_normal(r * uneven, DVec3::ONE));
+        let expected = unit(transformed_normal(r * uneven, -1, DVec3::ONE));
         for exponent in [-1000, -500, 0, 500, 1000] {
             let far = libm::ldexp(1.0, exponent);
-            assert_eq!(unit(transformed_normal(r * uneven * far, DVec3::ONE)), expected);
-            assert!(is_mirroring(uneven * far) && !is_mirroring(uneven * -far));
+            assert_eq!(unit(transformed_normal(r * uneven * far, -1, DVec3::ONE)), expected);
+            assert_eq!([far, -far].map(|far| determinant_sign(uneven * far)), [-1, 1]);
             assert_eq!(similarity_scale(r * far), similarity_scale(r).map(|scale| scale * far));
         }
         assert_eq!(similarity_scale(uneven), None);
         let degenerate = DMat3::from_diagonal(DVec3::new(1.0, 1e-250, 1e-250));
-        assert_eq!(unit(transformed_normal(degenerate, DVec3::X)), DVec3::X);
+        assert_eq!(unit(transformed_normal(degenerate, 1, DVec3::X)), DVec3::X);
     }
 
     #[test]
@@ -281,7 +288,7 @@ mod tests {
             [DVec3::ONE, DVec3::new(1.0, 4.0, -2.0), DVec3::new(64.0, 0.125, 1.0), DVec3::new(-3.0, 1e3, 7.0)]
         {
             let m = r * DMat3::from_diagonal(scale) * r.transpose();
-            let transformed = unit(transformed_normal(m, normal));
+            let transformed = unit(transformed_normal(m, determinant_sign(m), normal));
             for tangent in [DVec3::new(2.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 4.0)] {
                 assert!(transformed.dot(unit(m * tangent)).abs() < 1e-12, "{scale}");
             }
@@ -306,8 +313,17 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_matrix_does_not_mirror() {
-        assert!(!is_mirroring(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0))));
+    fn the_sign_of_a_determinant_is_exact() {
+        // Whole numbers that agree to 50 bits; the determinants of these matrices are -1, 0 and 1.
+        let n = 2f64.powi(50);
+        for k in [-1.0, 0.0, 1.0] {
+            let (x, y) = (DVec3::new(n, n + 1.0, 0.0), DVec3::new(n - 1.0, n, 0.0));
+            let m = DMat3::from_cols(x, y, k * DVec3::Z);
+            for scale in [2f64.powi(-900), 1.0, 2f64.powi(900)] {
+                assert_eq!(f64::from(determinant_sign(m * scale)), k);
+            }
+        }
+        assert_eq!(determinant_sign(DMat3::from_diagonal(DVec3::new(1.0, -0.0, 1.0))), 0);
     }
 
     #[test]
@@ -358,7 +374,8 @@ mod tests {
                     (0..3).map(|column| cofactor(row, column) * exact(normal[column])).sum::<BigRational>();
                 (sum * &scale).to_f64().unwrap()
             });
-            let (expected, found) = (unit(DVec3::from_array(expected)), unit(transformed_normal(m, normal)));
+            let (expected, found) =
+                (unit(DVec3::from_array(expected)), unit(transformed_normal(m, 1, normal)));
             let angle = expected.cross(found).length();
             let bound = transformed_normal_error(m, error, normal);
             assert!(angle <= bound + 4.0 * UNIT_ROUNDOFF, "{m} {normal}: {angle} {bound}");

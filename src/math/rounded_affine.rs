@@ -1,6 +1,6 @@
 //! Affine maps and points with bounds on their rounding errors.
 
-use super::robust::UNIT_ROUNDOFF;
+use super::robust::{UNIT_ROUNDOFF, determinant_sign};
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::Mul;
 
@@ -11,6 +11,8 @@ pub struct RoundedAffine {
     pub map: DAffine3,
     /// The largest error of each of its numbers.
     pub error: DAffine3,
+    /// The sign of its determinant, -1, 0 or 1. It is exact: the product of the signs of its factors' determinants.
+    pub orientation: i32,
 }
 
 /// The error bound of each number of a product, in roundings of the same number of the product of absolute values: four
@@ -24,11 +26,11 @@ pub const IMAGE_ROUNDINGS: f64 = 16.0;
 
 impl RoundedAffine {
     /// The identity.
-    pub const IDENTITY: Self = Self { map: DAffine3::IDENTITY, error: DAffine3::ZERO };
+    pub const IDENTITY: Self = Self { map: DAffine3::IDENTITY, error: DAffine3::ZERO, orientation: 1 };
 
     /// A map without errors.
-    pub const fn exact(map: DAffine3) -> Self {
-        Self { map, error: DAffine3::ZERO }
+    pub fn exact(map: DAffine3) -> Self {
+        Self { map, error: DAffine3::ZERO, orientation: determinant_sign(map.matrix3) }
     }
 
     /// The error bound of the images of points whose errors along any axis are at most the first number, and the second
@@ -64,7 +66,11 @@ impl Mul for RoundedAffine {
         match (self == Self::IDENTITY, other == Self::IDENTITY) {
             (true, _) => other,
             (_, true) => self,
-            _ => Self { map: self.map * other.map, error: product_error(self, other) },
+            _ => Self {
+                map: self.map * other.map,
+                error: product_error(self, other),
+                orientation: self.orientation * other.orientation,
+            },
         }
     }
 }
@@ -129,7 +135,7 @@ mod tests {
             DAffine3 { matrix3: absolute(map).matrix3 * 1e-15, translation: map.translation.abs() * 1e-15 };
         let off = rng.vector().x;
         let exact = rows(map).map(|row| row.map(|x| exact(x) + exact(1e-15 * off) * exact(x.abs())));
-        (RoundedAffine { map, error }, exact)
+        (RoundedAffine { error, ..map.into() }, exact)
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::shape::Form;
 use super::sphere::first_on_ray;
+use crate::math::double_double::{Dd, dot, minus};
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::math::{aabb::Aabb, ray::Ray};
 use glam::{DMat3, DVec3};
@@ -116,6 +117,15 @@ impl Form for Ellipsoid {
         let is_tangent =
             (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length);
         is_tangent.then(|| (self.center - ray.origin).dot(ray.direction))
+    }
+
+    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {
+        let rows = self.inverse.transpose();
+        let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.to_array().map(Dd::from));
+        let from_center = minus(point, self.center);
+        let on_sphere = rows.map(|row| dot(row, from_center));
+        let slope = dot(on_sphere, rows.map(|row| dot(row, direction)));
+        [dot(on_sphere, on_sphere) - Dd::from(1.0), slope + slope]
     }
 
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {

@@ -4,6 +4,7 @@
 use super::ellipsoid::Ellipsoid;
 use super::sphere::Sphere;
 use crate::math::aabb::Aabb;
+use crate::math::double_double::Dd;
 use crate::math::ray::Ray;
 use glam::{DMat3, DVec3};
 
@@ -42,6 +43,9 @@ pub trait Form {
     fn tangent_at(&self, _ray: &Ray) -> Option<f64> {
         None
     }
+
+    /// A function of a point near the surface that is zero on it, and its slope along a direction.
+    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2];
 
     /// Its centre, and the maps from the unit sphere and back, if it is the image of that.
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
@@ -115,6 +119,10 @@ impl Form for Shape {
 
     fn tangent_at(&self, ray: &Ray) -> Option<f64> {
         of_form!(self, form => form.tangent_at(ray))
+    }
+
+    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {
+        of_form!(self, form => form.height_and_slope(point, direction))
     }
 
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {

@@ -2,7 +2,7 @@
 //! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
 use super::shape::{Form, InCells};
-use crate::math::double_double::{Dd, SquaredSine, difference, dot};
+use crate::math::double_double::{Dd, SquaredSine, difference, dot, minus};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::{DMat3, DVec3};
 
@@ -194,6 +194,12 @@ impl Form for Sphere {
         let nearest = from_center + t * ray.direction;
         let bound = TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (from_center.length() + self.radius);
         ((nearest.length() - self.radius).abs() <= bound).then_some(t)
+    }
+
+    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {
+        let (from_center, radius) = (minus(point, self.center), Dd::from(self.radius));
+        let slope = dot(from_center, direction);
+        [dot(from_center, from_center) - radius * radius, slope + slope]
     }
 
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {

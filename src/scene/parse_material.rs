@@ -243,7 +243,7 @@ fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
         reader.number_that("size", "must be positive", |size| size > 0.0 && (1.0 / size).is_finite())?;
     let scale = DVec3::splat(1.0 / size);
     let error = DAffine3::from_mat3(DMat3::from_diagonal(scale * UNIT_ROUNDOFF));
-    Ok(RoundedAffine { map: DAffine3::from_scale(scale), error })
+    Ok(RoundedAffine { error, ..DAffine3::from_scale(scale).into() })
 }
 
 fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {

@@ -109,7 +109,7 @@ fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
         [rest * x * z - sine * y, rest * y * z + sine * x, rest * z * z + cosine, 0.0],
     ]);
     let is_exact = degrees % 90.0 == 0.0 && [DVec3::X, DVec3::Y, DVec3::Z].contains(&axis.abs());
-    if is_exact { map.into() } else { RoundedAffine { map, error: rotation_error(axis.abs()) } }
+    if is_exact { map.into() } else { RoundedAffine { error: rotation_error(axis.abs()), ..map.into() } }
 }
 
 /// The error bounds of the parts of a rotation's numbers, in roundings of the axis's numbers in them: of `rest` times two
@@ -295,7 +295,7 @@ mod tests {
                 [&rest * &x * &y + &sine * &z, &rest * &y * &y + &cosine, &rest * &y * &z - &sine * &x],
                 [&rest * &x * &z - &sine * &y, &rest * &y * &z + &sine * &x, &rest * &z * &z + &cosine],
             ];
-            let RoundedAffine { map, error } = rotation(axis, degrees);
+            let RoundedAffine { map, error, .. } = rotation(axis, degrees);
             for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                 let off = (exact(map.matrix3.col(j)[i]) - &expected[i][j]).abs();
                 let bound = exact(error.matrix3.col(j)[i]);

@@ -68,8 +68,14 @@ impl World {
 }
 
 /// A vector along the normal of each vertex of a mesh under a linear map; none for a mesh that is flat. The mesh's file
-/// lists this number of vertices, with those that no face uses.
-pub fn vertex_normals(mesh: &Mesh, listed: usize, linear: DMat3, normals: MeshNormals) -> Option<Vec<DVec3>> {
+/// lists this number of vertices, with those that no face uses. `is_mirrored` tells whether the map's determinant is
+/// negative.
+pub fn vertex_normals(
+    mesh: &Mesh,
+    listed: usize,
+    (linear, is_mirrored): (DMat3, bool),
+    normals: MeshNormals,
+) -> Option<Vec<DVec3>> {
     let MeshNormals::Smooth { weights, flat_up_to } = normals else { return None };
     if listed <= flat_up_to {
         return None;
@@ -86,7 +92,8 @@ pub fn vertex_normals(mesh: &Mesh, listed: usize, linear: DMat3, normals: MeshNo
     }
     // The cofactor matrix is the inverse transpose times the determinant, whose sign matters.
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * linear.determinant().signum();
+    let side = if is_mirrored { -1.0 } else { 1.0 };
+    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
     Some(sums.into_iter().map(|sum| cofactor * sum.normalize_or_zero()).collect())
 }
 
@@ -103,7 +110,8 @@ mod tests {
     }
 
     fn normals(weights: FaceWeights, linear: DMat3) -> Vec<DVec3> {
-        vertex_normals(&folded(), 4, linear, MeshNormals::Smooth { weights, flat_up_to: 3 }).unwrap()
+        let smooth = MeshNormals::Smooth { weights, flat_up_to: 3 };
+        vertex_normals(&folded(), 4, (linear, linear.determinant() < 0.0), smooth).unwrap()
     }
 
     #[test]
@@ -137,9 +145,9 @@ mod tests {
     #[test]
     fn a_small_mesh_is_flat() {
         let smooth = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 4 };
-        assert!(vertex_normals(&folded(), 5, DMat3::IDENTITY, smooth).is_some());
+        assert!(vertex_normals(&folded(), 5, (DMat3::IDENTITY, false), smooth).is_some());
         for normals in [smooth, MeshNormals::Flat] {
-            assert_eq!(vertex_normals(&folded(), 4, DMat3::IDENTITY, normals), None);
+            assert_eq!(vertex_normals(&folded(), 4, (DMat3::IDENTITY, false), normals), None);
         }
     }
 }

@@ -4,13 +4,14 @@
 use super::World;
 use super::appearance::vertex_normals;
 use super::placement::Placement;
-use super::point_error::{BoundaryWidth, Finite, PlacementError, PlaneError};
+use super::planes::{PlacedPlane, PlacedPlanes};
+use super::point_error::{BoundaryWidth, Finite, PlacementError};
 use super::resting_lights::RestingLights;
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
 use crate::primitive::shape::{Form, Shape};
-use crate::primitive::{ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere, triangle};
+use crate::primitive::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
@@ -28,6 +29,7 @@ pub struct Builder<'a> {
     /// For each mesh, how many of the objects that are not placed yet use it.
     uses: Vec<usize>,
     world: World,
+    planes: PlacedPlanes,
     /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, shapes and planes.
     materials: [Vec<(u32, u32)>; 3],
 }
@@ -51,7 +53,7 @@ impl<'a> Builder<'a> {
         }
         memory::ask(copied)?;
         let (files, materials) = (scene.meshes.as_slice(), Default::default());
-        Ok(Self { meshes, files, uses, world, materials })
+        Ok(Self { meshes, files, uses, world, planes: PlacedPlanes::default(), materials })
     }
 
     /// Places an object. An error tells the position of the object or of the transform around it.
@@ -149,7 +151,7 @@ impl<'a> Builder<'a> {
         if world.is_of_course() {
             return;
         }
-        let linear = placement.matrix.matrix3;
+        let linear = (placement.matrix.matrix3, placement.is_mirrored());
         let file = self.files.get(id);
         let listed = file.map_or(0, |file| file.vertices).max(mesh.vertices.len());
         if let Some(normals) = vertex_normals(mesh, listed, linear, world.model.normals) {
@@ -162,7 +164,7 @@ impl<'a> Builder<'a> {
             let (first, all) = (world.triangles.len(), &mut world.texture_coordinates);
             all.resize(first, None);
             // The winding of a mirrored triangle is reversed, as that of its vertices.
-            let is_mirrored = robust::is_mirroring(linear);
+            let is_mirrored = placement.is_mirrored();
             let wound = |[a, b, c]: Corners| if is_mirrored { [a, c, b] } else { [a, b, c] };
             all.extend(named.iter().map(|corners| corners.map(wound)));
         }
@@ -180,7 +182,7 @@ impl<'a> Builder<'a> {
         push_run(&mut self.materials[0], first, material);
         self.world.flattening_errors.push(Finite::Triangles, first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
-        if robust::is_mirroring(placement.matrix.matrix3) {
+        if placement.is_mirrored() {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let new = &self.world.vertices[first_vertex..];
@@ -198,10 +200,9 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), SceneError> {
-        let matrix = placement.matrix;
-        let linear = matrix.matrix3;
+        let linear = placement.matrix.matrix3;
         let center_in_world = placement.world_point(center);
-        if robust::is_singular(linear) {
+        if placement.is_singular() {
             return Err(placement.error(Problem::SingularTransform));
         }
         let shape = match robust::similarity_scale(linear) {
@@ -235,16 +236,11 @@ impl<'a> Builder<'a> {
         material: MaterialId,
     ) -> Result<(), SceneError> {
         push_run(&mut self.materials[2], self.world.planes.len(), material);
-        let (plane, direction, error) = match placement.transform {
-            None => {
-                let plane = Plane { normal: robust::unit(normal), offset };
-                (plane, robust::rescaled(normal), PlaneError::as_written(normal))
-            }
-            Some(_) => transformed_plane(normal, offset, placement)?,
-        };
+        let PlacedPlane { plane, direction, error } = self.planes.place(placement, (normal, offset))?;
         self.world.flattening_errors.push_plane(error);
         self.world.planes.push(plane);
         self.world.plane_directions.push(direction);
+        self.world.triangles_before_planes.push(self.world.triangles.len() as u32);
         if !plane.normal.is_finite() {
             return Err(placement.error(Problem::NoNormal));
         }
@@ -273,29 +269,10 @@ impl<'a> Builder<'a> {
         }
         world.without_area = without_area(&world);
         world.coincidence_margin = world.find_coincidence_margin();
-        world.unite_coincident_planes();
         world.boundary_width = BoundaryWidth::of(&world);
         world.resting_lights = RestingLights::of(&world);
         world
     }
-}
-
-/// A plane under the transforms around it, a vector along its normal, and its error.
-fn transformed_plane(
-    normal: DVec3,
-    offset: f64,
-    placement: &Placement,
-) -> Result<(Plane, DVec3, PlaneError), SceneError> {
-    let linear = placement.matrix.matrix3;
-    if robust::is_singular(linear) {
-        return Err(placement.error(Problem::SingularTransform));
-    }
-    let unit = robust::unit(normal);
-    let transformed = robust::unit(robust::transformed_normal(linear, unit));
-    let foot = placement.world_point(offset * unit);
-    let plane = Plane { normal: transformed, offset: transformed.dot(foot) };
-    let error = PlaneError::transformed(placement, (normal, offset), (transformed, foot));
-    Ok((plane, robust::rescaled(robust::transformed_normal(linear, normal)), error))
 }
 
 /// The triangles without an area, in ascending order.

@@ -16,11 +16,24 @@ pub struct Placement<'s> {
     pub matrix: DAffine3,
     /// The error bound of each number of the matrix.
     pub error: DAffine3,
+    /// The exact sign of the matrix's determinant. It is 0 where the transforms flatten the object, and then the matrix,
+    /// which is rounded, may have a determinant of any sign.
+    pub orientation: i32,
     /// The innermost transform around the object; None at the top.
     pub transform: Option<Position>,
 }
 
 impl Placement<'_> {
+    /// Whether the transforms turn the object inside out. Those that flatten it do not.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.orientation < 0
+    }
+
+    /// Whether the transforms flatten space: exactly, or as far as the rounded matrix tells.
+    pub(super) fn is_singular(&self) -> bool {
+        self.orientation == 0 || robust::is_singular(self.matrix.matrix3)
+    }
+
     /// A point of the object in world space.
     pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
@@ -71,8 +84,8 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
                 }
                 Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
                 object => {
-                    let RoundedAffine { map: matrix, error } = matrix;
-                    return Some(Placement { object, matrix, error, transform });
+                    let RoundedAffine { map: matrix, error, orientation } = matrix;
+                    return Some(Placement { object, matrix, error, orientation, transform });
                 }
             }
         }

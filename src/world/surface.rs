@@ -66,10 +66,7 @@ impl World {
         unit_normal: DVec3,
     ) -> SquaredSine {
         let normal = match primitive.map(|primitive| self.primitive(primitive)) {
-            Some(Primitive::Triangle(i)) => {
-                let [a, b, c] = self.corners(i);
-                cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
-            }
+            Some(Primitive::Triangle(i)) => self.precise_normal(i),
             Some(Primitive::Plane(i)) => {
                 self.plane_directions.get(i).unwrap_or(&unit_normal).to_array().map(Dd::from)
             }
@@ -80,6 +77,12 @@ impl World {
             None => unit_normal.to_array().map(Dd::from),
         };
         SquaredSine::of(direction, normal)
+    }
+
+    /// Returns a vector along a triangle's normal, of any length, with less rounding than the unit normal.
+    pub(crate) fn precise_normal(&self, triangle: usize) -> [Dd; 3] {
+        let [a, b, c] = self.corners(triangle);
+        cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
     }
 
     /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.

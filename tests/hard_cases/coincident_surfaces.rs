@@ -1,4 +1,5 @@
-//! Case 67: surfaces that coincide by exact arithmetic, and that flattening rounds apart.
+//! Case 67: surfaces that coincide by exact arithmetic, and that flattening rounds apart. A ray sees the lower object in the
+//! scene, and of its triangles the lower one.
 
 use crate::support::measure::{Failures, measure};
 use crate::support::placed::{Transformations, scene_of, square, world_of};
@@ -138,10 +139,8 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
         let both = [0, 1].iter().all(|&object| hits.iter().any(|&(_, id)| material(id) == object));
         let (true, Some((_, nearest))) = (both, nearest) else { continue };
         nearest_materials[material(nearest)] += 1;
-        let first = hits
-            .iter()
-            .map(|&(_, id)| id)
-            .reduce(|one, other| if world.comes_first(other, one) { other } else { one });
+        // Each object has the material of its index.
+        let first = hits.iter().map(|&(_, id)| id).min_by_key(|&id| (material(id), id));
         let found = [
             casters[0].closest(&ray, &mut Quiet),
             casters[1].closest(&ray, &mut Quiet),

@@ -2,7 +2,6 @@
 //! triangle's vertices.
 
 use crate::support::brute::Brute;
-use crate::support::exact::exact;
 use crate::support::exact_triangle::intersect_by_rule;
 use crate::support::measure::{Failures, measure};
 use crate::support::meshes::{Closed, VERTEX_ORDERS, bunny, shuffle};
@@ -20,16 +19,14 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
-/// The hit that the rule selects, computed exactly: the nearest one; of equally near ones the one whose
-/// corners have the smaller coordinate at the first difference; of identical ones the one with the smallest
-/// id.
+/// The hit that the rule selects, computed exactly: the nearest one; of equally near ones the lower triangle.
 fn canonical(world: &World, near: impl Iterator<Item = u32>, ray: &Ray) -> Option<u32> {
     let corners = |i: u32| world.corners(i as usize);
     let hits = near.filter(|&i| may_hit(ray, corners(i))).filter_map(|i| {
         let t = intersect_by_rule(ray, corners(i))?;
-        (!t.is_negative()).then(|| (t, corners(i).map(|v| v.to_array().map(exact)), i))
+        (!t.is_negative()).then_some((t, i))
     });
-    hits.min().map(|(_, _, i)| i)
+    hits.min().map(|(_, i)| i)
 }
 
 /// Whether a ray may hit a triangle. Plain arithmetic is accurate enough for this.

@@ -91,7 +91,7 @@ fn pair(red: &str, blue: &str) -> String {
     )
 }
 
-/// Of each pair the one that comes first is seen, as if the other one were a little farther away.
+/// Of each pair the lower object is seen, as if the other one were a little farther away.
 #[test]
 fn of_two_surfaces_in_one_place_one_is_seen_throughout() {
     let triangle = |z: &str| format!("Triangle {{ vertex0 -1 -1 {z} vertex1 1 -1 {z} vertex2 0 1 {z} }}");
@@ -126,14 +126,61 @@ fn of_two_surfaces_in_one_place_one_is_seen_throughout() {
                     let same = rendered(&both, 1, &format!("-size 90 90 {flags}")) == found;
                     assert!(same, "{flags} {both}");
                 }
-                let behind = [["0.3", "0.299999"], ["0.299999", "0.3"]]
-                    .map(|[z, w]| rendered(&pair(&under(red(z)), &under(blue(w))), 1, "-size 90 90"));
-                let differing = |other: &Tga| {
-                    found.pixels.iter().zip(&other.pixels).filter(|(one, other)| one != other).count()
-                };
+                let behind = pair(&under(red("0.3")), &under(blue("0.299999")));
                 // Of boxes the other sides are seen, too, whose edges move by little.
-                assert!(behind.iter().map(differing).min() < Some(3), "{both}");
+                assert!(differing(&found, &rendered(&behind, 1, "-size 90 90")) < 3, "{both}");
             }
+        }
+    }
+}
+
+fn differing(one: &Tga, other: &Tga) -> usize {
+    one.pixels.iter().zip(&other.pixels).filter(|(one, other)| one != other).count()
+}
+
+/// However two squares are cut into triangles, the lower one is seen, as if the other one were a little farther away.
+#[test]
+fn of_two_meshes_in_one_place_the_lower_one_is_seen_throughout() {
+    let cuts = ["f 1 2 3\nf 3 4 1\n", "f 1 2 3\nf 1 3 4\n", "f 4 2 3\nf 2 4 1\n", "f 3 4 1 2\n"];
+    let square = |half: f64, cut: &str| {
+        let corner = |[x, y]: [f64; 2]| format!("v {} {} 0.3\n", half * x, half * y);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner);
+        corners.concat() + cut
+    };
+    for (one, other) in cuts.iter().flat_map(|one| cuts.map(|other| (one, other))) {
+        for transform in ["Scale 1 1 1", "Rotate { 0.6 0.8 0 33 }"] {
+            let under = |height: f64, mesh: &str| {
+                format!(
+                    "Transform {{ {transform} Translate 0 0 {height} TriangleMesh {{ obj_file {mesh} }} }}"
+                )
+            };
+            let shown = |height: f64| {
+                let folder = Folder::with_scene(&pair(&under(0.0, "a.obj"), &under(height, "b.obj")));
+                folder.write("a.obj", square(1.0, one));
+                folder.write("b.obj", square(0.9, other));
+                folder.render("-size 40 40")
+            };
+            assert_eq!(shown(0.0), shown(-1e-6), "{one} {other} {transform}");
+        }
+    }
+}
+
+/// Turning a scene does not change which side of a flattened triangle is its front.
+#[test]
+fn a_flattened_triangle_shows_its_front_however_it_is_turned() {
+    for turn in (0..360).step_by(7) {
+        for flattening in ["XRotate 25 Scale 1 0 1 ZRotate 20", "Scale 2 0 1 XRotate 40 Rotate { 1 2 3 5 }"] {
+            let text = format!(
+                "OrthographicCamera {{ center 0 9 0 direction 0 -1 0 up 0 0 -1 size 9 }}
+                 Background {{ color 0 1 0 ambientLight 1 1 1 }}
+                 Materials {{ numMaterials 1 Material {{ diffuseColor 1 0 0 }} }}
+                 Group {{ numObjects 1 MaterialIndex 0 Transform {{ YRotate {turn} {flattening}
+                   Triangle {{ vertex0 -2 -1 1 vertex1 2 -1 1 vertex2 0 1 -2 }} }} }}"
+            );
+            let pixels = Folder::with_scene(&text).render("-size 60 60").pixels;
+            let red = pixels.iter().filter(|&&pixel| pixel == [255, 0, 0]).count();
+            let empty = pixels.iter().filter(|&&pixel| pixel == [0, 255, 0]).count();
+            assert!(red > 60 && red + empty == pixels.len(), "{turn} {flattening}: {red} and {empty}");
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::primitive::plane::Plane;
 use crate::scene::Position;
 use crate::scene::parser::parse;
 

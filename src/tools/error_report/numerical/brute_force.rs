@@ -38,14 +38,10 @@ impl Rules for BruteForce<'_> {
 
     fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Visible> {
         let exclude = leaves.filter(|&id| self.world.is_triangle(id));
-        let nearer = |best, other| if self.world.precedes(other, best) { other } else { best };
-        let (_, nearest) = self.hits(ray, exclude).reduce(nearer)?;
-        let coincident =
-            self.hits(ray, exclude).filter(|&(_, id)| id == nearest || self.world.coincide(id, nearest));
-        let first = |best: (f64, u32), other: (f64, u32)| {
-            if self.world.comes_first(other.1, best.1) { other } else { best }
-        };
-        let (t, primitive) = coincident.reduce(first)?;
+        let nearest = self.hits(ray, exclude).map(|(t, _)| t).reduce(f64::min)?;
+        let end = nearest + self.world.coincidence_reach(nearest);
+        let close = self.hits(ray, exclude).filter(|&(t, _)| t <= end).collect();
+        let (t, primitive) = self.world.foremost(ray, close)?;
         Some(Visible { primitive, t_bound: t })
     }
 }
