@@ -75,7 +75,7 @@ impl<'a> Statement<'a> {
 
 /// The statements of a text that are not empty, in its order.
 pub fn statements(mut rest: &[u8]) -> impl Iterator<Item = Statement<'_>> {
-    let mut next = move || {
+    let next = move || {
         let start = rest.iter().position(|byte| !is_blank(byte) && !is_line_end(byte))?;
         let text = &rest[start..];
         let mut line = 0;
@@ -95,7 +95,7 @@ pub fn statements(mut rest: &[u8]) -> impl Iterator<Item = Statement<'_>> {
             line = text.len() - rest.len();
         }
     };
-    std::iter::from_fn(move || next()).filter(|statement| !statement.content.is_empty())
+    std::iter::from_fn(next).filter(|statement| !statement.content.is_empty())
 }
 
 fn is_blank(byte: &u8) -> bool {

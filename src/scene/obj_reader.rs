@@ -158,7 +158,7 @@ impl<'a> Normal<'a> {
                 Some(Keyword::Texture | Keyword::Other) => {}
                 None => self.unknown.add(offset, || {
                     let hint = nearest(&shown(word), &COMMON).map(|near| format!("did you mean `{near}`?"));
-                    (format!("{} is no keyword of OBJ, and its line is left out", quoted(&shown(word))), hint)
+                    (format!("{} is no keyword of OBJ, and its line is left out", quoted(shown(word))), hint)
                 }),
             }
         }
@@ -241,7 +241,7 @@ impl<'a> Normal<'a> {
             Ok(number) => Ok(number),
             Err(_) if is_nan() => Ok(f64::NAN),
             Err(_) => {
-                let message = format!("{rule}, and {} is none", quoted(&shown(word.as_bytes())));
+                let message = format!("{rule}, and {} is none", quoted(shown(word.as_bytes())));
                 self.error(word.as_bytes(), message, number_hint(word))
             }
         }
@@ -266,7 +266,7 @@ impl<'a> Normal<'a> {
             let text = self.utf8(word)?;
             let Some((vertex, coordinate)) = corner(text) else {
                 let rule = "a face needs vertex indices such as `1 2 3`";
-                let message = format!("{rule}, and {} is none", quoted(&shown(word)));
+                let message = format!("{rule}, and {} is none", quoted(shown(word)));
                 return self.error(word, message, corner_hint(text));
             };
             // A negative index counts back from the face.
@@ -323,7 +323,7 @@ impl<'a> Normal<'a> {
             (_, Some((offset, _))) => {
                 let word =
                     statements(&self.text[*offset..]).next().and_then(|statement| statement.words().next());
-                let word = quoted(&shown(word.unwrap_or_default()));
+                let word = quoted(shown(word.unwrap_or_default()));
                 (Some(offset), format!(", and {word} is no keyword of OBJ"), None)
             }
             _ if self.text.is_empty() => (None, ": the file is empty".into(), None),
