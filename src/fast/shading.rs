@@ -2,9 +2,6 @@
 
 use super::raster::{Blocker, ShadowMaps};
 use crate::caster::Caster;
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::scene::Color;
 use crate::scene::model::Highlight;
@@ -13,6 +10,7 @@ use crate::shading::phong::{Mixture, View};
 use crate::stats::Quiet;
 use crate::trace::{Arrival, Path, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
+use fearless_simd::dispatch;
 
 /// Colours rays by these rules, none of which is a mistake.
 #[derive(Debug)]
@@ -49,12 +47,7 @@ impl<R: Rules> Shading<'_, R> {
         if memory.pending.is_empty() {
             return color;
         }
-        match self.caster.instructions {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { add_secondary_avx2(avx2, self, color, memory) },
-            Instructions::Portable => self.add_secondary(color, memory),
-        }
+        dispatch!(self.caster.level, _ => self.add_secondary(color, memory))
     }
 
     /// Adds the colours of the secondary rays that wait, and of those that they cause in turn.
@@ -168,19 +161,12 @@ impl<R: Rules> Shading<'_, R> {
     }
 }
 
-/// Adds the colours of the secondary rays that wait, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn add_secondary_avx2<R: Rules>(_: Avx2, shading: &Shading<R>, color: Color, memory: &mut Memory) -> Color {
-    shading.add_secondary(color, memory)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::caster::choose::Layout;
-    use crate::caster::{Caster, Instructions};
+    use crate::caster::Caster;
+    use crate::math::instructions;
     use crate::math::ray::Ray;
     use crate::scene::parser::parse;
     use crate::stats::Counts;
@@ -216,8 +202,8 @@ mod tests {
     fn camera_rays_have_the_colours_of_the_tracer() {
         let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
-        for instructions in Instructions::available() {
-            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
+        for level in instructions::available() {
+            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), level).unwrap();
             let tracer = Tracer { rules: &caster, effects };
             let shading = Shading { tracer, caster: &caster, shadow_maps: None };
             let (mut memory, mut alone) = (Memory::default(), Counts::default());

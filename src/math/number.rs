@@ -2,7 +2,6 @@
 //! numbers, or four results from [`F64x4`](super::f64x4::F64x4), each with the same bits.
 
 use super::extremes;
-use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// One number, or one in each of several lanes. A set of lanes is a number whose bit 0 stands for the first lane.
@@ -42,15 +41,15 @@ pub trait Number:
 }
 
 impl Number for f64 {
-    type Proof = Portable;
+    type Proof = ();
 
     #[inline(always)]
-    fn proof(self) -> Portable {
-        Portable
+    fn proof(self) -> () {
+        ()
     }
 
     #[inline(always)]
-    fn splat(_: Portable, x: f64) -> Self {
+    fn splat(_: (), x: f64) -> Self {
         x
     }
 

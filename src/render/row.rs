@@ -92,7 +92,7 @@ impl RenderSetting<'_> {
             (false, _) => Colors::Unwanted,
             (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
             (true, _) => {
-                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
+                Colors::Spread(Spread::new(request.filter, self.caster.level, j, request.size))
             }
         };
         let layers = request.layers.iter().map(|layer| match layer {
