@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::choose::Layout;
 use raytracer::caster::Caster;
+use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::{self, Level};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
@@ -56,13 +56,7 @@ fn check_pictures(scene: &Scene, world: &World) {
 }
 
 /// The bytes of a picture of sixteen pixels with every effect.
-fn tiny_picture(
-    scene: &Scene,
-    tracing: Tracing,
-    world: &World,
-    layout: Layout,
-    level: Level,
-) -> Vec<u8> {
+fn tiny_picture(scene: &Scene, tracing: Tracing, world: &World, layout: Layout, level: Level) -> Vec<u8> {
     let caster = Caster::with(world, layout, level).expect("a small grid");
     let (bytes, nans) = bytes_and_nans(scene, &caster, tracing, [4, 4], [1.0, 10.0]);
     assert_eq!(nans, 0, "colours that are not numbers");

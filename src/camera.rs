@@ -145,8 +145,10 @@ impl Camera {
         offsets: [DVec2; 4],
     ) -> [Ray; 4] {
         let [o, p, q, r] = offsets;
-        let pixels = [f64x4::simd_from(simd, columns.map(|column| column as f64)), f64x4::splat(simd, row as f64)];
-        let offsets = [f64x4::simd_from(simd, [o.x, p.x, q.x, r.x]), f64x4::simd_from(simd, [o.y, p.y, q.y, r.y])];
+        let pixels =
+            [f64x4::simd_from(simd, columns.map(|column| column as f64)), f64x4::splat(simd, row as f64)];
+        let offsets =
+            [f64x4::simd_from(simd, [o.x, p.x, q.x, r.x]), f64x4::simd_from(simd, [o.y, p.y, q.y, r.y])];
         let [origins, directions] = self.origin_and_direction(pixels, offsets).map(Vector::to_array);
         [0, 1, 2, 3].map(|i| Ray { t_min: self.t_min(), ..Ray::new(origins[i], directions[i]) })
     }

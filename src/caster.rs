@@ -111,9 +111,7 @@ impl<'w> Caster<'w> {
     /// Whether a ray enters the bounds of the finite primitives, or may do so.
     #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     pub(crate) fn enters(&self, ray: &Ray) -> bool {
-        let entry = |structure: &AccelerationStructure| {
-            dispatch!(self.level, simd => matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses))
-        };
+        let entry = |structure: &AccelerationStructure| dispatch!(self.level, simd => matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses));
         self.structure.as_deref().is_some_and(|structure| !entry(structure))
     }
 
@@ -262,8 +260,7 @@ impl<'w> Caster<'w> {
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         let [a, b, c, d] = ray_to_there.pairs();
-        let found =
-            self.run_at::<S, _, false>(simd, a, b, c, d, leaves, nearest.primitive, &mut Quiet);
+        let found = self.run_at::<S, _, false>(simd, a, b, c, d, leaves, nearest.primitive, &mut Quiet);
         let first = found.primitive;
         if first == triangle8::NONE || first == nearest.primitive {
             return nearest;

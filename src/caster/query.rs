@@ -7,12 +7,12 @@ use crate::caster::cell_contents::CellContents;
 use crate::caster::ray_aabb::RayInterval;
 use crate::math::f64x4::FourLanes;
 use crate::math::lanes::lanes;
+use crate::math::number::Number;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
-use crate::math::number::Number;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// The search along one ray, with the nearest primitive that it has found so far.

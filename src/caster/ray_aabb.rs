@@ -4,10 +4,10 @@
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
 use crate::math::f64x4::FourLanes;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::number::Number;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 

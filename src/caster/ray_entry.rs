@@ -3,9 +3,9 @@
 use crate::caster::blocks::triangle8::Frame;
 use crate::caster::ray_aabb::{RayInterval, SimdAabb, intersect_aabb};
 use crate::math::f64x4::FourLanes;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
-use crate::math::number::Number;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// How a ray enters bounds.

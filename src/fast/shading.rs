@@ -164,8 +164,8 @@ impl<R: Rules> Shading<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::choose::Layout;
     use crate::caster::Caster;
+    use crate::caster::choose::Layout;
     use crate::math::instructions;
     use crate::math::ray::Ray;
     use crate::scene::parser::parse;

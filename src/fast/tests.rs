@@ -1,6 +1,6 @@
 use super::*;
-use crate::math::instructions;
 use crate::caster::choose::Layout;
+use crate::math::instructions;
 use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;

@@ -3,11 +3,11 @@
 //! Only how the axes are turned differs from [`Shear`](crate::primitive::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
 use crate::primitive::triangle::{interpolated, rounded_normal};
-use crate::math::number::Number;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 
@@ -62,8 +62,10 @@ fn weights<S: Simd>(simd: S, rays: [&Ray; 4], [p, q, r]: [Vector<f64x4<S>>; 3]) 
         (ALL, 0) => sheared_weights(zxy(d), [zxy(p), zxy(q), zxy(r)]),
         (ALL, ALL) => sheared_weights(d, [p, q, r]),
         (not_x, is_z) => {
-            let axis =
-                f64x4::simd_from(simd, [0, 1, 2, 3].map(|lane| f64::from((not_x >> lane & 1) + (is_z >> lane & 1))));
+            let axis = f64x4::simd_from(
+                simd,
+                [0, 1, 2, 3].map(|lane| f64::from((not_x >> lane & 1) + (is_z >> lane & 1))),
+            );
             let turned = |v| turned(v, axis);
             sheared_weights(turned(d), [turned(p), turned(q), turned(r)])
         }
@@ -101,7 +103,10 @@ fn zxy<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>) -> Vector<f64x4<S>> {
 
 /// The weights for directions that are longest along z, and vertices relative to the rays' origins.
 #[inline(always)]
-fn sheared_weights<S: Simd>(direction: Vector<f64x4<S>>, [p, q, r]: [Vector<f64x4<S>>; 3]) -> ([f64x4<S>; 3], u32) {
+fn sheared_weights<S: Simd>(
+    direction: Vector<f64x4<S>>,
+    [p, q, r]: [Vector<f64x4<S>>; 3],
+) -> ([f64x4<S>; 3], u32) {
     let slopes = [direction.x / direction.z, direction.y / direction.z];
     let sheared = [sheared(p, slopes), sheared(q, slopes), sheared(r, slopes)];
     let weights = edge_functions(sheared);
@@ -112,10 +117,10 @@ fn sheared_weights<S: Simd>(direction: Vector<f64x4<S>>, [p, q, r]: [Vector<f64x
 mod tests {
     use super::{DVec3, Hits4, Ray, Simd, Triangles4, Vector};
     use crate::math::instructions::{self, Level};
-    use fearless_simd::dispatch;
     use crate::primitive::edge_functions::{Sides, edge_error_bound};
     use crate::primitive::triangle::{Shear, normal, point};
     use crate::sampling::drand48::Drand48;
+    use fearless_simd::dispatch;
     use rand::RngExt;
 
     /// Numbers of which some are exceptional.

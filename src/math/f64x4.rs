@@ -40,12 +40,20 @@ impl<S: Simd> Number for f64x4<S> {
     // On x86 one instruction does this; those of other processors return a NaN where either number is one.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        if cfg!(target_arch = "x86_64") { SimdBase::min(self, other) } else { self.select_lt(other, self, other) }
+        if cfg!(target_arch = "x86_64") {
+            SimdBase::min(self, other)
+        } else {
+            self.select_lt(other, self, other)
+        }
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        if cfg!(target_arch = "x86_64") { SimdBase::max(self, other) } else { other.select_lt(self, self, other) }
+        if cfg!(target_arch = "x86_64") {
+            SimdBase::max(self, other)
+        } else {
+            other.select_lt(self, self, other)
+        }
     }
 
     #[inline(always)]

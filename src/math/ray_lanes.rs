@@ -1,7 +1,7 @@
 //! A ray in SIMD lanes ([`F64x4`]), by its axes.
 
-use super::ray::Ray;
 use super::number::Number;
+use super::ray::Ray;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// All axes of a ray.
@@ -26,6 +26,9 @@ impl<S: Simd> RayLanes<S> {
     #[inline(always)]
     pub fn all_axes(simd: S, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        Self::new(f64x4::simd_from(simd, [o.x, o.y, o.z, d.x]), f64x4::simd_from(simd, [d.x, d.y, d.z, ray.t_max]))
+        Self::new(
+            f64x4::simd_from(simd, [o.x, o.y, o.z, d.x]),
+            f64x4::simd_from(simd, [d.x, d.y, d.z, ray.t_max]),
+        )
     }
 }

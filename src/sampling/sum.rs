@@ -1,8 +1,8 @@
 //! The weighted sum of the samples of one pixel.
 
 use crate::math::f64x4::FourLanes;
-use crate::scene::Color;
 use crate::math::number::Number;
+use crate::scene::Color;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// The weighted sum of the samples of one pixel: red, green, blue, and the weights themselves.
@@ -44,7 +44,8 @@ impl Sum {
             return samples.for_each(|(weight, color)| self.add_part(*weight, *color));
         }
         // A product with a weight of zero is zero and changes no sum, since no sum is -0.
-        let product = |(weight, color): (&f64, &[f64; 4])| f64x4::splat(simd, *weight) * f64x4::simd_from(simd, *color);
+        let product =
+            |(weight, color): (&f64, &[f64; 4])| f64x4::splat(simd, *weight) * f64x4::simd_from(simd, *color);
         // The groups are of a constant size so that the compiler unrolls their loop.
         let (weights, last_weights) = weights.as_chunks::<4>();
         let (colors, last_colors) = colors.as_chunks::<4>();

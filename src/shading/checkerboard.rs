@@ -71,7 +71,11 @@ fn coordinates<S: Simd>(simd: S, map: &DAffine3, point: DVec3) -> f64x4<S> {
     // The fourth number of each column is the first of the next one, so that columns are loaded as a whole.
     let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
     let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
-    let [a, b, c] = [f64x4::simd_from(simd, columns[0]), f64x4::simd_from(simd, columns[1]), f64x4::simd_from(simd, columns[2])];
+    let [a, b, c] = [
+        f64x4::simd_from(simd, columns[0]),
+        f64x4::simd_from(simd, columns[1]),
+        f64x4::simd_from(simd, columns[2]),
+    ];
     let translation = f64x4::simd_from(simd, [tx, ty, tz, tz]);
     a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }

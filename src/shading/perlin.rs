@@ -116,7 +116,8 @@ fn side<S: Simd, const DX: usize>(near: f64x4<S>, [x, y, z, _]: [u8; 4]) -> f64x
 /// zero, so that the order in which they are added does not matter.
 #[inline(always)]
 fn products<S: Simd>(gradient: usize, near: f64x4<S>, [dx, dy, dz]: [f64; 3]) -> f64x4<S> {
-    f64x4::simd_from(near.proof(), HASHED_GRADIENTS[gradient]) * (near - f64x4::simd_from(near.proof(), [dx, dy, dz, 0.0]))
+    f64x4::simd_from(near.proof(), HASHED_GRADIENTS[gradient])
+        * (near - f64x4::simd_from(near.proof(), [dx, dy, dz, 0.0]))
 }
 
 /// Up to this size of coordinates the indices of cells are converted to integers exactly.
@@ -168,7 +169,6 @@ fn sum_of_octaves<S: Simd, const IS_FAR: bool>(mut p: f64x4<S>, octaves: u32) ->
 mod tests {
     use super::*;
     use crate::math::instructions;
-    
 
     /// One octave of noise.
     fn noise(p: DVec3) -> f64 {

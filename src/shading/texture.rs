@@ -269,7 +269,11 @@ mod tests {
                 && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
         );
         let marble = |t: &Material| {
-            if let Material::Texture(t) = t { first_weight(t, &point.into(), Level::baseline()) } else { f64::NAN }
+            if let Material::Texture(t) = t {
+                first_weight(t, &point.into(), Level::baseline())
+            } else {
+                f64::NAN
+            }
         };
         assert!((m.phong.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
     }

@@ -105,8 +105,6 @@ impl<R: Rules> Tracer<'_, R> {
         let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };
         let (material, level) = (world.material_of(triangle), self.rules.level());
         let mut mixture = Mixture::default();
-        material_at(&world.materials, material, &position.into(), level, &mut mixture)
-            .phong
-            .transparent
+        material_at(&world.materials, material, &position.into(), level, &mut mixture).phong.transparent
     }
 }

@@ -3,8 +3,8 @@
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
-use raytracer::caster::choose::Layout;
 use raytracer::caster::Caster;
+use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::{Counts, Quiet};

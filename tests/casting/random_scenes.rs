@@ -8,8 +8,8 @@ use super::fuzz_findings::checks::{bytes_and_nans, meshes};
 use super::strategies::{Range, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
-use raytracer::caster::choose::Layout;
 use raytracer::caster::Caster;
+use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
@@ -60,8 +60,7 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
         (Layout::automatic(&world, 1 << 20), fastest),
         (Layout::List, portable),
     ];
-    let casters =
-        ways.map(|(layout, level)| Caster::with(&world, layout, level).expect("small grids"));
+    let casters = ways.map(|(layout, level)| Caster::with(&world, layout, level).expect("small grids"));
     let as_course = [None, Some(cells)]
         .map(|cells| Caster::with(&world, Layout::Course(cells), fastest).expect("a small grid"));
     let aimed = aimed(rays, &world);

@@ -1,7 +1,7 @@
 //! What the tests share: worlds, casters and random numbers.
 
-use raytracer::caster::choose::Layout;
 use raytracer::caster::Caster;
+use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::Level;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;

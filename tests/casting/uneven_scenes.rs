@@ -4,8 +4,8 @@
 use super::support::{rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::choose::{Layout, Rays, cubic};
 use raytracer::caster::Caster;
+use raytracer::caster::choose::{Layout, Rays, cubic};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
 use raytracer::scene_io::load;

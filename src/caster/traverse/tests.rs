@@ -1,6 +1,6 @@
 use super::*;
-use crate::caster::choose::Layout;
 use crate::caster::Caster;
+use crate::caster::choose::Layout;
 use crate::math::instructions::{self, Level};
 use crate::scene::parser::parse;
 use crate::stats::Quiet;

@@ -110,7 +110,10 @@ fn selects_and_rounds<S: Simd>(simd: S) {
     assert_eq!(f64x4::simd_from(simd, numbers.map(|x| -x)).round().to_array(), numbers.map(|x| (-x).round()));
     for i in -9..9 {
         let numbers = [0.0, 0.25, 0.5, 0.75].map(|fraction| f64::from(i) + fraction);
-        assert_eq!(fearless_simd::SimdFloat::ceil(f64x4::simd_from(simd, numbers)).to_array(), numbers.map(f64::ceil));
+        assert_eq!(
+            fearless_simd::SimdFloat::ceil(f64x4::simd_from(simd, numbers)).to_array(),
+            numbers.map(f64::ceil)
+        );
     }
     for x in [0.0, -0.0, 0.5, 0.75, 254.5, 255.5, 1e9 + 0.3, ROUND_TO_INTEGER / 3.0, 2e18, HUGE, f64::NAN] {
         let around = [x, -x, x.next_up(), -x.next_down()];
