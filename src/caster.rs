@@ -111,8 +111,9 @@ impl<'w> Caster<'w> {
     /// Whether a ray enters the bounds of the finite primitives, or may do so.
     #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     pub(crate) fn enters(&self, ray: &Ray) -> bool {
-        let entry = |structure: &AccelerationStructure| dispatch!(self.level, simd => matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses));
-        self.structure.as_deref().is_some_and(|structure| !entry(structure))
+        self.structure.as_deref().is_some_and(|structure| {
+            dispatch!(self.level, simd => !matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses))
+        })
     }
 
     /// Whether a ray is tested against only a few of the primitives: those in the cells of a grid, or in the boxes of a

@@ -14,6 +14,7 @@ use crate::scene::model::MeshNormals;
 use crate::stats::Quiet;
 use crate::trace::{Rules, Tracer};
 use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
 
 /// Traces the samples of a packet, which lie in row `j`, by the rules of the row's scene, and enters their colours, if
 /// they are wanted.
@@ -28,8 +29,9 @@ pub fn trace<R: Rules>(
     dispatch!(row.rows.caster.level, simd => trace_at(simd, row, rules, j, wanted, packet, colors));
 }
 
-/// The same, compiled for the instructions of the caller.
-#[inline(always)]
+/// Traces the samples with these instructions.
+#[simd]
+#[inline(never)]
 #[allow(clippy::too_many_arguments)]
 fn trace_at<S: Simd, R: Rules>(
     simd: S,

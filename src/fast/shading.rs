@@ -10,7 +10,8 @@ use crate::shading::phong::{Mixture, View};
 use crate::stats::Quiet;
 use crate::trace::{Arrival, Path, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
-use fearless_simd::dispatch;
+use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
 
 /// Colours rays by these rules, none of which is a mistake.
 #[derive(Debug)]
@@ -47,12 +48,13 @@ impl<R: Rules> Shading<'_, R> {
         if memory.pending.is_empty() {
             return color;
         }
-        dispatch!(self.caster.level, _ => self.add_secondary(color, memory))
+        dispatch!(self.caster.level, simd => self.add_secondary(simd, color, memory))
     }
 
     /// Adds the colours of the secondary rays that wait, and of those that they cause in turn.
-    #[inline(always)]
-    fn add_secondary(&self, mut color: Color, memory: &mut Memory) -> Color {
+    #[simd]
+    #[inline(never)]
+    fn add_secondary<S: Simd>(&self, _: S, mut color: Color, memory: &mut Memory) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {

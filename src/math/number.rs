@@ -1,5 +1,5 @@
 //! Numbers in one or in four lanes. A formula that is written over [`Number`] computes one result from plain
-//! numbers, or four results from [`F64x4`](super::f64x4::F64x4), each with the same bits.
+//! numbers, or four results from [`f64x4`](fearless_simd::f64x4), each with the same bits.
 
 use super::extremes;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,4 +1,4 @@
-//! A ray in SIMD lanes ([`F64x4`]), by its axes.
+//! A ray in SIMD lanes ([`f64x4`]), by its axes.
 
 use super::number::Number;
 use super::ray::Ray;

@@ -58,7 +58,7 @@ fn only_child(
     dispatch!(level, simd => only_child_with(materials, texture, point, simd.level(), mixture))
 }
 
-/// The same, compiled for the level of the caller.
+/// Finds the child with the instructions of the caller.
 #[inline(always)]
 fn only_child_with(
     materials: &[Material],
