@@ -144,13 +144,14 @@ fn turbulence_at<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 
     // The coordinates are the largest in the last octave.
     let growth = 1u32.checked_shl(octaves).map_or(f64::INFINITY, f64::from);
     let is_near = (lanes.abs() * lanes.broadcast(growth)).le_mask(lanes.broadcast(NEAR)) & 7 == 7;
-    if is_near { sum_of_octaves::<S, false>(lanes, octaves) } else { far_turbulence(lanes, octaves) }
+    if is_near { sum_of_octaves::<S, false>(lanes, octaves) } else { far_turbulence(simd, x, y, z, octaves) }
 }
 
-/// The same where coordinates may be larger than [`NEAR`].
+/// The sum of octaves where coordinates may be larger than [`NEAR`]. They come in registers here too: for a vector that
+/// is passed in memory, the caller would read its own from there.
 #[cold]
-fn far_turbulence<S: Simd>(p: f64x4<S>, octaves: u32) -> f64 {
-    sum_of_octaves::<S, true>(p, octaves)
+fn far_turbulence<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
+    sum_of_octaves::<S, true>(f64x4::simd_from(simd, [x, y, z, 0.0]), octaves)
 }
 
 /// The sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each of them.
