@@ -4,9 +4,9 @@
 #
 # Usage: benches/systems.sh PROGRAM [ARM] [SYSROOT]
 #
-# PROGRAM is built with the feature `ablation`, which can leave AVX2 and SSE4.2 out; callgrind counts its instructions. ARM is the
-# same program for AArch64, which qemu-aarch64 runs with the libraries in SYSROOT, /usr/aarch64-linux-gnu unless told. It
-# writes down each sequence of instructions when it first comes to it, and its address whenever it runs.
+# PROGRAM is built with the feature `ablation`, which can leave AVX2 and SSE4.2 out; callgrind counts its instructions.
+# ARM is the same program for AArch64, which qemu-aarch64 runs with the libraries in SYSROOT, /usr/aarch64-linux-gnu
+# unless told. It writes down each sequence of instructions when it first comes to it, and its address whenever it runs.
 set -euo pipefail
 scenes=$(cd "$(dirname "$0")/../scenes" && pwd)
 program=$(realpath "$1")
