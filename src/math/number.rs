@@ -44,9 +44,7 @@ impl Number for f64 {
     type Proof = ();
 
     #[inline(always)]
-    fn proof(self) -> () {
-        ()
-    }
+    fn proof(self) {}
 
     #[inline(always)]
     fn splat(_: (), x: f64) -> Self {

@@ -52,11 +52,11 @@ impl Sum {
         let mut sum = f64x4::simd_from(simd, self.0);
         for group in weights.iter().zip(colors) {
             for sample in group.0.iter().zip(group.1) {
-                sum = sum + product(sample);
+                sum += product(sample);
             }
         }
         for sample in last_weights.iter().zip(last_colors) {
-            sum = sum + product(sample);
+            sum += product(sample);
         }
         self.0 = sum.to_array();
     }
