@@ -3,8 +3,9 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::{self, Level};
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::mesh::{Mesh, parse_obj};
@@ -34,10 +35,10 @@ pub fn check_scene(text: &str) {
 }
 
 fn check_pictures(scene: &Scene, world: &World) {
-    let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
+    let (fastest, portable) = (instructions::available()[0], Level::baseline());
     let some = Layout::Grid([3, 2, 4]);
     let plain = tiny_picture(scene, Tracing::Fast, world, Layout::List, fastest);
-    for (options, instructions) in [
+    for (options, level) in [
         (some, fastest),
         (some, portable),
         (Layout::automatic(world, 1 << 20), fastest),
@@ -45,8 +46,8 @@ fn check_pictures(scene: &Scene, world: &World) {
         (Layout::Tree, portable),
         (Layout::List, portable),
     ] {
-        let picture = tiny_picture(scene, Tracing::Fast, world, options, instructions);
-        assert!(plain == picture, "the picture differs with {options:?}, {instructions:?}");
+        let picture = tiny_picture(scene, Tracing::Fast, world, options, level);
+        assert!(plain == picture, "the picture differs with {options:?}, {level:?}");
     }
     for cells in [None, Some([3, 2, 4])] {
         let as_course = tiny_picture(scene, Tracing::Counted, world, Layout::Course(cells), fastest);
@@ -55,14 +56,8 @@ fn check_pictures(scene: &Scene, world: &World) {
 }
 
 /// The bytes of a picture of sixteen pixels with every effect.
-fn tiny_picture(
-    scene: &Scene,
-    tracing: Tracing,
-    world: &World,
-    layout: Layout,
-    instructions: Instructions,
-) -> Vec<u8> {
-    let caster = Caster::with(world, layout, instructions).expect("a small grid");
+fn tiny_picture(scene: &Scene, tracing: Tracing, world: &World, layout: Layout, level: Level) -> Vec<u8> {
+    let caster = Caster::with(world, layout, level).expect("a small grid");
     let (bytes, nans) = bytes_and_nans(scene, &caster, tracing, [4, 4], [1.0, 10.0]);
     assert_eq!(nans, 0, "colours that are not numbers");
     bytes

@@ -1,12 +1,12 @@
 //! The camera: generates the primary ray of each sample.
 
-use crate::math::f64x4::F64x4;
 use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
 use crate::math::vector::Vector;
 use crate::scene;
 use crate::scene::model::Screen;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::{DVec2, DVec3};
 
 /// A camera.
@@ -137,16 +137,18 @@ impl Camera {
     /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres.
     #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     #[inline(always)]
-    pub(crate) fn rays<F: F64x4>(
+    pub(crate) fn rays<S: Simd>(
         &self,
-        proof: F::Proof,
+        simd: S,
         columns: [usize; 4],
         row: usize,
         offsets: [DVec2; 4],
     ) -> [Ray; 4] {
         let [o, p, q, r] = offsets;
-        let pixels = [F::new(proof, columns.map(|column| column as f64)), F::splat(proof, row as f64)];
-        let offsets = [F::new(proof, [o.x, p.x, q.x, r.x]), F::new(proof, [o.y, p.y, q.y, r.y])];
+        let pixels =
+            [f64x4::simd_from(simd, columns.map(|column| column as f64)), f64x4::splat(simd, row as f64)];
+        let offsets =
+            [f64x4::simd_from(simd, [o.x, p.x, q.x, r.x]), f64x4::simd_from(simd, [o.y, p.y, q.y, r.y])];
         let [origins, directions] = self.origin_and_direction(pixels, offsets).map(Vector::to_array);
         [0, 1, 2, 3].map(|i| Ray { t_min: self.t_min(), ..Ray::new(origins[i], directions[i]) })
     }
@@ -182,6 +184,8 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::instructions;
+    use fearless_simd::dispatch;
 
     fn at(camera: &Camera, x: f64, y: f64) -> Ray {
         camera.ray(DVec2::new(x, y), DVec2::splat(-0.5))
@@ -300,7 +304,7 @@ mod tests {
         }
     }
 
-    fn aims_four_as_one<F: F64x4>(proof: F::Proof) {
+    fn aims_four_as_one<S: Simd>(simd: S) {
         let [orthographic, perspective] = oblique();
         let far = scene::Camera::Perspective {
             center: DVec3::new(1e150, -1e-150, 0.0),
@@ -319,7 +323,7 @@ mod tests {
                         DVec2::new(part - 0.5, [-0.5, 0.0, 0.3 - part, 0.5f64.next_down()][lane])
                     };
                     let offsets = [0, 1, 2, 3].map(offset);
-                    let rays = camera.rays::<F>(proof, columns, row, offsets);
+                    let rays = camera.rays(simd, columns, row, offsets);
                     for (ray, (column, offset)) in rays.iter().zip(columns.into_iter().zip(offsets)) {
                         let expected = camera.ray(DVec2::new(column as f64, row as f64), offset);
                         let bits = |ray: &Ray| ray.pairs().map(|p| p.to_array().map(f64::to_bits));
@@ -332,10 +336,8 @@ mod tests {
 
     #[test]
     fn four_rays_have_the_bits_of_single_ones() {
-        aims_four_as_one::<crate::math::f64x4::Scalar>(crate::math::instructions::Portable);
-        #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = crate::math::instructions::Avx2::detect() {
-            aims_four_as_one::<crate::math::avx::Avx>(proof);
+        for level in instructions::available() {
+            dispatch!(level, simd => aims_four_as_one(simd));
         }
     }
 }

@@ -20,7 +20,7 @@ mod ray_entry;
 mod descent;
 mod traverse;
 #[doc(hidden)]
-pub use crate::math::instructions::Instructions;
+pub use crate::math::instructions::Level;
 pub use build::StructureSize;
 pub use error::GridTooLarge;
 pub use fullness::Fullness;
@@ -28,17 +28,14 @@ pub use fullness::Fullness;
 use crate::caster::blocks::triangle8;
 use crate::caster::build::{AccelerationStructure, Order};
 use crate::caster::choose::{Layout, Rays};
-use crate::caster::descent::DescentKernel;
 use crate::caster::query::{HitList, RayQuery};
 use crate::caster::ray_entry::Entry;
-use crate::math::f64x4::Scalar;
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Portable;
+use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::stats::{Probe, Quiet};
 use crate::world::World;
-#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
 use glam::DVec2;
 use std::sync::{Arc, OnceLock};
 
@@ -68,7 +65,7 @@ pub struct Caster<'w> {
     /// The world into which rays are cast.
     pub world: &'w World,
     /// The instructions that the inner loops use.
-    pub instructions: Instructions,
+    pub level: Level,
     /// Contains every finite primitive; none if the world has no finite primitives.
     pub(super) structure: Option<Arc<AccelerationStructure>>,
     /// A grid or a tree in place of the list, if it may be built where more rays are cast than were expected, and the camera
@@ -79,15 +76,15 @@ pub struct Caster<'w> {
 impl<'w> Caster<'w> {
     /// A caster with a grid of this number of cells along each axis, or without a grid.
     pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
-        Self::with(world, cells.map_or(Layout::List, Layout::Grid), Instructions::available()[0])
+        Self::with(world, cells.map_or(Layout::List, Layout::Grid), instructions::available()[0])
     }
 
     /// A caster with this acceleration structure that uses these instructions.
-    pub fn with(world: &'w World, layout: Layout, instructions: Instructions) -> Result<Self, GridTooLarge> {
+    pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, GridTooLarge> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, layout).map(Arc::new)).transpose()?;
-        Ok(Self { world, instructions, structure, on_demand: None })
+        Ok(Self { world, level, structure, on_demand: None })
     }
 
     /// Lets [`for_rays`](Self::for_rays) build the grid for so many camera rays.
@@ -114,9 +111,9 @@ impl<'w> Caster<'w> {
     /// Whether a ray enters the bounds of the finite primitives, or may do so.
     #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     pub(crate) fn enters(&self, ray: &Ray) -> bool {
-        let entry =
-            |structure: &Arc<AccelerationStructure>| structure.ray_entry::<Scalar>(Portable, ray, ray.t_max);
-        self.structure.as_ref().is_some_and(|structure| !matches!(entry(structure), Entry::Misses))
+        self.structure.as_deref().is_some_and(|structure| {
+            dispatch!(self.level, simd => !matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses))
+        })
     }
 
     /// Whether a ray is tested against only a few of the primitives: those in the cells of a grid, or in the boxes of a
@@ -202,46 +199,35 @@ impl<'w> Caster<'w> {
 
     #[inline(always)]
     fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaves: Left, probe: &mut P) -> Option<Visible> {
-        let best = match self.instructions {
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(avx2) => {
-                let [a, b, c, d] = ray.pairs();
-                // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-                unsafe { run_avx2::<P, ANY>(avx2, self, a, b, c, d, leaves, probe) }
-            }
-            Instructions::Portable => self.run_portable::<P, ANY>(ray, leaves, None, probe),
-        };
+        let best = dispatch!(self.level, simd => {
+            let [a, b, c, d] = ray.pairs();
+            self.run_at::<_, P, ANY>(simd, a, b, c, d, leaves, None, probe)
+        });
         (best.primitive != triangle8::NONE).then_some(best)
-    }
-
-    /// The same without special instructions.
-    #[inline(never)]
-    fn run_portable<P: Probe, const ANY: bool>(
-        &self,
-        ray: &Ray,
-        leaves: Left,
-        collected: Option<&HitList>,
-        probe: &mut P,
-    ) -> Visible {
-        self.run_with::<_, P, ANY>(Portable, *ray, leaves, collected, probe)
     }
 
     /// Looks for the nearest primitive or, if there is a list for them, collects all that the ray hits.
     ///
     /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
-    /// not.
-    #[inline(always)]
-    fn run_with<K: DescentKernel, P: Probe, const ANY: bool>(
+    /// not. So is the ray passed, by its pairs.
+    #[simd]
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn run_at<S: Simd, P: Probe, const ANY: bool>(
         &self,
-        kernel: K,
-        ray: Ray,
+        simd: S,
+        a: DVec2,
+        b: DVec2,
+        c: DVec2,
+        d: DVec2,
         leaves: Left,
         collected: Option<&HitList>,
         probe: &mut P,
     ) -> Visible {
+        let ray = Ray::of_pairs([a, b, c, d]);
         let structure = self.structure.as_deref();
-        let ray_entry = structure
-            .map_or(Entry::Misses, |structure| structure.ray_entry::<K::F64x4>(kernel, &ray, ray.t_max));
+        let ray_entry =
+            structure.map_or(Entry::Misses, |structure| structure.ray_entry(simd, &ray, ray.t_max));
         // Most rays that hit nothing end here.
         if !P::COUNTS && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
             return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
@@ -258,10 +244,10 @@ impl<'w> Caster<'w> {
             return query.best;
         }
         if let Some(structure) = structure {
-            structure.run::<K, P, ANY>(kernel, &ray_entry, &mut query, probe);
+            structure.run::<S, P, ANY>(simd, &ray_entry, &mut query, probe);
         }
         if !ANY && query.is_undecided() {
-            return self.foremost(&stored, leaves, query.best);
+            return self.foremost(simd, &stored, leaves, query.best);
         }
         query.best
     }
@@ -270,35 +256,16 @@ impl<'w> Caster<'w> {
     /// by another query, since it may have hit some of them before it found the nearest one.
     #[cold]
     #[inline(never)]
-    fn foremost(&self, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
+    fn foremost<S: Simd>(&self, simd: S, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
-        // These rays are so few that the portable instructions will do.
+        let [a, b, c, d] = ray_to_there.pairs();
         let found = HitList::default();
-        self.run_portable::<_, false>(&ray_to_there, leaves, Some(&found), &mut Quiet);
+        self.run_at::<S, _, false>(simd, a, b, c, d, leaves, Some(&found), &mut Quiet);
         let foremost = self.world.foremost(ray, found.into_inner());
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
-}
-
-/// The query compiled for AVX2, for the ray of these four pairs. The proof `avx2` has no size, and so takes
-/// no register.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-#[allow(clippy::too_many_arguments)]
-fn run_avx2<P: Probe, const ANY: bool>(
-    avx2: Avx2,
-    caster: &Caster,
-    a: DVec2,
-    b: DVec2,
-    c: DVec2,
-    d: DVec2,
-    leaves: Left,
-    probe: &mut P,
-) -> Visible {
-    caster.run_with::<_, P, ANY>(avx2, Ray::of_pairs([a, b, c, d]), leaves, None, probe)
 }
 
 #[cfg(test)]
@@ -342,7 +309,7 @@ mod tests {
         assert!(!caster.for_rays(|| 31).is_selective());
         let grids = [32, 1000].map(|rays| caster.for_rays(|| rays));
         let expected = Layout::automatic(&world, 10_000);
-        let expected = Caster::with(&world, expected, Instructions::available()[0]).unwrap();
+        let expected = Caster::with(&world, expected, instructions::available()[0]).unwrap();
         assert_eq!(grids[0].cells(), expected.cells());
         let [one, other] = grids.each_ref().map(|grid| grid.structure.as_ref().unwrap());
         assert!(Arc::ptr_eq(one, other));

@@ -3,8 +3,9 @@
 
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Rays, Resolution, Structure};
-use crate::caster::{Caster, Fullness, GridTooLarge, Instructions};
+use crate::caster::{Caster, Fullness, GridTooLarge};
 use crate::math::aabb::Aabb;
+use crate::math::instructions;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
@@ -118,7 +119,7 @@ impl Renderer {
     ) -> Result<Prepared<'_>, GridTooLarge> {
         self.on_own_threads(|| {
             let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
-            let build = |layout| Caster::with(&self.world, layout, Instructions::available()[0]);
+            let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
             let caster = match build(layout) {
                 // Nobody has asked for the structure that does not fit into memory.
                 Err(_) if structure == Structure::Any => build(Layout::List),
@@ -156,7 +157,7 @@ impl Renderer {
         self.on_own_threads(|| {
             let is_counted = tracing == Tracing::Counted;
             let cells = Structure::Grid(grid).layout(&self.world, Rays::cast(rays), is_counted).cells();
-            let caster = Caster::with(&self.world, Layout::List, Instructions::available()[0])?;
+            let caster = Caster::with(&self.world, Layout::List, instructions::available()[0])?;
             let occupancy =
                 cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
             Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })

@@ -12,13 +12,16 @@ pub enum Shortcut {
     ShadowMaps,
     /// The instructions of AVX2 are used where the processor has them.
     Avx2,
+    /// Those of SSE4.2 are used where the processor has them, and not AVX2.
+    Sse4_2,
     /// Meshes of positions and triangles alone have a reader of their own.
     PlainMeshes,
 }
 
 impl Shortcut {
     /// All shortcuts.
-    pub const ALL: [Self; 4] = [Self::FirstHits, Self::ShadowMaps, Self::Avx2, Self::PlainMeshes];
+    pub const ALL: [Self; 5] =
+        [Self::FirstHits, Self::ShadowMaps, Self::Avx2, Self::Sse4_2, Self::PlainMeshes];
 
     /// Its name in the environment variable.
     pub fn name(self) -> &'static str {
@@ -26,6 +29,7 @@ impl Shortcut {
             Self::FirstHits => "first_hits",
             Self::ShadowMaps => "shadow_maps",
             Self::Avx2 => "avx2",
+            Self::Sse4_2 => "sse4_2",
             Self::PlainMeshes => "plain_meshes",
         }
     }

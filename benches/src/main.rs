@@ -8,7 +8,7 @@ mod measure;
 mod mesh;
 mod ours;
 /// The program's allocator, for all contestants.
-#[path = "../../src/app/allocator.rs"]
+#[path = "../../src/app/allocator/mod.rs"]
 mod pages;
 mod peers;
 mod report;

@@ -2,7 +2,8 @@
 
 use crate::contestant::{Cast, FlatRay};
 use raytracer::caster::choose::{Layout, Rays};
-use raytracer::caster::{Caster, GridTooLarge, Instructions};
+use raytracer::caster::{Caster, GridTooLarge};
+use raytracer::math::instructions;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
 
@@ -27,5 +28,5 @@ const RAYS: usize = 1 << 30;
 
 /// The caster that `-grid auto` chooses.
 pub fn caster(world: &World) -> Result<Caster<'_>, GridTooLarge> {
-    Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), Instructions::available()[0])
+    Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), instructions::available()[0])
 }

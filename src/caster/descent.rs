@@ -1,83 +1,20 @@
 //! The descent through the tree: the boxes that a ray meets, the nearest first.
 
-use crate::caster::blocks::filter::Kernel;
 use crate::caster::blocks::triangle8::LANES;
 use crate::caster::build::AccelerationStructure;
 use crate::caster::query::{FilterState, RayQuery};
 use crate::caster::ray_entry::{Entry, ray_entry};
 use crate::caster::tree::box8::{BoxRay, Meeting, meet};
 use crate::caster::tree::{Branch, LEAF, MAX_LEVELS, SMALL, Small, Tree};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Portable;
 use crate::math::lanes::lanes;
 use crate::math::prefetch::prefetch;
 use crate::stats::Probe;
 use arrayvec::ArrayVec;
+use fearless_simd::Simd;
+use fearless_simd_macros::simd;
 
 /// The largest number of children that wait: seven of the eight on each level.
 const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
-
-/// A kernel that descends trees by calling a function that is not inlined, so that the loop over the cells stays small.
-pub(crate) trait DescentKernel: Kernel {
-    /// Looks for a nearer hit in a branch of a tree in the frame of the filter's ray, and returns whether there is one.
-    fn descend<P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        tree: &Tree,
-        branch: Branch,
-        filter_state: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool;
-}
-
-impl DescentKernel for Portable {
-    #[inline(never)]
-    fn descend<P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        tree: &Tree,
-        branch: Branch,
-        filter_state: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool {
-        structure.descend::<_, P, ANY>(self, tree, branch, filter_state, query, probe)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-impl DescentKernel for Avx2 {
-    #[inline(always)]
-    fn descend<P: Probe, const ANY: bool>(
-        self,
-        structure: &AccelerationStructure,
-        tree: &Tree,
-        branch: Branch,
-        filter_state: &mut FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
-    ) -> bool {
-        // SAFETY: `self` proves that the processor has all that the function is compiled for.
-        unsafe { descend_avx2::<P, ANY>(self, structure, tree, branch, filter_state, query, probe) }
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn descend_avx2<P: Probe, const ANY: bool>(
-    avx2: Avx2,
-    structure: &AccelerationStructure,
-    tree: &Tree,
-    branch: Branch,
-    filter_state: &mut FilterState,
-    query: &mut RayQuery,
-    probe: &mut P,
-) -> bool {
-    structure.descend::<_, P, ANY>(avx2, tree, branch, filter_state, query, probe)
-}
 
 /// A child of a node that the ray meets, with the depth at which it enters its box.
 #[derive(Clone, Copy)]
@@ -90,10 +27,13 @@ struct Waiting {
 type Stack = ArrayVec<Waiting, MAX_WAITING>;
 
 impl AccelerationStructure {
-    #[inline(always)]
-    fn descend<K: DescentKernel, P: Probe, const ANY: bool>(
+    /// Looks for a nearer hit in a branch of a tree in the frame of the filter's ray, and returns whether there is one. Not
+    /// inlined, so that the loop over the cells stays small.
+    #[simd]
+    #[inline(never)]
+    pub fn descend<S: Simd, P: Probe, const ANY: bool>(
         &self,
-        kernel: K,
+        simd: S,
         tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
@@ -101,7 +41,7 @@ impl AccelerationStructure {
         probe: &mut P,
     ) -> bool {
         if (SMALL..LEAF).contains(&branch) {
-            return self.test_small::<K, P, ANY>(kernel, tree, branch - SMALL, filter_state, query, probe);
+            return self.test_small::<S, P, ANY>(simd, tree, branch - SMALL, filter_state, query, probe);
         }
         let mut has_changed = false;
         let box_ray = BoxRay::new(&filter_state.ray);
@@ -111,9 +51,9 @@ impl AccelerationStructure {
             let next = if child >= SMALL {
                 let changed = if child >= LEAF {
                     let block = std::slice::from_ref(&self.blocks[(child - LEAF) as usize]);
-                    query.test_cell::<K, P, ANY>(kernel, &self.cells, block, filter_state, probe)
+                    query.test_cell::<S, P, ANY>(simd, &self.cells, block, filter_state, probe)
                 } else {
-                    kernel.descend::<P, ANY>(self, tree, child, filter_state, query, probe)
+                    self.descend::<S, P, ANY>(simd, tree, child, filter_state, query, probe)
                 };
                 if ANY && changed {
                     return true;
@@ -123,7 +63,7 @@ impl AccelerationStructure {
             } else {
                 probe.cell();
                 let node = &tree.nodes[child as usize];
-                let meeting = meet(kernel, node, &box_ray, filter_state.ray.max_depth);
+                let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
                 self.first_child::<ANY>(tree, &node.children, &meeting, &mut stack)
             };
             child = match next {
@@ -140,9 +80,9 @@ impl AccelerationStructure {
 
     /// Looks for a nearer hit in a branch with a frame of its own. The ray in the frame around it ends there.
     #[inline(always)]
-    fn test_small<K: DescentKernel, P: Probe, const ANY: bool>(
+    fn test_small<S: Simd, P: Probe, const ANY: bool>(
         &self,
-        kernel: K,
+        simd: S,
         tree: &Tree,
         index: u32,
         outer: &mut FilterState,
@@ -153,11 +93,11 @@ impl AccelerationStructure {
         let before = query.best;
         let Small { branch, simd_bounds, frame, max_origin_distance, .. } = small;
         let (ray, last) = (query.ray, query.end::<ANY>());
-        match ray_entry::<K::F64x4>(kernel, simd_bounds, frame, *max_origin_distance, ray, last) {
+        match ray_entry(simd, simd_bounds, frame, *max_origin_distance, ray, last) {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::on_interval(&interval, frame, last);
-                kernel.descend::<P, ANY>(self, tree, *branch, &mut filter_state, query, probe);
+                self.descend::<S, P, ANY>(simd, tree, *branch, &mut filter_state, query, probe);
             }
             Entry::TooFar => self.test_leaves::<P, ANY>(tree, small, query, probe),
         }

@@ -1,17 +1,19 @@
 //! The query for one ray. The filter tests eight triangles at a time; those that it cannot decide are tested
 //! exactly, one by one.
 
-use crate::caster::blocks::filter::{FilterRay, Kernel, MAX_DEPTH, Verdict};
+use crate::caster::blocks::filter::{self, FilterRay, MAX_DEPTH, Verdict};
 use crate::caster::blocks::triangle8::{Block, Frame, NONE};
 use crate::caster::cell_contents::CellContents;
 use crate::caster::ray_aabb::RayInterval;
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::FourLanes;
 use crate::math::lanes::lanes;
+use crate::math::number::Number;
 use crate::math::ray::{Ray, Visible};
 use crate::math::ray_lanes::RayLanes;
 use crate::primitive::triangle::Shear;
 use crate::stats::Probe;
 use crate::world::{Primitive, World};
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use std::cell::RefCell;
 
 /// The search along one ray, with the nearest primitive that it has found so far.
@@ -56,14 +58,14 @@ pub struct FilterState {
 impl FilterState {
     /// The ray on its interval in the bounds, up to t = `last`.
     #[inline(always)]
-    pub fn on_interval<F: F64x4>(interval: &RayInterval<F>, frame: &Frame, last: f64) -> Self {
+    pub fn on_interval<S: Simd>(interval: &RayInterval<S>, frame: &Frame, last: f64) -> Self {
         let RayInterval { entry, ray_lanes, .. } = interval;
         let (entry, RayLanes { origin, direction, inv_direction }) = (*entry, *ray_lanes);
         let largest = direction.abs().max3();
         // The inverse of the largest component, without another division.
         let inv_largest = inv_direction.abs().min3();
         let scale = direction.broadcast(frame.scale);
-        let center = F::new(direction.proof(), frame.center);
+        let center = f64x4::simd_from(direction.proof(), frame.center);
         let origin = (origin - center + direction.broadcast(entry) * direction) * scale;
         let ray = [origin.to_f32(), (direction * direction.broadcast(inv_largest)).to_f32()];
         Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
@@ -168,9 +170,9 @@ impl<'a> RayQuery<'a> {
     /// Tests a cell's blocks of triangles and its other primitives, and returns whether the best primitive
     /// changed. An any-hit query ends with the first primitive that it finds.
     #[inline(always)]
-    pub fn test_cell<K: Kernel, P: Probe, const ANY: bool>(
+    pub fn test_cell<S: Simd, P: Probe, const ANY: bool>(
         &mut self,
-        kernel: K,
+        simd: S,
         cells: &CellContents,
         blocks: &[Block],
         filter_state: &mut FilterState,
@@ -182,7 +184,7 @@ impl<'a> RayQuery<'a> {
                 probe.intersections(block.index.triangles());
             }
             // Most triangles that the filter does not reject are the one that the ray leaves and the best one.
-            let verdict = kernel.test(block, &filter_state.ray, [self.leaves, self.best.primitive]);
+            let verdict = filter::test(simd, block, &filter_state.ray, [self.leaves, self.best.primitive]);
             if verdict.possible != 0 {
                 if ANY {
                     if verdict.certain != 0 {

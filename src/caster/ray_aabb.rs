@@ -3,10 +3,12 @@
 
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::FourLanes;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
 use crate::math::robust::UNIT_ROUNDOFF;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 
 /// An axis-aligned box in SIMD lanes: its two corners, each with an unused fourth lane.
@@ -49,39 +51,39 @@ impl SimdAabb {
 
     /// The lower and upper faces of all axes, for one ray.
     #[inline(always)]
-    fn all_axes<F: F64x4>(&self, proof: F::Proof) -> [F; 2] {
-        [F::new(proof, self.min), F::new(proof, self.max)]
+    fn all_axes<S: Simd>(&self, simd: S) -> [f64x4<S>; 2] {
+        [f64x4::simd_from(simd, self.min), f64x4::simd_from(simd, self.max)]
     }
 }
 
 /// The t at which rays cross the two faces of a slab, the nearer first.
 #[inline(always)]
-fn crossings<F: F64x4>([min, max]: [F; 2], ray_lanes: &RayLanes<F>) -> [F; 2] {
+fn crossings<S: Simd>([min, max]: [f64x4<S>; 2], ray_lanes: &RayLanes<S>) -> [f64x4<S>; 2] {
     let t_of_min = (min - ray_lanes.origin) * ray_lanes.inv_direction;
     let t_of_max = (max - ray_lanes.origin) * ray_lanes.inv_direction;
     [t_of_min.min(t_of_max), t_of_min.max(t_of_max)]
 }
 
 /// The t at which a ray enters and leaves a box, and the ray itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RayInterval<F> {
+#[derive(Clone, Copy, Debug)]
+pub struct RayInterval<S: Simd> {
     /// At least the ray's `t_min`.
     pub entry: f64,
     /// Finite, and possibly beyond the ray's end.
     pub exit: f64,
     /// All axes of the ray.
-    pub ray_lanes: RayLanes<F>,
+    pub ray_lanes: RayLanes<S>,
 }
 
 /// The interval of t from `t_min` on in which a ray is in the box, or none when it does not begin until after
 /// `t_max`.
 #[inline(always)]
-pub fn intersect_aabb<F: F64x4>(
+pub fn intersect_aabb<S: Simd>(
     simd_bounds: &SimdAabb,
-    ray_lanes: RayLanes<F>,
+    ray_lanes: RayLanes<S>,
     t_min: f64,
     t_max: f64,
-) -> Option<RayInterval<F>> {
+) -> Option<RayInterval<S>> {
     let [near, far] = crossings(simd_bounds.all_axes(ray_lanes.origin.proof()), &ray_lanes);
     let entry = max(near.max3(), t_min);
     let exit = far.min3();

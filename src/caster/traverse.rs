@@ -3,27 +3,26 @@
 
 use crate::caster::build::{AccelerationStructure, Order};
 use crate::caster::cell_contents::{CellContents, NO_BLOCKS};
-use crate::caster::descent::DescentKernel;
 use crate::caster::grid::cell_table::{CellCursor, EMPTY};
 use crate::caster::query::{FilterState, RayQuery};
 use crate::caster::ray_entry::{Entry, ray_entry};
-use crate::math::f64x4::F64x4;
 use crate::math::ray::Ray;
 use crate::stats::Probe;
+use fearless_simd::Simd;
 
 impl AccelerationStructure {
     /// How the ray, up to t = `last`, enters the structure.
     #[inline(always)]
-    pub fn ray_entry<F: F64x4>(&self, proof: F::Proof, ray: &Ray, last: f64) -> Entry<F> {
-        ray_entry(proof, &self.simd_bounds, &self.cells.frame, self.max_origin_distance, ray, last)
+    pub fn ray_entry<S: Simd>(&self, simd: S, ray: &Ray, last: f64) -> Entry<S> {
+        ray_entry(simd, &self.simd_bounds, &self.cells.frame, self.max_origin_distance, ray, last)
     }
 
     /// Looks for a nearer hit in the structure, which the ray enters in this way.
     #[inline(always)]
-    pub fn run<K: DescentKernel, P: Probe, const ANY: bool>(
+    pub fn run<S: Simd, P: Probe, const ANY: bool>(
         &self,
-        kernel: K,
-        ray_entry: &Entry<K::F64x4>,
+        simd: S,
+        ray_entry: &Entry<S>,
         query: &mut RayQuery,
         probe: &mut P,
     ) {
@@ -40,23 +39,23 @@ impl AccelerationStructure {
         let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.end::<ANY>());
         match &self.order {
             Order::List => {
-                query.test_cell::<K, P, ANY>(kernel, &self.cells, &self.blocks, &mut filter_state, probe);
+                query.test_cell::<S, P, ANY>(simd, &self.cells, &self.blocks, &mut filter_state, probe);
             }
             Order::Grid(table) => {
                 let cursor = table.cursor(&interval);
-                self.traverse_cells::<K, P, ANY>(kernel, cursor, filter_state, query, probe);
+                self.traverse_cells::<S, P, ANY>(simd, cursor, filter_state, query, probe);
             }
             Order::Tree(tree) => {
-                kernel.descend::<P, ANY>(self, tree, tree.root, &mut filter_state, query, probe);
+                self.descend::<S, P, ANY>(simd, tree, tree.root, &mut filter_state, query, probe);
             }
         }
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    pub fn traverse_cells<K: DescentKernel, P: Probe, const ANY: bool>(
+    pub fn traverse_cells<S: Simd, P: Probe, const ANY: bool>(
         &self,
-        kernel: K,
+        simd: S,
         mut cursor: CellCursor,
         mut filter_state: FilterState,
         query: &mut RayQuery,
@@ -77,7 +76,7 @@ impl AccelerationStructure {
                     return;
                 }
                 let own = CellContents::blocks_of(blocks, entry);
-                if query.test_cell::<K, P, ANY>(kernel, &self.cells, own, filter_state, probe) {
+                if query.test_cell::<S, P, ANY>(simd, &self.cells, own, filter_state, probe) {
                     if ANY {
                         return;
                     }

@@ -8,16 +8,13 @@ use super::shading::Shading;
 use super::surfaces::find_surfaces;
 use crate::camera::Camera;
 use crate::caster::Caster;
-#[cfg(target_arch = "x86_64")]
-use crate::math::avx::Avx;
-use crate::math::f64x4::{F64x4, LANES, Scalar};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::f64x4::LANES;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
 use crate::scene::model::MeshNormals;
 use crate::stats::Quiet;
 use crate::trace::{Rules, Tracer};
+use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
 
 /// Traces the samples of a packet, which lie in row `j`, by the rules of the row's scene, and enters their colours, if
 /// they are wanted.
@@ -29,36 +26,15 @@ pub fn trace<R: Rules>(
     packet: &mut SamplePacket,
     colors: &mut PacketColors,
 ) {
-    match row.rows.caster.instructions {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { trace_avx2(avx2, row, rules, j, wanted, packet, colors) },
-        Instructions::Portable => trace_with::<Scalar, R>(Portable, row, rules, j, wanted, packet, colors),
-    }
+    dispatch!(row.rows.caster.level, simd => trace_at(simd, row, rules, j, wanted, packet, colors));
 }
 
-/// The same, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+/// Traces the samples with these instructions.
+#[simd]
 #[inline(never)]
 #[allow(clippy::too_many_arguments)]
-fn trace_avx2<R: Rules>(
-    avx2: Avx2,
-    row: &mut FastRow,
-    rules: &R,
-    j: usize,
-    wanted: Wanted,
-    packet: &mut SamplePacket,
-    colors: &mut PacketColors,
-) {
-    trace_with::<Avx, R>(avx2, row, rules, j, wanted, packet, colors);
-}
-
-/// The same, compiled for the instructions of the caller.
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn trace_with<F: F64x4, R: Rules>(
-    proof: F::Proof,
+fn trace_at<S: Simd, R: Rules>(
+    simd: S,
     row: &mut FastRow,
     rules: &R,
     j: usize,
@@ -67,12 +43,12 @@ fn trace_with<F: F64x4, R: Rules>(
     colors: &mut PacketColors,
 ) {
     let FastRow { rows, memory } = row;
-    aim::<F>(proof, packet, rows.picture.camera, j);
+    aim::<S>(simd, packet, rows.picture.camera, j);
     if wanted.hits {
         cast(packet, &rows.caster, rows.visibility.as_ref(), j);
     }
     if wanted.surfaces {
-        find_surfaces::<F>(proof, rows.caster.world, packet);
+        find_surfaces::<S>(simd, rows.caster.world, packet);
         if rules.model().normals != MeshNormals::Flat {
             for sample in packet.samples_mut() {
                 sample.surface = sample.surface.map(|surface| rules.smoothed(surface));
@@ -91,14 +67,14 @@ fn trace_with<F: F64x4, R: Rules>(
 
 /// Computes the rays of the samples, which lie in row `j`.
 #[inline(always)]
-fn aim<F: F64x4>(proof: F::Proof, packet: &mut SamplePacket, camera: &Camera, j: usize) {
+fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     let count = packet.samples().len();
     // Places without a sample may get any ray.
     let (groups, _) = packet.places_mut().as_chunks_mut::<LANES>();
     for [a, b, c, d] in &mut groups[..count.div_ceil(LANES)] {
         let columns = [a.source.column, b.source.column, c.source.column, d.source.column];
         let offsets = [a.source.offset, b.source.offset, c.source.offset, d.source.offset];
-        [a.ray, b.ray, c.ray, d.ray] = camera.rays::<F>(proof, columns, j, offsets);
+        [a.ray, b.ray, c.ray, d.ray] = camera.rays::<S>(simd, columns, j, offsets);
     }
 }
 
@@ -122,8 +98,7 @@ fn cast(packet: &mut SamplePacket, caster: &Caster, visibility: Option<&Visibili
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
+    use crate::math::instructions;
     use crate::math::ray::Visible;
     use crate::primitive::shape::Form;
     use crate::scene::parser::parse;
@@ -148,7 +123,7 @@ mod tests {
         surface.map(|s| ([bits(s.position), bits(s.normal)], ids(s)))
     }
 
-    fn finds_what_each_ray_hits<F: F64x4>(proof: F::Proof) {
+    fn finds_what_each_ray_hits<S: Simd>(simd: S) {
         let scene = parse(TEXT).unwrap();
         let world = World::new(&scene, &[]).unwrap();
         let size = [32, 24];
@@ -162,7 +137,7 @@ mod tests {
                 let column = if j % 2 == 0 { start } else { (start + 3 * k) % size[0] };
                 packet.push(column, DVec2::new(k as f64 / 16.0 - 0.5, 0.25), false);
             }
-            aim::<F>(proof, &mut packet, &camera, j);
+            aim::<S>(simd, &mut packet, &camera, j);
             for sample in packet.samples_mut() {
                 let t = |id: u32| match world.primitive(id) {
                     crate::world::Primitive::Triangle(i) => {
@@ -175,7 +150,7 @@ mod tests {
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
                 sample.visible = visible.filter(|_| column_is_open(sample.source.column));
             }
-            find_surfaces::<F>(proof, &world, &mut packet);
+            find_surfaces::<S>(simd, &world, &mut packet);
             for Sample { ray, visible, surface, .. } in packet.samples() {
                 let expected = visible.map(|visible| world.visible_surface(ray, visible));
                 assert_eq!(bits(*surface), bits(expected), "{ray:?}");
@@ -193,10 +168,8 @@ mod tests {
 
     #[test]
     fn a_packet_has_the_surface_that_each_ray_hits() {
-        finds_what_each_ray_hits::<Scalar>(Portable);
-        #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = crate::math::instructions::Avx2::detect() {
-            finds_what_each_ray_hits::<crate::math::avx::Avx>(proof);
+        for level in instructions::available() {
+            dispatch!(level, simd => finds_what_each_ray_hits(simd));
         }
     }
 }

@@ -2,9 +2,6 @@
 
 use super::raster::{Blocker, ShadowMaps};
 use crate::caster::Caster;
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
 use crate::math::ray::Ray;
 use crate::scene::Color;
 use crate::scene::model::Highlight;
@@ -13,6 +10,8 @@ use crate::shading::phong::{Mixture, View};
 use crate::stats::Quiet;
 use crate::trace::{Arrival, Path, Patience, Rules, SecondaryRay, Shadows, Tracer};
 use crate::world::{SurfacePoint, World};
+use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
 
 /// Colours rays by these rules, none of which is a mistake.
 #[derive(Debug)]
@@ -58,17 +57,13 @@ impl<R: Rules> Shading<'_, R> {
         if memory.pending.is_empty() {
             return color;
         }
-        match self.caster.instructions {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { add_secondary_avx2(avx2, self, color, memory) },
-            Instructions::Portable => self.add_secondary(color, memory),
-        }
+        dispatch!(self.caster.level, simd => self.add_secondary(simd, color, memory))
     }
 
     /// Adds the colours of the secondary rays that wait, and of those that they cause in turn.
-    #[inline(always)]
-    fn add_secondary(&self, mut color: Color, memory: &mut Memory) -> Color {
+    #[simd]
+    #[inline(never)]
+    fn add_secondary<S: Simd>(&self, _: S, mut color: Color, memory: &mut Memory) -> Color {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
@@ -182,19 +177,12 @@ impl<R: Rules> Shading<'_, R> {
     }
 }
 
-/// Adds the colours of the secondary rays that wait, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn add_secondary_avx2<R: Rules>(_: Avx2, shading: &Shading<R>, color: Color, memory: &mut Memory) -> Color {
-    shading.add_secondary(color, memory)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::caster::Caster;
     use crate::caster::choose::Layout;
-    use crate::caster::{Caster, Instructions};
+    use crate::math::instructions;
     use crate::math::ray::Ray;
     use crate::scene::parser::parse;
     use crate::stats::Counts;
@@ -230,8 +218,8 @@ mod tests {
     fn camera_rays_have_the_colours_of_the_tracer() {
         let world = World::new(&parse(TEXT).unwrap(), &[]).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
-        for instructions in Instructions::available() {
-            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), instructions).unwrap();
+        for level in instructions::available() {
+            let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), level).unwrap();
             let tracer = Tracer { rules: &caster, effects };
             let shading = Shading { tracer, caster: &caster, shadow_maps: None };
             let (mut memory, mut alone) = (Memory::new(Patience::endless()), Counts::default());

@@ -1,12 +1,13 @@
 //! The surfaces that several rays hit first: those of triangles four at a time.
 
 use super::triangle4::{Hits4, Triangles4};
-use crate::math::f64x4::{F64x4, LANES};
+use crate::math::f64x4::LANES;
 use crate::math::prefetch::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::sampling::sample_packet::{Sample, SamplePacket};
 use crate::scene::MaterialId;
 use crate::world::{SurfacePoint, World};
+use fearless_simd::Simd;
 
 /// The index of a ray that hits a triangle, and the triangle's id.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,15 +18,15 @@ struct OnTriangle {
 
 /// The triangles that four rays hit.
 #[derive(Clone, Copy, Debug)]
-struct Group<F> {
+struct Group<S: Simd> {
     ids: [u32; LANES],
     materials: [MaterialId; LANES],
-    triangles: Triangles4<F>,
+    triangles: Triangles4<S>,
 }
 
-impl<F: F64x4> Group<F> {
+impl<S: Simd> Group<S> {
     #[inline(always)]
-    fn new(proof: F::Proof, world: &World, ids: [u32; LANES]) -> Self {
+    fn new(simd: S, world: &World, ids: [u32; LANES]) -> Self {
         let [a, b, c, d] = ids;
         let corners = [
             world.corners_in_place(a as usize),
@@ -33,13 +34,13 @@ impl<F: F64x4> Group<F> {
             world.corners_in_place(c as usize),
             world.corners_in_place(d as usize),
         ];
-        Self { ids, materials: materials_of(world, ids), triangles: Triangles4::new(proof, corners) }
+        Self { ids, materials: materials_of(world, ids), triangles: Triangles4::new(simd, corners) }
     }
 }
 
 /// Computes the surface that each ray of a packet hits first, as [`World::visible_surface`] does.
 #[inline(always)]
-pub fn find_surfaces<F: F64x4>(proof: F::Proof, world: &World, packet: &mut SamplePacket) {
+pub fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
     let rays = packet.samples_mut();
     let (mut on_triangles, mut count) = ([OnTriangle::default(); SamplePacket::SIZE], 0);
     for (i, ray) in rays.iter_mut().enumerate() {
@@ -56,7 +57,7 @@ pub fn find_surfaces<F: F64x4>(proof: F::Proof, world: &World, packet: &mut Samp
         }
     }
     // Neighbours often lie on the same triangles.
-    let mut last: Option<Group<F>> = None;
+    let mut last: Option<Group<S>> = None;
     for some in on_triangles[..count].chunks(LANES) {
         let four = match some {
             // Constant indices are faster than computed ones.
@@ -66,27 +67,27 @@ pub fn find_surfaces<F: F64x4>(proof: F::Proof, world: &World, packet: &mut Samp
         let [a, b, c, d] = four;
         let ids = [a.id, b.id, c.id, d.id];
         if !matches!(&last, Some(group) if group.ids == ids) {
-            last = Some(Group::new(proof, world, ids));
+            last = Some(Group::new(simd, world, ids));
         }
         if let Some(group) = &last {
-            find_points(proof, world, rays, group, four, some.len());
+            find_points(simd, world, rays, group, four, some.len());
         }
     }
 }
 
 /// Computes the surfaces of the first `count` of four rays that hit triangles.
 #[inline(always)]
-fn find_points<F: F64x4>(
-    proof: F::Proof,
+fn find_points<S: Simd>(
+    simd: S,
     world: &World,
     rays: &mut [Sample],
-    group: &Group<F>,
+    group: &Group<S>,
     four: [OnTriangle; LANES],
     count: usize,
 ) {
     let [a, b, c, d] = four;
     let of = [&rays[a.ray].ray, &rays[b.ray].ray, &rays[c.ray].ray, &rays[d.ray].ray];
-    let Hits4 { points, certain } = group.triangles.hits(proof, of);
+    let Hits4 { points, certain } = group.triangles.hits(simd, of);
     for (lane, OnTriangle { ray, id }) in four[..count].iter().enumerate() {
         let ray = &mut rays[*ray];
         if certain & (1 << lane) != 0 {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::caster::Instructions;
 use crate::caster::choose::Layout;
+use crate::math::instructions;
 use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;
@@ -96,8 +96,8 @@ fn compared(
 ) -> [usize; 2] {
     let footprint = Some(if is_center { Footprint::Center } else { Footprint::Pixel });
     let mut found = [0; 2];
-    for instructions in Instructions::available() {
-        let caster = Caster::with(world, Layout::Grid([4; 3]), instructions).expect("a grid");
+    for level in instructions::available() {
+        let caster = Caster::with(world, Layout::Grid([4; 3]), level).expect("a grid");
         // So many that there are shadow maps.
         let demand = Demand { size, columns: 0..size[0], footprint, colors: 1 << 20, effects };
         let fast = FastTracer::new(camera, &caster, demand, Patience::endless());

@@ -3,24 +3,26 @@
 //! Only how the axes are turned differs from [`Shear`](crate::primitive::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::FourLanes;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
 use crate::primitive::triangle::{interpolated, largest_coordinate, rounded_normal};
 use crate::world::LEAST_PART;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 
 /// Four triangles.
 #[derive(Clone, Copy, Debug)]
-pub struct Triangles4<F> {
-    corners: [Vector<F>; 3],
+pub struct Triangles4<S: Simd> {
+    corners: [Vector<f64x4<S>>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
     /// The largest absolute coordinate of the corners of each.
     pub extents: [f64; 4],
     /// Points with smaller coordinates than these need exact arithmetic.
-    least: F,
+    least: f64x4<S>,
     /// The set of the triangles whose normals are accurate, bit 0 for the first one.
     accurate: u32,
 }
@@ -34,15 +36,15 @@ pub struct Hits4 {
     pub certain: u32,
 }
 
-impl<F: F64x4> Triangles4<F> {
+impl<S: Simd> Triangles4<S> {
     /// The triangles with these corners.
     #[inline(always)]
-    pub fn new(proof: F::Proof, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
-        let a = Vector::new(proof, [p[0], q[0], r[0], s[0]]);
-        let b = Vector::new(proof, [p[1], q[1], r[1], s[1]]);
-        let c = Vector::new(proof, [p[2], q[2], r[2], s[2]]);
+    pub fn new(simd: S, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
+        let a = Vector::new(simd, [p[0], q[0], r[0], s[0]]);
+        let b = Vector::new(simd, [p[1], q[1], r[1], s[1]]);
+        let c = Vector::new(simd, [p[2], q[2], r[2], s[2]]);
         let (normals, accurate) = rounded_normal([a, b, c]);
-        let extents: F = largest_coordinate([a, b, c]);
+        let extents: f64x4<S> = largest_coordinate([a, b, c]);
         let least = extents.broadcast(LEAST_PART) * extents;
         let (normals, extents) = (normals.to_array(), extents.to_array());
         Self { corners: [a, b, c], normals, extents, least, accurate }
@@ -50,8 +52,8 @@ impl<F: F64x4> Triangles4<F> {
 
     /// The points where each ray hits its triangle.
     #[inline(always)]
-    pub fn hits(&self, proof: F::Proof, rays: [&Ray; 4]) -> Hits4 {
-        let (weights, inside) = weights(proof, rays, self.corners);
+    pub fn hits(&self, simd: S, rays: [&Ray; 4]) -> Hits4 {
+        let (weights, inside) = weights(simd, rays, self.corners);
         let points = interpolated(self.corners, weights);
         let Vector { x, y, z } = points.abs();
         let near = self.least.le_mask(x.max(y).max(z));
@@ -61,10 +63,10 @@ impl<F: F64x4> Triangles4<F> {
 
 /// The barycentric weights, and the set of the rays that certainly pass through their triangles.
 #[inline(always)]
-fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
+fn weights<S: Simd>(simd: S, rays: [&Ray; 4], [p, q, r]: [Vector<f64x4<S>>; 3]) -> ([f64x4<S>; 3], u32) {
     let [i, j, k, l] = rays;
-    let origin = Vector::new(proof, [&i.origin, &j.origin, &k.origin, &l.origin]);
-    let d = Vector::new(proof, [&i.direction, &j.direction, &k.direction, &l.direction]);
+    let origin = Vector::new(simd, [&i.origin, &j.origin, &k.origin, &l.origin]);
+    let d = Vector::new(simd, [&i.direction, &j.direction, &k.direction, &l.direction]);
     let (p, q, r) = (p - origin, q - origin, r - origin);
     const ALL: u32 = 0b1111;
     match longest_axes(d) {
@@ -72,8 +74,10 @@ fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vector<F>; 3]
         (ALL, 0) => sheared_weights(zxy(d), [zxy(p), zxy(q), zxy(r)]),
         (ALL, ALL) => sheared_weights(d, [p, q, r]),
         (not_x, is_z) => {
-            let axis =
-                F::new(proof, [0, 1, 2, 3].map(|lane| f64::from((not_x >> lane & 1) + (is_z >> lane & 1))));
+            let axis = f64x4::simd_from(
+                simd,
+                [0, 1, 2, 3].map(|lane| f64::from((not_x >> lane & 1) + (is_z >> lane & 1))),
+            );
             let turned = |v| turned(v, axis);
             sheared_weights(turned(d), [turned(p), turned(q), turned(r)])
         }
@@ -83,7 +87,7 @@ fn weights<F: F64x4>(proof: F::Proof, rays: [&Ray; 4], [p, q, r]: [Vector<F>; 3]
 /// The axes along which these directions are longest, as a shear chooses them: the set of those that are not longest
 /// along x, and the set of those that are longest along z.
 #[inline(always)]
-fn longest_axes<F: F64x4>(directions: Vector<F>) -> (u32, u32) {
+fn longest_axes<S: Simd>(directions: Vector<f64x4<S>>) -> (u32, u32) {
     let Vector { x, y, z } = directions.abs();
     let is_z = x.le_mask(z) & y.le_mask(z);
     (x.le_mask(y) | x.le_mask(z), is_z)
@@ -91,8 +95,8 @@ fn longest_axes<F: F64x4>(directions: Vector<F>) -> (u32, u32) {
 
 /// Each vector turned so that this axis of it, 0 to 2, is the last one.
 #[inline(always)]
-fn turned<F: F64x4>(Vector { x, y, z }: Vector<F>, axis: F) -> Vector<F> {
-    let choose = |of_x: F, of_y: F, of_z: F| {
+fn turned<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>, axis: f64x4<S>) -> Vector<f64x4<S>> {
+    let choose = |of_x: f64x4<S>, of_y: f64x4<S>, of_z: f64x4<S>| {
         let of_y_or_z = axis.select_lt(axis.broadcast(2.0), of_y, of_z);
         axis.select_lt(axis.broadcast(1.0), of_x, of_y_or_z)
     };
@@ -100,18 +104,21 @@ fn turned<F: F64x4>(Vector { x, y, z }: Vector<F>, axis: F) -> Vector<F> {
 }
 
 #[inline(always)]
-fn yzx<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+fn yzx<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>) -> Vector<f64x4<S>> {
     Vector { x: y, y: z, z: x }
 }
 
 #[inline(always)]
-fn zxy<F>(Vector { x, y, z }: Vector<F>) -> Vector<F> {
+fn zxy<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>) -> Vector<f64x4<S>> {
     Vector { x: z, y: x, z: y }
 }
 
 /// The weights for directions that are longest along z, and vertices relative to the rays' origins.
 #[inline(always)]
-fn sheared_weights<F: F64x4>(direction: Vector<F>, [p, q, r]: [Vector<F>; 3]) -> ([F; 3], u32) {
+fn sheared_weights<S: Simd>(
+    direction: Vector<f64x4<S>>,
+    [p, q, r]: [Vector<f64x4<S>>; 3],
+) -> ([f64x4<S>; 3], u32) {
     let slopes = [direction.x / direction.z, direction.y / direction.z];
     let sheared = [sheared(p, slopes), sheared(q, slopes), sheared(r, slopes)];
     let weights = edge_functions(sheared);
@@ -120,12 +127,12 @@ fn sheared_weights<F: F64x4>(direction: Vector<F>, [p, q, r]: [Vector<F>; 3]) ->
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, F64x4, Ray, Triangles4, Vector};
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
+    use super::{DVec3, Hits4, Ray, Simd, Triangles4, Vector};
+    use crate::math::instructions::{self, Level};
     use crate::primitive::edge_functions::{Sides, edge_error_bound};
     use crate::primitive::triangle::{Shear, normal, point};
     use crate::sampling::drand48::Drand48;
+    use fearless_simd::dispatch;
     use rand::RngExt;
 
     /// Numbers of which some are exceptional.
@@ -178,13 +185,17 @@ mod tests {
         }
     }
 
+    fn hits(triangle: [&DVec3; 3], rays: [&Ray; 4]) -> Hits4 {
+        dispatch!(Level::baseline(), simd => Triangles4::new(simd, [triangle; 4]).hits(simd, rays))
+    }
+
     fn bits(v: DVec3) -> [u64; 3] {
         v.to_array().map(f64::to_bits)
     }
 
     /// Compares every lane that is certain with the surface of one triangle, and returns how many are certain and how
     /// many could have been.
-    fn agree_with_one<F: F64x4>(proof: F::Proof) -> [usize; 2] {
+    fn agree_with_one<S: Simd>(simd: S) -> [usize; 2] {
         let mut numbers = Numbers(Drand48::UNSEEDED);
         let mut counts = [0; 2];
         for k in 0..40_000 {
@@ -198,8 +209,8 @@ mod tests {
                 let from = start(&mut numbers);
                 numbers.ray(triangle, from)
             });
-            let four = Triangles4::<F>::new(proof, triangles.each_ref().map(|t| t.each_ref()));
-            let hits = four.hits(proof, rays.each_ref());
+            let four = Triangles4::new(simd, triangles.each_ref().map(|t| t.each_ref()));
+            let hits = four.hits(simd, rays.each_ref());
             for (lane, (triangle, ray)) in triangles.iter().zip(&rays).enumerate() {
                 let shear = Shear::new(ray);
                 let is_certain = hits.certain & (1 << lane) != 0;
@@ -223,12 +234,11 @@ mod tests {
 
     #[test]
     fn certain_lanes_have_the_bits_of_one_triangle() {
-        let counts = agree_with_one::<Scalar>(Portable);
+        let counts = dispatch!(Level::baseline(), simd => agree_with_one(simd));
         // The others point at edges or at needles.
         assert!(counts[0] > 5_000 && counts[0] < counts[1], "{counts:?}");
-        #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = crate::math::instructions::Avx2::detect() {
-            assert_eq!(agree_with_one::<crate::math::avx::Avx>(proof), counts);
+        for level in instructions::available() {
+            assert_eq!(dispatch!(level, simd => agree_with_one(simd)), counts, "{level:?}");
         }
     }
 
@@ -242,7 +252,7 @@ mod tests {
             let c = DVec3::new(-distance, -distance, 1.0);
             let triangle = if swap { [b, a, c] } else { [a, b, c] };
             let (corners, ray) = (triangle.each_ref(), Ray::new(DVec3::ZERO, DVec3::Z));
-            let certain = Triangles4::<Scalar>::new(Portable, [corners; 4]).hits(Portable, [&ray; 4]).certain;
+            let certain = hits(corners, [&ray; 4]).certain;
             assert_eq!(Shear::new(&ray).sides(corners) == Sides::Inside, step > 0);
             assert_eq!(certain, if step > 0 { 0b1111 } else { 0 }, "{step}");
         }
@@ -258,7 +268,7 @@ mod tests {
         let count = rays.len();
         for k in 0..count.pow(4) {
             let four = [0, 1, 2, 3].map(|lane| &rays[k / count.pow(lane) % count]);
-            let found = Triangles4::<Scalar>::new(Portable, [triangle.each_ref(); 4]).hits(Portable, four);
+            let found = hits(triangle.each_ref(), four);
             assert_eq!(found.certain, 0b1111);
             for (lane, ray) in four.into_iter().enumerate() {
                 let weights = Shear::new(ray).weights(triangle.each_ref()).unwrap();

@@ -1,6 +1,8 @@
 //! The exponential function of four numbers at once, with the bits of [`libm::exp`].
 
-use super::f64x4::F64x4;
+use super::f64x4::FourLanes;
+use super::number::Number;
+use fearless_simd::{Simd, f64x4};
 
 /// exp(x) for x from -708, below which results would be subnormal, to 0.
 ///
@@ -8,7 +10,7 @@ use super::f64x4::F64x4;
 /// same bits: x = k ln 2 + r with an integer k and |r| at most ln(2) / 2, and exp(r) = 1 + r + r c / (2 - c)
 /// with c = r - (P1 r^2 + ... + P5 r^10). Where that function branches, this one selects.
 #[inline(always)]
-pub fn exp_of_negative<F: F64x4>(x: F) -> F {
+pub fn exp_of_negative<S: Simd>(x: f64x4<S>) -> f64x4<S> {
     /// ln 2 in two parts, of which the first has so few bits that its product with k is exact.
     const LN_2: [f64; 2] = [0.6931471803691238, 1.9082149292705877e-10];
     const P: [f64; 5] = [
@@ -26,7 +28,7 @@ pub fn exp_of_negative<F: F64x4>(x: F) -> F {
     let (zero, one) = (splat(0.0), splat(1.0));
 
     // The conversion to an integer rounds towards zero, which is upwards here.
-    let multiple = (splat(std::f64::consts::LOG2_E) * x - splat(0.5)).ceil();
+    let multiple = fearless_simd::SimdFloat::ceil(splat(std::f64::consts::LOG2_E) * x - splat(0.5));
     let k = x.select_lt(splat(no_multiple), multiple, zero);
     let high = x - k * splat(LN_2[0]);
     let low = k * splat(LN_2[1]);
@@ -41,8 +43,8 @@ pub fn exp_of_negative<F: F64x4>(x: F) -> F {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
+    use crate::math::instructions;
+    use fearless_simd::{SimdFrom, dispatch};
 
     const LOWEST_ARGUMENT: f64 = -708.0;
 
@@ -68,10 +70,10 @@ mod tests {
         all
     }
 
-    fn agrees_with_libm<F: F64x4>(proof: F::Proof) {
+    fn agrees_with_libm<S: Simd>(simd: S) {
         for arguments in arguments().chunks_exact(4) {
             let four = [arguments[0], arguments[1], arguments[2], arguments[3]];
-            let found = exp_of_negative(F::new(proof, four)).to_array();
+            let found = exp_of_negative(f64x4::simd_from(simd, four)).to_array();
             for (x, found) in four.into_iter().zip(found) {
                 assert_eq!(found.to_bits(), libm::exp(x).to_bits(), "exp({x:e}) is {found}");
             }
@@ -79,16 +81,9 @@ mod tests {
     }
 
     #[test]
-    fn portable_lanes_have_the_bits_of_libm() {
-        agrees_with_libm::<Scalar>(Portable);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[test]
-    fn avx_lanes_have_the_bits_of_libm() {
-        use crate::math::{avx::Avx, instructions::Avx2};
-        if let Some(proof) = Avx2::detect() {
-            agrees_with_libm::<Avx>(proof);
+    fn lanes_have_the_bits_of_libm() {
+        for level in instructions::available() {
+            dispatch!(level, simd => agrees_with_libm(simd));
         }
     }
 }

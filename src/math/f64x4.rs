@@ -1,20 +1,84 @@
 //! Four f64 lanes in one SIMD value. They hold the three axes of one ray and an unused fourth lane, or one
 //! axis of four rays.
 //!
-//! The unused lane never influences a result and may hold any value.
+//! The unused lane never influences a result and may hold any value. Every instruction set gives the same bits.
 
 use super::extremes;
-use super::instructions::Portable;
 use super::number::Number;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use fearless_simd::prelude::*;
+use fearless_simd::{f64x2, f64x4, mask64x4};
 
 /// The number of lanes.
 pub const LANES: usize = 4;
 
-/// Four numbers, and what one number alone does not need. Every implementation gives the same bits.
-pub trait F64x4: Number {
-    /// A value with these lanes.
-    fn new(proof: Self::Proof, lanes: [f64; 4]) -> Self;
+/// 1.5 * 2^52. A number below 2^51 plus this constant is so large that its last bit stands for 1: the sum is
+/// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
+/// also handle NaN and numbers out of range.
+pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
+
+/// The number of bits below a float's exponent.
+const EXPONENT_SHIFT: u32 = 52;
+
+impl<S: Simd> Number for f64x4<S> {
+    type Proof = S;
+
+    #[inline(always)]
+    fn proof(self) -> S {
+        self.token()
+    }
+
+    #[inline(always)]
+    fn splat(simd: S, x: f64) -> Self {
+        SimdBase::splat(simd, x)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        SimdBase::abs(self)
+    }
+
+    // On x86 one instruction does this; those of other processors return a NaN where either number is one.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            SimdBase::min(self, other)
+        } else {
+            self.select_lt(other, self, other)
+        }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            SimdBase::max(self, other)
+        } else {
+            other.select_lt(self, self, other)
+        }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        SimdFloat::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
+        self.simd_lt(other).select(then, otherwise)
+    }
+
+    #[inline(always)]
+    fn le_mask(self, other: Self) -> u32 {
+        self.simd_le(other).to_bitmask() as u32
+    }
+
+    #[inline(always)]
+    fn lt_mask(self, other: Self) -> u32 {
+        self.simd_lt(other).to_bitmask() as u32
+    }
+}
+
+/// What one number alone does not need.
+pub trait FourLanes: Number {
     /// The lanes as an array.
     fn to_array(self) -> [f64; 4];
     /// 1 where this is greater than 0, and 0 elsewhere.
@@ -29,20 +93,8 @@ pub trait F64x4: Number {
     /// The nearest integers, for absolute values below 2^31.
     fn to_i32(self) -> [i32; 4];
     /// Rounds to the nearest integers, for absolute values below 2^51.
-    #[inline(always)]
-    fn round(self) -> Self {
-        (self + self.broadcast(ROUND_TO_INTEGER)) - self.broadcast(ROUND_TO_INTEGER)
-    }
-    /// Rounds up to integers, for absolute values below 2^51. An integer keeps its value but may lose a sign
-    /// of zero.
-    #[inline(always)]
-    fn ceil(self) -> Self {
-        let nearest = self.round();
-        nearest + (self - nearest).one_where_positive()
-    }
-    /// Rounds down to integers. A result of 0 may have either sign.
-    fn floor(self) -> Self;
-    /// The sum of the lanes of each of these, (a + b) + (c + d).
+    fn round(self) -> Self;
+    /// The sum of the lanes of each of these, (a + c) + (b + d).
     fn sums(of: [Self; 4]) -> Self;
     /// The last two lanes, and then the first two.
     fn swap_halves(self) -> Self;
@@ -54,204 +106,91 @@ pub trait F64x4: Number {
     fn max3(self) -> f64;
 }
 
-/// 1.5 * 2^52. A number below 2^51 plus this constant is so large that its last bit stands for 1: the sum is
-/// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
-/// also handle NaN and numbers out of range.
-pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
-
-/// The number of bits below a float's exponent.
-pub const EXPONENT_SHIFT: i32 = 52;
-
-/// Four lanes in an array, for processors without AVX.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scalar([f64; 4]);
-
-impl Scalar {
-    // Each lane is named, because a function of the standard library, such as an array's `map`, is not always inlined.
-
-    /// Applies `f` to each lane.
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let [x, y, z, w] = self.0;
-        Self([f(x), f(y), f(z), f(w)])
-    }
-
-    /// Applies `f` to each pair of lanes.
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let ([x, y, z, w], other) = (self.0, other.0);
-        Self([f(x, other[0]), f(y, other[1]), f(z, other[2]), f(w, other[3])])
-    }
-}
-
-impl Number for Scalar {
-    type Proof = Portable;
-
-    #[inline(always)]
-    fn proof(self) -> Portable {
-        Portable
-    }
-
-    #[inline(always)]
-    fn splat(_: Portable, x: f64) -> Self {
-        Self([x; 4])
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.map(f64::abs)
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.zip(other, extremes::min)
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        self.zip(other, extremes::max)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
-    }
-
-    #[inline(always)]
-    fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self {
-        Self(std::array::from_fn(|i| if self.0[i] < other.0[i] { then.0[i] } else { otherwise.0[i] }))
-    }
-
-    #[inline(always)]
-    fn le_mask(self, other: Self) -> u32 {
-        (0..4).fold(0, |set, i| set | u32::from(self.0[i] <= other.0[i]) << i)
-    }
-
-    #[inline(always)]
-    fn lt_mask(self, other: Self) -> u32 {
-        (0..4).fold(0, |set, i| set | u32::from(self.0[i] < other.0[i]) << i)
-    }
-}
-
-impl F64x4 for Scalar {
-    #[inline(always)]
-    fn new(_: Portable, lanes: [f64; 4]) -> Self {
-        Self(lanes)
-    }
-
+impl<S: Simd> FourLanes for f64x4<S> {
     #[inline(always)]
     fn to_array(self) -> [f64; 4] {
-        self.0
+        self.into()
     }
 
     #[inline(always)]
     fn one_where_positive(self) -> Self {
-        self.map(|x| if x > 0.0 { 1.0 } else { 0.0 })
+        self.broadcast(0.0).select_lt(self, self.broadcast(1.0), self.broadcast(0.0))
     }
 
     #[inline(always)]
     fn unless_infinite(self, other: Self, replacement: f64) -> Self {
-        self.zip(other, |x, y| if y.abs() == f64::INFINITY { replacement } else { x })
+        let is_infinite = SimdBase::abs(other).simd_eq(f64::INFINITY);
+        is_infinite.select(self.broadcast(replacement), self)
     }
 
     #[inline(always)]
     fn times_exp2(self, exponents: Self) -> Self {
-        self.zip(exponents, |x, n| {
-            f64::from_bits(x.to_bits().wrapping_add((n + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT))
-        })
+        let exponents = (exponents + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT;
+        Self::from_bits(self.to_bits() + exponents)
     }
 
     #[inline(always)]
     fn sign_mask(self) -> usize {
-        let sign = |axis: usize| usize::from(self.0[axis].is_sign_negative()) << axis;
-        sign(0) | sign(1) | sign(2)
+        self.is_sign_negative().to_bitmask() as usize & 7
     }
 
+    // Each lane is named, since an array's `map` is not always inlined.
     #[inline(always)]
     fn to_i32(self) -> [i32; 4] {
-        self.0.map(|x| (x + ROUND_TO_INTEGER).to_bits() as i32)
+        let [x, y, z, w]: [f64; 4] = (self + ROUND_TO_INTEGER).into();
+        [x.to_bits() as i32, y.to_bits() as i32, z.to_bits() as i32, w.to_bits() as i32]
     }
 
     #[inline(always)]
-    fn floor(self) -> Self {
-        // The library's function takes three times as long where the compilation target lacks SSE4.1.
-        self.map(|x| {
-            if x.abs() < ROUND_TO_INTEGER / 3.0 {
-                let nearest = (x + ROUND_TO_INTEGER) - ROUND_TO_INTEGER;
-                nearest - f64::from((nearest > x) as u8)
-            } else {
-                x.floor()
-            }
-        })
+    fn round(self) -> Self {
+        (self + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     }
 
     #[inline(always)]
-    fn sums(of: [Self; 4]) -> Self {
-        Self(of.map(|Self([a, b, c, d])| (a + b) + (c + d)))
+    fn sums([p, q, r, s]: [Self; 4]) -> Self {
+        let (pr, qs) = (sums_of_halves(p, r), sums_of_halves(q, s));
+        // Two steps within halves, since those across them take three times as long.
+        let odd = mask64x4::from_bitmask(p.token(), 0b1010);
+        pr.slide_within_blocks::<1>(qs) + odd.select(qs, pr)
     }
 
     #[inline(always)]
     fn swap_halves(self) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([c, d, a, b])
+        let (low, high) = self.split();
+        high.combine(low)
     }
 
     #[inline(always)]
     fn to_f32(self) -> [f32; 4] {
-        self.0.map(|x| x as f32)
+        self.narrow(self).split().0.into()
     }
 
     #[inline(always)]
     fn min3(self) -> f64 {
-        let [x, y, z, _] = self.0;
-        extremes::min3([x, y, z])
+        let [x, y, z] = axes(self);
+        if cfg!(target_arch = "x86_64") { x.min(y).min(z)[0] } else { extremes::min3([x[0], y[0], z[0]]) }
     }
 
     #[inline(always)]
     fn max3(self) -> f64 {
-        let [x, y, z, _] = self.0;
-        extremes::max3([x, y, z])
+        let [x, y, z] = axes(self);
+        if cfg!(target_arch = "x86_64") { x.max(y).max(z)[0] } else { extremes::max3([x[0], y[0], z[0]]) }
     }
 }
 
-impl Neg for Scalar {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|x| -x)
-    }
+/// Lanes 0 and 1 plus lanes 2 and 3 of one, and of the other.
+#[inline(always)]
+fn sums_of_halves<S: Simd>(p: f64x4<S>, r: f64x4<S>) -> f64x4<S> {
+    let ((p_low, p_high), (r_low, r_high)) = (p.split(), r.split());
+    p_low.combine(r_low) + p_high.combine(r_high)
 }
 
-impl Add for Scalar {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl Sub for Scalar {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Scalar {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
-
-impl Div for Scalar {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
-    }
+/// The x, y and z lanes, each in the lowest lane of a pair. The compiler would merge adjacent minima and maxima of plain
+/// numbers into one vector sequence four times as long, which is on the critical path of every ray.
+#[inline(always)]
+fn axes<S: Simd>(lanes: f64x4<S>) -> [f64x2<S>; 3] {
+    let (xy, z) = lanes.split();
+    [xy, xy.slide::<1>(xy), z]
 }
 
 #[cfg(test)]

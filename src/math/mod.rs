@@ -7,7 +7,6 @@ pub mod exact_product;
 pub(crate) mod exact_sum;
 pub(crate) mod exp;
 pub mod extremes;
-pub(crate) mod f32_lanes;
 pub(crate) mod f64x4;
 pub mod instructions;
 pub(crate) mod lanes;
@@ -21,7 +20,5 @@ pub mod rounded_affine;
 pub mod rounded_point;
 pub mod scaled;
 pub(crate) mod vector;
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod avx;
 #[cfg(test)]
 pub(crate) mod worst_case;

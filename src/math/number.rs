@@ -1,8 +1,7 @@
 //! Numbers in one or in four lanes. A formula that is written over [`Number`] computes one result from plain
-//! numbers, or four results from [`F64x4`](super::f64x4::F64x4), each with the same bits.
+//! numbers, or four results from [`f64x4`](fearless_simd::f64x4), each with the same bits.
 
 use super::extremes;
-use super::instructions::Portable;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// One number, or one in each of several lanes. A set of lanes is a number whose bit 0 stands for the first lane.
@@ -42,15 +41,13 @@ pub trait Number:
 }
 
 impl Number for f64 {
-    type Proof = Portable;
+    type Proof = ();
 
     #[inline(always)]
-    fn proof(self) -> Portable {
-        Portable
-    }
+    fn proof(self) {}
 
     #[inline(always)]
-    fn splat(_: Portable, x: f64) -> Self {
+    fn splat(_: (), x: f64) -> Self {
         x
     }
 

@@ -1,7 +1,8 @@
 //! Vectors of numbers in one or in four lanes.
 
-use super::f64x4::F64x4;
+use super::f64x4::FourLanes;
 use super::number::Number;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -17,8 +18,8 @@ pub struct Vector<N> {
 impl<N: Number> Vector<N> {
     /// The same vector in all lanes.
     #[inline(always)]
-    pub fn splat(proof: N::Proof, v: DVec3) -> Self {
-        Self { x: N::splat(proof, v.x), y: N::splat(proof, v.y), z: N::splat(proof, v.z) }
+    pub fn splat(simd: N::Proof, v: DVec3) -> Self {
+        Self { x: N::splat(simd, v.x), y: N::splat(simd, v.y), z: N::splat(simd, v.z) }
     }
 
     #[inline(always)]
@@ -54,14 +55,14 @@ impl<N: Number> Vector<N> {
     }
 }
 
-impl<F: F64x4> Vector<F> {
+impl<S: Simd> Vector<f64x4<S>> {
     /// Four vectors.
     #[inline(always)]
-    pub fn new(proof: F::Proof, [a, b, c, d]: [&DVec3; 4]) -> Self {
+    pub fn new(simd: S, [a, b, c, d]: [&DVec3; 4]) -> Self {
         Self {
-            x: F::new(proof, [a.x, b.x, c.x, d.x]),
-            y: F::new(proof, [a.y, b.y, c.y, d.y]),
-            z: F::new(proof, [a.z, b.z, c.z, d.z]),
+            x: f64x4::simd_from(simd, [a.x, b.x, c.x, d.x]),
+            y: f64x4::simd_from(simd, [a.y, b.y, c.y, d.y]),
+            z: f64x4::simd_from(simd, [a.z, b.z, c.z, d.z]),
         }
     }
 
@@ -123,8 +124,8 @@ impl<N: Number> Div<N> for Vector<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
+    use crate::math::instructions;
+    use fearless_simd::dispatch;
 
     /// Results of every operation on two vectors and a number.
     fn results<N: Number>([p, q]: [Vector<N>; 2], factor: N) -> [Vector<N>; 9] {
@@ -141,15 +142,15 @@ mod tests {
         [p + q, p - q, p * factor, p / factor, dot, p.cross(q), p.abs(), max, p.normalize() + splat]
     }
 
-    fn computes_as_the_library<F: F64x4>(proof: F::Proof) {
+    fn computes_as_the_library<S: Simd>(simd: S) {
         let numbers = [0.0, -0.0, 1.0, -3.7, 1e-200, -1e200, f64::INFINITY, f64::NAN, 0.1, 7e-9];
         let vector =
             |k: usize| DVec3::new(numbers[k % 10], numbers[k / 3 % 10], numbers[(7 * k + k / 10) % 10]);
         let bits = |v: DVec3| v.to_array().map(|x| if x.is_nan() { 0 } else { x.to_bits() });
         for k in 0..2000 {
             let [p, q] = [0, 1009].map(|shift| [k, k + 1, k + 2, k + 3].map(|k| vector(5 * k + shift)));
-            let four = [p, q].map(|v| Vector::<F>::new(proof, v.each_ref()));
-            let found = results(four, F::new(proof, q.map(|v| v.y))).map(Vector::to_array);
+            let four = [p, q].map(|v| Vector::<f64x4<S>>::new(simd, v.each_ref()));
+            let found = results(four, f64x4::simd_from(simd, q.map(|v| v.y))).map(Vector::to_array);
             for lane in 0..4 {
                 let (p, q) = (p[lane], q[lane]);
                 let expected = expected([p, q], q.y).map(bits);
@@ -165,10 +166,8 @@ mod tests {
 
     #[test]
     fn one_vector_and_four_have_the_bits_of_the_library_s() {
-        computes_as_the_library::<Scalar>(Portable);
-        #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = crate::math::instructions::Avx2::detect() {
-            computes_as_the_library::<crate::math::avx::Avx>(proof);
+        for level in instructions::available() {
+            dispatch!(level, simd => computes_as_the_library(simd));
         }
     }
 }

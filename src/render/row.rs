@@ -99,9 +99,7 @@ impl RenderSetting<'_> {
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
             (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
-            (true, _) => {
-                Colors::Spread(Spread::new(request.filter, self.caster.instructions, j, request.size))
-            }
+            (true, _) => Colors::Spread(Spread::new(request.filter, self.caster.level, j, request.size)),
         };
         let layers = request.layers.iter().map(|layer| match layer {
             Layer::Color | Layer::Filter { .. } => vec![],

@@ -63,7 +63,7 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::instructions::Instructions;
+    use crate::math::instructions::Level;
     use glam::DVec2;
 
     /// The picture that results when pixel (x, y) takes one sample of this colour at its centre.
@@ -75,7 +75,7 @@ mod tests {
         let mut film = Film::new(filter, [width, height]);
         let mut picture = vec![];
         for y in 0..height {
-            let mut spread = Spread::new(filter, Instructions::Portable, y, [width, height]);
+            let mut spread = Spread::new(filter, Level::baseline(), y, [width, height]);
             (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y), 1.0));
             let mut finish = |row: usize, colors: &mut dyn Iterator<Item = Color>| {
                 assert_eq!(row, picture.len());
@@ -119,7 +119,7 @@ mod tests {
     fn a_pixel_without_weighted_samples_is_black() {
         let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
         let filter = Filter::Box { radius: 0.1 };
-        let mut spread = Spread::new(filter, Instructions::Portable, 0, [1, 1]);
+        let mut spread = Spread::new(filter, Level::baseline(), 0, [1, 1]);
         spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
         let mut finished = vec![];
         let mut finish = |_: usize, colors: &mut dyn Iterator<Item = Color>| finished.extend(colors);
@@ -135,7 +135,7 @@ mod tests {
             .map(|y| {
                 let mut rows = vec![];
                 let mut finish = |row: usize, _: &mut dyn Iterator<Item = Color>| rows.push(row);
-                let spread = Spread::new(filter, Instructions::Portable, y, size);
+                let spread = Spread::new(filter, Level::baseline(), y, size);
                 film.add(spread, &mut finish);
                 rows
             })

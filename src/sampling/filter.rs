@@ -1,8 +1,8 @@
 //! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
 use crate::math::exp::exp_of_negative;
-use crate::math::f64x4::F64x4;
 use crate::math::number::Number;
+use fearless_simd::{Simd, f64x4};
 use glam::DVec2;
 use serde::Serialize;
 
@@ -63,7 +63,7 @@ impl Filter {
     /// The weights of four samples from their terms along both axes. A Gaussian must have a support of at least a pixel,
     /// so that it falls by no more than a factor of e^36 within it.
     #[inline(always)]
-    pub(super) fn weights<F: F64x4>(&self, x: F, y: F) -> F {
+    pub(super) fn weights<S: Simd>(&self, x: f64x4<S>, y: f64x4<S>) -> f64x4<S> {
         self.combined(x, y, exp_of_negative)
     }
 
@@ -113,8 +113,9 @@ fn mitchell<N: Number>(x: N) -> N {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
+    use crate::math::f64x4::FourLanes;
+    use crate::math::instructions;
+    use fearless_simd::{SimdFrom, dispatch};
 
     #[test]
     fn weights_against_closed_forms() {
@@ -158,7 +159,7 @@ mod tests {
         assert_eq!(wide.weight(DVec2::new(-1.0, 3.0)), mitchell(0.5) * mitchell(1.5));
     }
 
-    fn weighs_four_as_one<F: F64x4>(proof: F::Proof) {
+    fn weighs_four_as_one<S: Simd>(simd: S) {
         let radii = [0.51, 1.0, 1.7, 2.3, 40.5];
         let filters = radii.into_iter().flat_map(|radius| {
             let gaussian = Filter::Gaussian { sigma: radius / 2.0 };
@@ -172,7 +173,7 @@ mod tests {
             for (x, shift) in distances.iter().enumerate().flat_map(|(i, x)| [(*x, 0), (*x, i), (-x, 3 * i)])
             {
                 let y: [f64; 4] = std::array::from_fn(|k| distances[(shift + 7 * k) % distances.len()]);
-                let terms = [[x; 4], y].map(|axis| filter.axis_term(F::new(proof, axis)));
+                let terms = [[x; 4], y].map(|axis| filter.axis_term(f64x4::simd_from(simd, axis)));
                 let found = filter.weights(terms[0], terms[1]).to_array().map(f64::to_bits);
                 assert_eq!(
                     found,
@@ -185,10 +186,8 @@ mod tests {
 
     #[test]
     fn the_weights_of_four_samples_have_the_bits_of_those_of_one() {
-        weighs_four_as_one::<Scalar>(Portable);
-        #[cfg(target_arch = "x86_64")]
-        if let Some(proof) = crate::math::instructions::Avx2::detect() {
-            weighs_four_as_one::<crate::math::avx::Avx>(proof);
+        for level in instructions::available() {
+            dispatch!(level, simd => weighs_four_as_one(simd));
         }
     }
 }

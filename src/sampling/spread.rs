@@ -5,11 +5,11 @@
 
 use super::filter::Filter;
 use super::sum::Sum;
-use crate::math::f64x4::{F64x4, LANES};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::f64x4::{FourLanes, LANES};
+use crate::math::instructions::Level;
+use crate::math::number::Number;
 use crate::scene::Color;
+use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::DVec2;
 use std::ops::RangeInclusive;
 
@@ -91,7 +91,7 @@ struct TargetColumn {
 #[derive(Clone, Debug)]
 pub struct Spread {
     filter: Filter,
-    instructions: Instructions,
+    level: Level,
     width: usize,
     /// The row of pixels that the samples lie in.
     row: usize,
@@ -108,7 +108,7 @@ pub struct Spread {
 
 impl Spread {
     /// An empty spread for row `row` of a picture with this width and height.
-    pub fn new(filter: Filter, instructions: Instructions, row: usize, [width, height]: [usize; 2]) -> Self {
+    pub fn new(filter: Filter, level: Level, row: usize, [width, height]: [usize; 2]) -> Self {
         // A support beyond the picture's size makes no difference.
         let support = filter.support().min(width.max(height));
         let target_rows = row.saturating_sub(support)..=(row + support).min(height - 1);
@@ -116,7 +116,7 @@ impl Spread {
         let reach = support.min(width - 1);
         Self {
             filter,
-            instructions,
+            level,
             width,
             row,
             target_rows,
@@ -155,45 +155,40 @@ impl Spread {
 
     /// Adds the samples of the batch to the sums.
     fn weigh(&mut self) {
-        match self.instructions {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-            Instructions::Avx2(avx2) => unsafe { weigh_avx2(avx2, self) },
-            Instructions::Portable => self.weigh_with::<crate::math::f64x4::Scalar>(Portable),
-        }
+        dispatch!(self.level, simd => self.weigh_at(simd));
     }
 
     /// Each filter has a loop of its own, whose constants stay in registers.
     #[inline(always)]
-    fn weigh_with<F: F64x4>(&mut self, proof: F::Proof) {
+    fn weigh_at<S: Simd>(&mut self, simd: S) {
         match self.filter {
-            Filter::Box { radius } => self.weigh_by::<F>(proof, Filter::Box { radius }),
-            Filter::Tent { radius } => self.weigh_by::<F>(proof, Filter::Tent { radius }),
-            Filter::Gaussian { sigma } => self.weigh_by::<F>(proof, Filter::Gaussian { sigma }),
-            Filter::Mitchell { radius } => self.weigh_by::<F>(proof, Filter::Mitchell { radius }),
+            Filter::Box { radius } => self.weigh_by(simd, Filter::Box { radius }),
+            Filter::Tent { radius } => self.weigh_by(simd, Filter::Tent { radius }),
+            Filter::Gaussian { sigma } => self.weigh_by(simd, Filter::Gaussian { sigma }),
+            Filter::Mitchell { radius } => self.weigh_by(simd, Filter::Mitchell { radius }),
         }
     }
 
     #[inline(always)]
-    fn weigh_by<F: F64x4>(&mut self, proof: F::Proof, filter: Filter) {
+    fn weigh_by<S: Simd>(&mut self, simd: S, filter: Filter) {
         let Batch { count, columns, offsets: [x, y], colors } = &*self.batch;
         let runs = Runs::new(&columns[..*count]);
         for (k, target) in self.target_columns.iter_mut().enumerate() {
-            let distance = F::splat(proof, self.reach as f64 - k as f64);
+            let distance = f64x4::splat(simd, self.reach as f64 - k as f64);
             for (x_terms, x) in target.x_terms.iter_mut().zip(x) {
-                *x_terms = filter.axis_term(F::new(proof, *x) + distance).to_array();
+                *x_terms = filter.axis_term(f64x4::simd_from(simd, *x) + distance).to_array();
             }
         }
-        let are_finite = colors[..*count].iter().all(|color| is_finite(F::new(proof, *color)));
+        let are_finite = colors[..*count].iter().all(|color| is_finite(f64x4::simd_from(simd, *color)));
         for target_row in self.target_rows.clone() {
-            let distance = F::splat(proof, self.row as f64 - target_row as f64);
+            let distance = f64x4::splat(simd, self.row as f64 - target_row as f64);
             let mut y_terms = [distance; GROUPS];
             for (y_terms, y) in y_terms.iter_mut().zip(y) {
-                *y_terms = filter.axis_term(F::new(proof, *y) + distance);
+                *y_terms = filter.axis_term(f64x4::simd_from(simd, *y) + distance);
             }
             for TargetColumn { x_terms, weights } in &mut self.target_columns {
                 for ((weights, x_terms), y_terms) in weights.iter_mut().zip(x_terms).zip(y_terms) {
-                    *weights = filter.weights(F::new(proof, *x_terms), y_terms).to_array();
+                    *weights = filter.weights(f64x4::simd_from(simd, *x_terms), y_terms).to_array();
                 }
             }
             let start = (target_row - self.target_rows.start()) * self.width;
@@ -203,7 +198,7 @@ impl Spread {
                 let colors = &colors[first..*end];
                 for (sum, target) in reached(row, &self.target_columns, *column) {
                     let weights = &target.weights.as_flattened()[first..*end];
-                    sum.add_all::<F>(proof, weights, colors, are_finite);
+                    sum.add_all::<S>(simd, weights, colors, are_finite);
                 }
                 first = *end;
             }
@@ -226,17 +221,9 @@ fn reached<'a>(
 
 /// Whether no lane is infinite or NaN.
 #[inline(always)]
-fn is_finite<F: F64x4>(x: F) -> bool {
+fn is_finite<S: Simd>(x: f64x4<S>) -> bool {
     let zeros = x * x.broadcast(0.0);
     zeros.le_mask(zeros) == 0b1111
-}
-
-/// Weighs the samples of a spread's batch, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn weigh_avx2(avx2: Avx2, spread: &mut Spread) {
-    spread.weigh_with::<crate::math::avx::Avx>(avx2);
 }
 
 #[cfg(test)]

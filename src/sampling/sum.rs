@@ -1,7 +1,9 @@
 //! The weighted sum of the samples of one pixel.
 
-use crate::math::f64x4::F64x4;
+use crate::math::f64x4::FourLanes;
+use crate::math::number::Number;
 use crate::scene::Color;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// The weighted sum of the samples of one pixel: red, green, blue, and the weights themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,9 +32,9 @@ impl Sum {
     /// Adds samples, whose colours are followed by the parts of the pixel that they stand for, as in `add_part`.
     /// `are_finite` tells that none of them is infinite or NaN.
     #[inline(always)]
-    pub(super) fn add_all<F: F64x4>(
+    pub(super) fn add_all<S: Simd>(
         &mut self,
-        proof: F::Proof,
+        simd: S,
         weights: &[f64],
         colors: &[[f64; 4]],
         are_finite: bool,
@@ -42,18 +44,19 @@ impl Sum {
             return samples.for_each(|(weight, color)| self.add_part(*weight, *color));
         }
         // A product with a weight of zero is zero and changes no sum, since no sum is -0.
-        let product = |(weight, color): (&f64, &[f64; 4])| F::splat(proof, *weight) * F::new(proof, *color);
+        let product =
+            |(weight, color): (&f64, &[f64; 4])| f64x4::splat(simd, *weight) * f64x4::simd_from(simd, *color);
         // The groups are of a constant size so that the compiler unrolls their loop.
         let (weights, last_weights) = weights.as_chunks::<4>();
         let (colors, last_colors) = colors.as_chunks::<4>();
-        let mut sum = F::new(proof, self.0);
+        let mut sum = f64x4::simd_from(simd, self.0);
         for group in weights.iter().zip(colors) {
             for sample in group.0.iter().zip(group.1) {
-                sum = sum + product(sample);
+                sum += product(sample);
             }
         }
         for sample in last_weights.iter().zip(last_colors) {
-            sum = sum + product(sample);
+            sum += product(sample);
         }
         self.0 = sum.to_array();
     }

@@ -1,15 +1,13 @@
 //! The cells of a checkerboard: unit cubes in the texture's space that alternate between two materials.
 
 use super::perlin::wrapped;
-#[cfg(target_arch = "x86_64")]
-use crate::math::avx::Avx;
-use crate::math::f64x4::{F64x4, Scalar};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::f64x4::FourLanes;
+use crate::math::instructions::Level;
+use crate::math::number::Number;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded_affine::{IMAGE_ROUNDINGS, RoundedAffine, absolute};
 use crate::math::rounded_point::RoundedPoint;
+use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Whether a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the cell
@@ -19,29 +17,16 @@ use glam::{DAffine3, DMat3, DVec3};
 /// its points falls. So a coordinate that is within its error bound of a boundary counts as being on it. The bound
 /// covers the errors of the point, of the map and of the coordinate itself (`proofs/checkerboard.g`).
 #[inline(always)]
-pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, instructions: Instructions) -> bool {
-    match instructions {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { is_in_odd_cell_avx2(avx2, map, point) },
-        Instructions::Portable => is_in_odd_cell_with::<Scalar>(Portable, map, point),
-    }
-}
-
-/// The same, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn is_in_odd_cell_avx2(avx2: Avx2, map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    is_in_odd_cell_with::<Avx>(avx2, map, point)
+pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, level: Level) -> bool {
+    dispatch!(level, simd => is_in_odd_cell_at(simd, map, point))
 }
 
 #[inline(always)]
-fn is_in_odd_cell_with<F: F64x4>(proof: F::Proof, map: &RoundedAffine, point: &RoundedPoint) -> bool {
+fn is_in_odd_cell_at<S: Simd>(simd: S, map: &RoundedAffine, point: &RoundedPoint) -> bool {
     /// Up to this the conversion to integers is exact.
     const LARGEST_INDEX: f64 = i32::MAX as f64;
-    let values = coordinates::<F>(proof, &map.map, point.position);
-    let below = values.floor();
+    let values = coordinates(simd, &map.map, point.position);
+    let below = fearless_simd::SimdFloat::floor(values);
     let to_next = below + below.broadcast(1.0) - values;
     let is_between = below.broadcast(point.boundary_width).le_mask(to_next) & 7 == 7;
     if !is_between || below.abs().le_mask(below.broadcast(LARGEST_INDEX)) & 7 != 7 {
@@ -54,7 +39,7 @@ fn is_in_odd_cell_with<F: F64x4>(proof: F::Proof, map: &RoundedAffine, point: &R
 /// The same where a boundary may be close, or an index is larger than an `i32`, or NaN.
 #[cold]
 fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    let values = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
+    let values = map.map.transform_point3(point.position);
     let error_bounds = error_bounds(map, point);
     let cell = |axis: usize| {
         let below = values[axis].floor();
@@ -76,19 +61,22 @@ pub fn error_bounds_to_boundary(map: &RoundedAffine, point: &RoundedPoint) -> DV
 
 /// The distance of each coordinate from the nearest boundary.
 fn to_boundaries(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
-    let [x, y, z, _] = coordinates::<Scalar>(Portable, &map.map, point.position).to_array();
-    let values = DVec3::new(x, y, z);
+    let values = map.map.transform_point3(point.position);
     (values - values.round()).abs()
 }
 
 /// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
 #[inline(always)]
-fn coordinates<F: F64x4>(proof: F::Proof, map: &DAffine3, point: DVec3) -> F {
+fn coordinates<S: Simd>(simd: S, map: &DAffine3, point: DVec3) -> f64x4<S> {
     // The fourth number of each column is the first of the next one, so that columns are loaded as a whole.
     let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
     let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
-    let [a, b, c] = [F::new(proof, columns[0]), F::new(proof, columns[1]), F::new(proof, columns[2])];
-    let translation = F::new(proof, [tx, ty, tz, tz]);
+    let [a, b, c] = [
+        f64x4::simd_from(simd, columns[0]),
+        f64x4::simd_from(simd, columns[1]),
+        f64x4::simd_from(simd, columns[2]),
+    ];
+    let translation = f64x4::simd_from(simd, [tx, ty, tz, tz]);
     a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }
 
@@ -118,6 +106,7 @@ fn roundings(rows: DMat3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::instructions;
     use glam::DQuat;
 
     /// The same as [`is_in_odd_cell`], one axis after the other.
@@ -185,16 +174,16 @@ mod tests {
                 for point in [point, back.transform_point3(point)] {
                     let expected = is_odd_by_axes(&map, point, error);
                     let width = at_origin + per_distance * point.abs().element_sum();
-                    for (instructions, width) in
-                        Instructions::available().into_iter().flat_map(|i| [(i, width), (i, f64::INFINITY)])
+                    for (level, width) in
+                        instructions::available().into_iter().flat_map(|i| [(i, width), (i, f64::INFINITY)])
                     {
                         let point = RoundedPoint {
                             position: point,
                             error: &|| DVec3::splat(error),
                             boundary_width: width,
                         };
-                        let found = is_in_odd_cell(&map.into(), &point, instructions);
-                        assert_eq!(found, expected, "{} {map} {instructions:?} {width}", point.position);
+                        let found = is_in_odd_cell(&map.into(), &point, level);
+                        assert_eq!(found, expected, "{} {map} {level:?} {width}", point.position);
                     }
                     counts[usize::from(expected)] += 1;
                 }

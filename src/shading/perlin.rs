@@ -1,11 +1,10 @@
 //! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
 
-#[cfg(target_arch = "x86_64")]
-use crate::math::avx::Avx;
-use crate::math::f64x4::{F64x4, Scalar};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
+use crate::math::f64x4::FourLanes;
+use crate::math::instructions::Level;
+use crate::math::number::Number;
+use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
+use fearless_simd_macros::simd;
 use glam::DVec3;
 
 /// Perlin's permutation of 0..=255.
@@ -81,14 +80,14 @@ const GRADIENTS: [[f64; 3]; 16] = [
 /// One octave of noise at `p`, whose first three lanes are the coordinates: between about -1 and 1, zero at integer
 /// points, with period 256 along each axis. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`].
 #[inline(always)]
-fn noise<F: F64x4, const IS_FAR: bool>(p: F) -> f64 {
-    let cell = p.floor();
+fn noise<S: Simd, const IS_FAR: bool>(p: f64x4<S>) -> f64 {
+    let cell = fearless_simd::SimdFloat::floor(p);
     let indices = if IS_FAR { far_indices(cell.to_array()) } else { cell.to_i32().map(|index| index as u8) };
     let near = p - cell;
     let steep = near * near.broadcast(6.0) - near.broadcast(15.0);
     let fade = near * near * near * (near * steep + near.broadcast(10.0));
     let [fade_x, fade_y, fade_z, _] = fade.to_array();
-    let (left, right) = (side::<F, 0>(near, indices), side::<F, 1>(near, indices));
+    let (left, right) = (side::<S, 0>(near, indices), side::<S, 1>(near, indices));
     let low_then_high = left + near.broadcast(fade_x) * (right - left);
     let high_then_low = low_then_high.swap_halves();
     let along_y = low_then_high + near.broadcast(fade_y) * (high_then_low - low_then_high);
@@ -99,13 +98,13 @@ fn noise<F: F64x4, const IS_FAR: bool>(p: F) -> f64 {
 /// The dot products of the gradients and the offsets at the four corners of a cell that are `DX` from its index along
 /// x. Bit 0 of a lane's number is the corner's distance from the index along z, and bit 1 that along y.
 #[inline(always)]
-fn side<F: F64x4, const DX: usize>(near: F, [x, y, z, _]: [u8; 4]) -> F {
+fn side<S: Simd, const DX: usize>(near: f64x4<S>, [x, y, z, _]: [u8; 4]) -> f64x4<S> {
     // Each step of the hash is computed once for all corners that share it.
     let column = usize::from(HASHES[usize::from(x) + DX].wrapping_add(y));
     let low = usize::from(HASHES[column].wrapping_add(z));
     let high = usize::from(HASHES[column + 1].wrapping_add(z));
     let dx = DX as f64;
-    F::sums([
+    f64x4::sums([
         products(low, near, [dx, 0.0, 0.0]),
         products(low + 1, near, [dx, 0.0, 1.0]),
         products(high, near, [dx, 1.0, 0.0]),
@@ -116,8 +115,9 @@ fn side<F: F64x4, const DX: usize>(near: F, [x, y, z, _]: [u8; 4]) -> F {
 /// The terms of the dot product of a gradient with the offset from a corner. Two of them are exact and the third is
 /// zero, so that the order in which they are added does not matter.
 #[inline(always)]
-fn products<F: F64x4>(gradient: usize, near: F, [dx, dy, dz]: [f64; 3]) -> F {
-    F::new(near.proof(), HASHED_GRADIENTS[gradient]) * (near - F::new(near.proof(), [dx, dy, dz, 0.0]))
+fn products<S: Simd>(gradient: usize, near: f64x4<S>, [dx, dy, dz]: [f64; 3]) -> f64x4<S> {
+    f64x4::simd_from(near.proof(), HASHED_GRADIENTS[gradient])
+        * (near - f64x4::simd_from(near.proof(), [dx, dy, dz, 0.0]))
 }
 
 /// Up to this size of coordinates the indices of cells are converted to integers exactly.
@@ -129,45 +129,37 @@ fn far_indices(cell: [f64; 4]) -> [u8; 4] {
 }
 
 /// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
-pub fn turbulence(p: DVec3, octaves: u32, instructions: Instructions) -> f64 {
-    match instructions {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { turbulence_avx2(avx2, p.x, p.y, p.z, octaves) },
-        Instructions::Portable => turbulence_with::<Scalar>(Portable, p, octaves),
-    }
-}
-
-/// The same, compiled for AVX2. The coordinates of the point come in registers: a vector would be written to memory in
-/// three parts and read in two, so that store forwarding fails.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn turbulence_avx2(avx2: Avx2, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
-    turbulence_with::<Avx>(avx2, DVec3::new(x, y, z), octaves)
-}
-
 #[inline(always)]
-fn turbulence_with<F: F64x4>(proof: F::Proof, p: DVec3, octaves: u32) -> f64 {
-    let lanes = F::new(proof, [p.x, p.y, p.z, 0.0]);
+pub fn turbulence(p: DVec3, octaves: u32, level: Level) -> f64 {
+    dispatch!(level, simd => turbulence_at(simd, p.x, p.y, p.z, octaves))
+}
+
+/// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last. The coordinates
+/// of the point come in registers: a vector would be written to memory in three parts and read in two, so that store
+/// forwarding fails.
+#[simd]
+#[inline(never)]
+fn turbulence_at<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
+    let lanes = f64x4::simd_from(simd, [x, y, z, 0.0]);
     // The coordinates are the largest in the last octave.
     let growth = 1u32.checked_shl(octaves).map_or(f64::INFINITY, f64::from);
     let is_near = (lanes.abs() * lanes.broadcast(growth)).le_mask(lanes.broadcast(NEAR)) & 7 == 7;
-    if is_near { sum_of_octaves::<F, false>(lanes, octaves) } else { far_turbulence(p, octaves) }
+    if is_near { sum_of_octaves::<S, false>(lanes, octaves) } else { far_turbulence(simd, x, y, z, octaves) }
 }
 
-/// The same where coordinates may be larger than [`NEAR`].
+/// The sum of octaves where coordinates may be larger than [`NEAR`]. They come in registers here too: for a vector that
+/// is passed in memory, the caller would read its own from there.
 #[cold]
-fn far_turbulence(p: DVec3, octaves: u32) -> f64 {
-    sum_of_octaves::<Scalar, true>(Scalar::new(Portable, [p.x, p.y, p.z, 0.0]), octaves)
+fn far_turbulence<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
+    sum_of_octaves::<S, true>(f64x4::simd_from(simd, [x, y, z, 0.0]), octaves)
 }
 
 /// The sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each of them.
 #[inline(always)]
-fn sum_of_octaves<F: F64x4, const IS_FAR: bool>(mut p: F, octaves: u32) -> f64 {
+fn sum_of_octaves<S: Simd, const IS_FAR: bool>(mut p: f64x4<S>, octaves: u32) -> f64 {
     let (mut sum, mut amplitude) = (0.0, 1.0);
     for _ in 0..octaves {
-        sum += amplitude * noise::<F, IS_FAR>(p);
+        sum += amplitude * noise::<S, IS_FAR>(p);
         p = p + p;
         amplitude *= 0.5;
     }
@@ -177,11 +169,11 @@ fn sum_of_octaves<F: F64x4, const IS_FAR: bool>(mut p: F, octaves: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Instructions::Portable;
+    use crate::math::instructions;
 
     /// One octave of noise.
     fn noise(p: DVec3) -> f64 {
-        turbulence(p, 1, Portable)
+        turbulence(p, 1, Level::baseline())
     }
 
     #[test]
@@ -211,8 +203,8 @@ mod tests {
 
     #[test]
     fn no_octave_is_no_noise() {
-        assert_eq!(turbulence(DVec3::splat(0.3), 0, Portable), 0.0);
-        assert_eq!(turbulence(DVec3::splat(0.3), 1, Portable), noise(DVec3::splat(0.3)));
+        assert_eq!(turbulence(DVec3::splat(0.3), 0, Level::baseline()), 0.0);
+        assert_eq!(turbulence(DVec3::splat(0.3), 1, Level::baseline()), noise(DVec3::splat(0.3)));
     }
 
     /// The dot product with a gradient as Perlin's reference implementation selects it by the bits of a hash.
@@ -246,9 +238,9 @@ mod tests {
         let far = [1e9, 2f64.powi(31) - 0.5, 2f64.powi(31) + 0.5, 2f64.powi(52), 1e100];
         let far = far.into_iter().flat_map(|x| [DVec3::new(x, -x, 0.3), DVec3::new(0.1, 0.2, -x)]);
         for p in points.chain(far) {
-            for instructions in Instructions::available() {
-                let [found, expected] = [instructions, Portable].map(|with| turbulence(p, 5, with));
-                assert_eq!(found.to_bits(), expected.to_bits(), "{p} {instructions:?}");
+            for level in instructions::available() {
+                let [found, expected] = [level, Level::baseline()].map(|with| turbulence(p, 5, with));
+                assert_eq!(found.to_bits(), expected.to_bits(), "{p} {level:?}");
             }
         }
     }
@@ -276,8 +268,8 @@ mod tests {
             for p in [p, p / 1024.0, p * 5e5, p * 2f64.powi(30)] {
                 // Adding zero removes a sign of zero.
                 let expected = (plain_noise(p) + 0.0).to_bits();
-                let with = |instructions| turbulence(p, 1, instructions).to_bits();
-                assert!(Instructions::available().into_iter().all(|set| with(set) == expected), "{p}");
+                let with = |level| turbulence(p, 1, level).to_bits();
+                assert!(instructions::available().into_iter().all(|set| with(set) == expected), "{p}");
             }
         }
     }
@@ -320,7 +312,7 @@ mod tests {
     fn octaves_double_the_frequency_and_halve_the_amplitude() {
         let p = DVec3::new(0.3, 0.45, 0.6);
         let sum = noise(p) + noise(p * 2.0) / 2.0 + noise(p * 4.0) / 4.0;
-        assert!((turbulence(p, 3, Portable) - sum).abs() < 1e-15);
+        assert!((turbulence(p, 3, Level::baseline()) - sum).abs() < 1e-15);
     }
 
     #[test]

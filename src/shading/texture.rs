@@ -4,14 +4,13 @@ use super::checkerboard::{self, is_in_odd_cell};
 use super::perlin::turbulence;
 use super::phong::{Mixture, PointMaterial};
 use crate::math::f64x4::ROUND_TO_INTEGER;
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::rounded_affine::RoundedAffine;
 use crate::math::rounded_point::RoundedPoint;
 use crate::scene::limits::LARGEST;
 use crate::scene::material::{Material, Pattern, Texture};
 use crate::scene::{Color, MaterialId};
+use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -24,7 +23,7 @@ pub fn material_at<'m>(
     materials: &'m [Material],
     id: MaterialId,
     point: &RoundedPoint,
-    instructions: Instructions,
+    level: Level,
     mixture: &'m mut Mixture,
 ) -> PointMaterial<'m> {
     let mut id = id;
@@ -35,11 +34,11 @@ pub fn material_at<'m>(
             Material::Texture(texture) => texture,
         };
         if texture.pattern == Pattern::Checkerboard {
-            let is_odd = is_in_odd_cell(&texture.world_to_texture, point, instructions);
+            let is_odd = is_in_odd_cell(&texture.world_to_texture, point, level);
             id = texture.children[usize::from(is_odd)];
             continue;
         }
-        match only_child(&materials[..id], texture, point, instructions, mixture) {
+        match only_child(&materials[..id], texture, point, level, mixture) {
             Some(child) => id = child,
             None => return mixture.material(),
         }
@@ -53,46 +52,27 @@ fn only_child(
     materials: &[Material],
     texture: &Texture,
     point: &RoundedPoint,
-    instructions: Instructions,
+    level: Level,
     mixture: &mut Mixture,
 ) -> Option<MaterialId> {
-    match instructions {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `avx2` proves that the processor has all that the function is compiled for.
-        Instructions::Avx2(avx2) => unsafe { only_child_avx2(avx2, materials, texture, point, mixture) },
-        Instructions::Portable => only_child_with(materials, texture, point, instructions, mixture),
-    }
+    dispatch!(level, simd => only_child_with(materials, texture, point, simd.level(), mixture))
 }
 
-/// The same, compiled for AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-#[inline(never)]
-fn only_child_avx2(
-    avx2: Avx2,
-    materials: &[Material],
-    texture: &Texture,
-    point: &RoundedPoint,
-    mixture: &mut Mixture,
-) -> Option<MaterialId> {
-    only_child_with(materials, texture, point, Instructions::Avx2(avx2), mixture)
-}
-
-/// The same, compiled for the instructions of the caller.
+/// Finds the child with the instructions of the caller.
 #[inline(always)]
 fn only_child_with(
     materials: &[Material],
     texture: &Texture,
     point: &RoundedPoint,
-    instructions: Instructions,
+    level: Level,
     mixture: &mut Mixture,
 ) -> Option<MaterialId> {
-    let first = first_weight(texture, point, instructions);
+    let first = first_weight(texture, point, level);
     match first {
         1.0 => Some(texture.children[0]),
         0.0 => Some(texture.children[1]),
         _ => {
-            mix(materials, (texture, first), point, instructions, mixture);
+            mix(materials, (texture, first), point, level, mixture);
             None
         }
     }
@@ -108,7 +88,7 @@ fn mix(
     materials: &[Material],
     (texture, first): (&Texture, f64),
     point: &RoundedPoint,
-    instructions: Instructions,
+    level: Level,
     mixture: &mut Mixture,
 ) {
     let [i, j] = texture.children;
@@ -142,7 +122,7 @@ fn mix(
             }
             Material::Phong(phong) | Material::Painted(phong, _) => mixture.add(phong, weight),
             Material::Texture(texture) => {
-                let first = first_weight(texture, point, instructions);
+                let first = first_weight(texture, point, level);
                 weights[texture.children[0]] += weight * first;
                 weights[texture.children[1]] += weight * (1.0 - first);
             }
@@ -154,30 +134,30 @@ fn mix(
 }
 
 /// The colour of two in a pattern of world space.
-pub fn mixed_color(pattern: Pattern, colors: [Color; 2], point: DVec3, instructions: Instructions) -> Color {
+pub fn mixed_color(pattern: Pattern, colors: [Color; 2], point: DVec3, level: Level) -> Color {
     let texture = Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children: [0, 1] };
-    let first = first_weight(&texture, &point.into(), instructions);
+    let first = first_weight(&texture, &point.into(), level);
     colors[0] * first + colors[1] * (1.0 - first)
 }
 
 /// The weight of a texture's first material at a point of world space, from 0 to 1.
 #[inline(always)]
-pub fn first_weight(texture: &Texture, point: &RoundedPoint, instructions: Instructions) -> f64 {
+pub fn first_weight(texture: &Texture, point: &RoundedPoint, level: Level) -> f64 {
     let map = &texture.world_to_texture;
     match texture.pattern {
-        Pattern::Checkerboard if is_in_odd_cell(map, point, instructions) => 0.0,
+        Pattern::Checkerboard if is_in_odd_cell(map, point, level) => 0.0,
         Pattern::Checkerboard => 1.0,
         Pattern::Noise { octaves } => {
-            (turbulence(to_texture(map, point), octaves, instructions) + 0.5).clamp(0.0, 1.0)
+            (turbulence(to_texture(map, point), octaves, level) + 0.5).clamp(0.0, 1.0)
         }
         Pattern::Marble { octaves, frequency, amplitude } => {
             let q = to_texture(map, point);
-            (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves, instructions))) / 2.0
+            (1.0 + libm::sin(frequency * q.x + amplitude * turbulence(q, octaves, level))) / 2.0
         }
         Pattern::Wood { octaves, frequency, amplitude } => {
             let q = to_texture(map, point);
             let radius = (q.x * q.x + q.z * q.z).sqrt() + 0.05 * q.y;
-            let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves, instructions);
+            let grain = turbulence(DVec3::new(q.x, 0.2 * q.y, q.z), octaves, level);
             let ring = ring(frequency * radius + amplitude * grain);
             ring * ring
         }
@@ -221,7 +201,6 @@ mod tests {
     use super::*;
     use crate::math::robust::UNIT_ROUNDOFF;
     use crate::scene::material::Phong;
-    use Instructions::Portable;
     use glam::DAffine3;
 
     fn texture(pattern: Pattern, children: [MaterialId; 2]) -> Texture {
@@ -238,7 +217,7 @@ mod tests {
             (DVec3::new(-1.5, -0.5, -0.5), 1.0),
             (DVec3::new(1e9 + 0.5, 0.5, 0.5), 1.0),
         ] {
-            assert_eq!(first_weight(&t, &point.into(), Portable), first, "{point}");
+            assert_eq!(first_weight(&t, &point.into(), Level::baseline()), first, "{point}");
         }
     }
 
@@ -246,7 +225,7 @@ mod tests {
     fn a_boundary_belongs_to_the_cell_above_on_whichever_side_rounding_falls() {
         let t = texture(Pattern::Checkerboard, [0, 1]);
         for y in [3.0 - 4e-16, 3.0, 3.0 + 4e-16] {
-            assert_eq!(first_weight(&t, &DVec3::new(0.5, y, 0.5).into(), Portable), 0.0);
+            assert_eq!(first_weight(&t, &DVec3::new(0.5, y, 0.5).into(), Level::baseline()), 0.0);
         }
     }
 
@@ -284,13 +263,17 @@ mod tests {
         )));
         let point = DVec3::new(0.3, -1.2, 7.7);
         let mut mixture = Mixture::default();
-        let m = material_at(&materials, 4, &point.into(), Portable, &mut mixture);
+        let m = material_at(&materials, 4, &point.into(), Level::baseline(), &mut mixture);
         assert!(
             (m.phong.diffuse.element_sum() - 1.0).abs() < 1e-15
                 && (m.phong.index_of_refraction - 1.0).abs() < 1e-15
         );
         let marble = |t: &Material| {
-            if let Material::Texture(t) = t { first_weight(t, &point.into(), Portable) } else { f64::NAN }
+            if let Material::Texture(t) = t {
+                first_weight(t, &point.into(), Level::baseline())
+            } else {
+                f64::NAN
+            }
         };
         assert!((m.phong.diffuse.z - (1.0 - marble(&materials[4]))).abs() < 1e-15);
     }
@@ -302,7 +285,7 @@ mod tests {
             materials.push(Material::Texture(texture(Pattern::Noise { octaves: 1 }, [i, i])));
         }
         assert!(
-            (material_at(&materials, 2000, &DVec3::splat(0.3).into(), Portable, &mut mixture)
+            (material_at(&materials, 2000, &DVec3::splat(0.3).into(), Level::baseline(), &mut mixture)
                 .phong
                 .diffuse
                 .x
@@ -317,13 +300,13 @@ mod tests {
     fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
         let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
         let t = Texture { world_to_texture: world_to_texture.into(), ..texture(pattern, [0, 1]) };
-        first_weight(&t, &(texture_point - DVec3::new(1.0, -2.0, 4.0)).into(), Portable)
+        first_weight(&t, &(texture_point - DVec3::new(1.0, -2.0, 4.0)).into(), Level::baseline())
     }
 
     #[test]
     fn noise_is_turbulence_about_a_half() {
         for p in [DVec3::new(0.25, 0.5, 0.625), DVec3::new(1.25, -0.5, 3.375), DVec3::new(0.5, 0.25, 0.25)] {
-            let expected = (turbulence(p, 3, Portable) + 0.5).clamp(0.0, 1.0);
+            let expected = (turbulence(p, 3, Level::baseline()) + 0.5).clamp(0.0, 1.0);
             assert_eq!(weight(Pattern::Noise { octaves: 3 }, p), expected);
         }
     }
@@ -337,7 +320,7 @@ mod tests {
             assert!((marble(0, 7.0, DVec3::new(x, 9.0, -5.0)) - expected).abs() < 1e-15);
         }
         let p = DVec3::new(0.25, 0.5, 0.625);
-        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2, Portable)).sin();
+        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2, Level::baseline())).sin();
         assert!((marble(2, 7.0, p) - expected).abs() < 1e-15);
     }
 
@@ -349,7 +332,7 @@ mod tests {
         // The radius of a ring grows by a twentieth of the height.
         assert!((wood(0, 7.0, p) - ring(5.0 * (0.625 + 0.05 * 2.5))).abs() < 1e-15);
         let p = DVec3::new(0.375, 1.25, 0.5);
-        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2, Portable);
+        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2, Level::baseline());
         let expected = ring(5.0 * (0.625 + 0.05 * 1.25) + 0.75 * grain);
         assert!(grain != 0.0 && expected > 0.0 && expected < 1.0);
         assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
@@ -359,7 +342,7 @@ mod tests {
     fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
         let t =
             Texture { world_to_texture: world_to_texture.into(), ..texture(Pattern::Checkerboard, [0, 1]) };
-        first_weight(&t, &(boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF)).into(), Portable)
+        first_weight(&t, &(boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF)).into(), Level::baseline())
     }
 
     #[test]
@@ -389,7 +372,7 @@ mod tests {
         let mut mixture = Mixture::default();
         for (x, color) in [(0.5, Color::X), (1.5, Color::Y)] {
             let point = DVec3::new(x, 0.5, 0.5);
-            let found = material_at(&materials, 2, &point.into(), Portable, &mut mixture).phong;
+            let found = material_at(&materials, 2, &point.into(), Level::baseline(), &mut mixture).phong;
             assert!(
                 materials
                     .iter()

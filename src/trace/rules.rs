@@ -5,7 +5,7 @@ use super::optics::transmittance;
 use super::{Secondary, reflected};
 use crate::caster::Caster;
 use crate::math::double_double::SquaredSine;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::scene::Color;
@@ -66,16 +66,16 @@ pub trait Rules: Sync {
         SurfacePoint { normal, ..surface }
     }
 
-    /// The instructions that textures are evaluated with. The bytes are the same with all of them.
+    /// The level that textures are evaluated with. The bytes are the same with all of them.
     #[inline(always)]
-    fn instructions(&self) -> Instructions {
-        Instructions::Portable
+    fn level(&self) -> Level {
+        Level::baseline()
     }
 
     /// The material of a surface, with its textures evaluated at the point.
     #[inline(always)]
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
-        let (world, instructions) = (self.world(), self.instructions());
+        let (world, level) = (self.world(), self.level());
         let material = &world.materials[surface.material];
         if let Material::Phong(phong) = material {
             return phong.into();
@@ -83,12 +83,12 @@ pub trait Rules: Sync {
         if self.model() != Model::COURSE
             && let Material::Painted(phong, paint) = material
         {
-            let diffuse = painted(world, paint, surface, instructions).unwrap_or(phong.diffuse);
+            let diffuse = painted(world, paint, surface, level).unwrap_or(phong.diffuse);
             mixture.start(&Phong { diffuse, ..*phong }, 1.0);
             return mixture.material();
         }
         world.with_rounded_point(surface, |point| {
-            material_at(&world.materials, surface.material, point, instructions, mixture)
+            material_at(&world.materials, surface.material, point, level, mixture)
         })
     }
 
@@ -218,21 +218,16 @@ impl Rules for Caster<'_> {
     }
 
     #[inline(always)]
-    fn instructions(&self) -> Instructions {
-        self.instructions
+    fn level(&self) -> Level {
+        self.level
     }
 }
 
 /// The diffuse colour of paint at a surface; none where it has none.
-fn painted(
-    world: &World,
-    paint: &Paint,
-    surface: &SurfacePoint,
-    instructions: Instructions,
-) -> Option<Color> {
+fn painted(world: &World, paint: &Paint, surface: &SurfacePoint, level: Level) -> Option<Color> {
     match *paint {
         Paint::Image { image, .. } => world.image_color(image, surface),
-        Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, instructions)),
+        Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, level)),
     }
 }
 
@@ -257,7 +252,7 @@ impl Rules for ByModel<'_, '_> {
     }
 
     #[inline(always)]
-    fn instructions(&self) -> Instructions {
-        self.0.instructions
+    fn level(&self) -> Level {
+        self.0.level
     }
 }

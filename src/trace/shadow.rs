@@ -101,10 +101,8 @@ impl<R: Rules> Tracer<'_, R> {
     fn tint_at_light(&self, primitive: u32, index: usize) -> Color {
         let world = self.world();
         let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };
-        let (material, instructions) = (world.material_of(primitive), self.rules.instructions());
+        let (material, level) = (world.material_of(primitive), self.rules.level());
         let mut mixture = Mixture::default();
-        material_at(&world.materials, material, &position.into(), instructions, &mut mixture)
-            .phong
-            .transparent
+        material_at(&world.materials, material, &position.into(), level, &mut mixture).phong.transparent
     }
 }

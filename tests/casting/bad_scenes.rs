@@ -4,7 +4,8 @@
 use super::support::{automatic, random, world};
 use glam::DVec3;
 use raytracer::caster::choose::{Layout, Rays, Resolution, Structure};
-use raytracer::caster::{Caster, Instructions, StructureSize};
+use raytracer::caster::{Caster, StructureSize};
+use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -115,7 +116,7 @@ fn sizes_are_bounded_by_the_number_of_primitives() {
             let world = scene(n);
             let count = world.finite_count();
             for rays in RAYS {
-                let grid = automatic(&world, rays, Instructions::available()[0]).size();
+                let grid = automatic(&world, rays, instructions::available()[0]).size();
                 assert_bounded(name, count, grid);
                 let chosen = chosen(&world, rays).size();
                 println!("{name}, {count}, {rays} rays: a grid {grid:?}, what is chosen {chosen:?}");
@@ -142,7 +143,7 @@ fn primitives_that_no_grid_separates_are_in_a_tree() {
 
 /// The caster that is chosen for this number of rays.
 fn chosen(world: &World, rays: usize) -> Caster<'_> {
-    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), Instructions::available()[0]).unwrap()
+    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), instructions::available()[0]).unwrap()
 }
 
 /// Rays to the centres of triangles, or to random points in a world without triangles.
@@ -165,7 +166,7 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
             let world = scene(n);
             let everything = Caster::new(&world, None).unwrap();
             let [few, many] = RAYS;
-            let with = Instructions::available()[0];
+            let with = instructions::available()[0];
             let tree = Caster::with(&world, Layout::Tree, with).unwrap();
             let casters = [automatic(&world, many, with), chosen(&world, few), chosen(&world, many), tree];
             let mut hits = 0;
@@ -190,7 +191,7 @@ fn the_grid_for_counting_is_bounded_too() {
             let world = scene(n);
             let count = world.finite_count();
             let layout = Structure::Grid(Resolution::Auto).layout(&world, Rays::cast(RAYS[1]), true);
-            let caster = Caster::with(&world, layout, Instructions::available()[0]);
+            let caster = Caster::with(&world, layout, instructions::available()[0]);
             let references = caster.unwrap().size().references;
             assert!(references <= most_entries(count), "{name}, {count}: {references} entries");
         }

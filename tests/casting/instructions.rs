@@ -3,8 +3,9 @@
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::{Counts, Quiet};
 
@@ -42,11 +43,11 @@ fn rays() -> impl Iterator<Item = Ray> {
 #[test]
 fn hits_depend_neither_on_instructions_nor_on_structure() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
-    let reference = Caster::with(&world, Layout::List, Instructions::Portable).unwrap();
+    let reference = Caster::with(&world, Layout::List, Level::baseline()).unwrap();
     let expected: Vec<(Ray, Option<Hit>)> =
         rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
-    for instructions in Instructions::available() {
+    for level in instructions::available() {
         for layout in [
             Layout::List,
             Layout::Grid([1; 3]),
@@ -57,12 +58,12 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
             Layout::Course(Some(FINE)),
         ] {
             {
-                let caster = Caster::with(&world, layout, instructions).unwrap();
+                let caster = Caster::with(&world, layout, level).unwrap();
                 let is_fine = layout == Layout::Tree || layout.cells() == Some(FINE);
                 // Where every ray is tested against all triangles, fewer do.
                 let single = if is_fine { expected.len() } else { expected.len() / 10 };
                 for (ray, hit) in &expected[..single] {
-                    let context = (instructions, layout, ray);
+                    let context = (level, layout, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
                     assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
@@ -78,9 +79,9 @@ fn what_is_tested_first_changes_no_answer() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
     let triangles = world.triangles.len() as u32;
     let round = triangles..world.first_plane();
-    for instructions in Instructions::available() {
+    for level in instructions::available() {
         for layout in [Layout::List, Layout::Grid(FINE), Layout::Tree] {
-            let caster = Caster::with(&world, layout, instructions).unwrap();
+            let caster = Caster::with(&world, layout, level).unwrap();
             let step = if layout == Layout::List { 50 } else { 1 };
             for ray in rays().step_by(step) {
                 let expected = caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive);
@@ -97,7 +98,7 @@ fn what_is_tested_first_changes_no_answer() {
 #[test]
 fn the_course_tests_a_sphere_where_it_comes_to_it() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
-    let caster = Caster::with(&world, Layout::Grid(FINE), Instructions::available()[0]).unwrap();
+    let caster = Caster::with(&world, Layout::Grid(FINE), instructions::available()[0]).unwrap();
     let sphere = world.triangles.len() as u32;
     for ray in rays().take(3000) {
         let [plain, leaving] = [None, Some(sphere)].map(|leaves| {

@@ -8,8 +8,9 @@ use super::fuzz_findings::checks::{bytes_and_nans, meshes};
 use super::strategies::{Range, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
 use raytracer::render::Tracing;
@@ -49,7 +50,7 @@ fn hit(caster: &Caster, ray: &Ray, probe: &mut impl Probe) -> Result<Option<Hit>
 /// Checks that all ways to find hits agree in a scene, for these rays and in pictures.
 fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseError> {
     let Ok(world) = World::new(scene, &meshes()) else { return Ok(()) };
-    let (fastest, portable) = (Instructions::available()[0], Instructions::Portable);
+    let (fastest, portable) = (instructions::available()[0], Level::baseline());
     let plain = Caster::new(&world, None).expect("no grid");
     let ways = [
         (Layout::Grid(cells), fastest),
@@ -59,8 +60,7 @@ fn check(scene: &Scene, rays: &[Ray], cells: [usize; 3]) -> Result<(), TestCaseE
         (Layout::automatic(&world, 1 << 20), fastest),
         (Layout::List, portable),
     ];
-    let casters =
-        ways.map(|(layout, instructions)| Caster::with(&world, layout, instructions).expect("small grids"));
+    let casters = ways.map(|(layout, level)| Caster::with(&world, layout, level).expect("small grids"));
     let as_course = [None, Some(cells)]
         .map(|cells| Caster::with(&world, Layout::Course(cells), fastest).expect("a small grid"));
     let aimed = aimed(rays, &world);

@@ -1,7 +1,8 @@
 //! What the tests share: worlds, casters and random numbers.
 
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::Level;
 use raytracer::scene::mesh::{Mesh, parse_obj};
 use raytracer::scene::parser::parse;
 use raytracer::world::World;
@@ -29,8 +30,8 @@ pub fn world(objects: &[String], meshes: &[Mesh]) -> World {
 }
 
 /// The caster of `-grid auto` for this number of rays.
-pub fn automatic(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
-    Caster::with(world, Layout::automatic(world, rays), instructions).unwrap()
+pub fn automatic(world: &World, rays: usize, level: Level) -> Caster<'_> {
+    Caster::with(world, Layout::automatic(world, rays), level).unwrap()
 }
 
 /// Random numbers from -0.5 to 0.5, from a linear congruential generator (Knuth, "The Art of Computer

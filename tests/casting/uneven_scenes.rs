@@ -4,8 +4,9 @@
 use super::support::{rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
+use raytracer::caster::Caster;
 use raytracer::caster::choose::{Layout, Rays, cubic};
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
 use raytracer::scene_io::load;
 use raytracer::stats::{Counts, Quiet};
@@ -42,8 +43,8 @@ fn stadium(times: Option<f64>) -> World {
 }
 
 /// The caster that is chosen for this number of rays.
-fn chosen(world: &World, rays: usize, instructions: Instructions) -> Caster<'_> {
-    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), instructions).unwrap()
+fn chosen(world: &World, rays: usize, level: Level) -> Caster<'_> {
+    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), level).unwrap()
 }
 
 /// Rays that start within `radius` of the rabbit and run through the rabbit's box, or along an axis through
@@ -66,7 +67,7 @@ fn what_is_chosen_gives_the_hits_that_testing_everything_gives() {
     for size in [1.0, 1e3, 1e7] {
         let world = stadium(Some(size));
         let everything = Caster::new(&world, None).unwrap();
-        let casters = Instructions::available().into_iter().map(|with| chosen(&world, 1_000_000, with));
+        let casters = instructions::available().into_iter().map(|with| chosen(&world, 1_000_000, with));
         let casters: Vec<Caster> = casters.collect();
         // The farthest rays start too far from the innermost grids for their error bounds.
         for radius in [1.0, 20.0 * size] {
@@ -96,8 +97,8 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
     let upright = "Triangle { vertex0 9.9 0 9.9 vertex1 9.95 0 9.9 vertex2 9.92 0.1 9.91 }".to_string();
     let objects: Vec<String> = tiles.chain([upright]).collect();
     let world = world(&objects, &[]);
-    for instructions in Instructions::available() {
-        let caster = Caster::with(&world, Layout::Tree, instructions).unwrap();
+    for level in instructions::available() {
+        let caster = Caster::with(&world, Layout::Tree, level).unwrap();
         let mut random = random(5);
         for _ in 0..1000 {
             let target = DVec3::new(9.92 + 0.02 * random(), 0.03 + 0.02 * random(), 9.903);
@@ -121,7 +122,7 @@ fn work(caster: &Caster, rays: impl Iterator<Item = Ray>) -> f64 {
 /// Rays that look at the rabbit do not pay for the stadium.
 #[test]
 fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
-    let with = Instructions::available()[0];
+    let with = instructions::available()[0];
     let world = stadium(None);
     let alone = chosen(&world, 1_000_000, with);
     let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, &mut Quiet));
@@ -138,7 +139,7 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
 /// All but one primitive are in a single cell then.
 #[test]
 fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
-    let with = Instructions::available()[0];
+    let with = instructions::available()[0];
     let rabbit_world = stadium(None);
     let alone = chosen(&rabbit_world, 1_000_000, with);
     let least = work(&alone, rays(10_000, 1.0));
@@ -157,7 +158,7 @@ fn a_rabbit_and_a_speck_far_away_cost_little_more_than_the_rabbit_alone() {
 /// For every scene, seen by its own camera, no fixed grid is twice as good as what is chosen.
 #[test]
 fn what_is_chosen_is_never_much_worse_than_the_best_grid() {
-    let with = Instructions::available()[0];
+    let with = instructions::available()[0];
     let texts = std::fs::read_dir(scene_folder()).unwrap().map(|entry| entry.unwrap().path());
     for path in texts.filter(|path| path.extension().is_some_and(|e| e == "txt")) {
         let loaded = load(&path).unwrap();

@@ -10,11 +10,11 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{Edges, lower, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Instructions;
 use raytracer::caster::blocks::filter::{self, FilterRay, MAX_DEPTH, Verdict};
 use raytracer::caster::blocks::triangle8::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::caster::grid::cell_lists::widened;
 use raytracer::math::aabb::Aabb;
+use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
@@ -111,10 +111,10 @@ fn wrong_lanes(verdict: &Verdict, block: &Block, hits: &[Option<f64>; LANES]) ->
 
 /// The verdicts of all kernels, the portable one first.
 pub fn verdicts(block: &Block, ray: &FilterRay) -> Vec<Verdict> {
-    Instructions::available()
+    instructions::available()
         .into_iter()
         .rev()
-        .map(|with| filter::test(with, block, ray, [NONE; 2]))
+        .map(|with| filter::test_at(with, block, ray, [NONE; 2]))
         .collect()
 }
 
@@ -149,7 +149,7 @@ fn the_filter_is_never_wrong() {
                 counts[1] += u64::from(verdict.possible.count_ones());
                 failures.note(wrong != 0, || format!("seed {SEED}, block {index}, ray {k}: {wrong} lanes"));
             }
-            let textbook = filter::test(Instructions::Portable, &without_bounds, &single, [NONE; 2]);
+            let textbook = filter::test_at(Level::baseline(), &without_bounds, &single, [NONE; 2]);
             counts[2] += wrong_lanes(&textbook, &without_bounds, &hits) as u64;
             counts[3] += hits.iter().flatten().count() as u64;
         }

@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::math::instructions::Instructions;
+use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Position};
@@ -132,9 +132,9 @@ impl Lit {
     fn are_lit(&self, targets: &[DVec3], size: f64) -> Vec<Option<bool>> {
         let ray = |target: &DVec3| Ray::new(*target + 1e-3 * size * self.plane, -self.plane);
         let mut found = vec![];
-        for instructions in Instructions::available() {
+        for level in instructions::available() {
             for cells in [Layout::List, Layout::Grid([4, 5, 6])] {
-                let caster = Caster::with(&self.world, cells, instructions).expect("a grid");
+                let caster = Caster::with(&self.world, cells, level).expect("a grid");
                 found.push(
                     targets.iter().map(|target| self.color(&caster, &ray(target), &mut Quiet)).collect(),
                 );

@@ -8,7 +8,7 @@ use crate::support::scenes::{layers, scene_of};
 use crate::support::{hex, rays};
 use glam::{DVec2, DVec3};
 use raytracer::caster::Caster;
-use raytracer::math::instructions::Instructions;
+use raytracer::math::instructions;
 use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, Tracing};
 use raytracer::sampling::drand48::Drand48;
@@ -164,7 +164,7 @@ fn case_63_threads() {
 /// The film's mean of a pixel's samples.
 fn film_mean(values: &[f64]) -> f64 {
     let mut film = Film::new(Filter::PIXEL, [1, 1]);
-    let mut spread = Spread::new(Filter::PIXEL, Instructions::available()[0], 0, [1, 1]);
+    let mut spread = Spread::new(Filter::PIXEL, instructions::available()[0], 0, [1, 1]);
     values.iter().for_each(|&v| spread.add(0, DVec2::ZERO, DVec3::splat(v), 1.0));
     let mut mean = f64::NAN;
     let mut finish = |_: usize, colors: &mut dyn Iterator<Item = DVec3>| {

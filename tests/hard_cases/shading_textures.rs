@@ -9,7 +9,7 @@ use crate::support::textbook_noise::{noise, noise32, truncated_noise};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DVec3};
 use raytracer::caster::Caster;
-use raytracer::math::instructions::Instructions;
+use raytracer::math::instructions::Level;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::material::{Material, Pattern, Texture};
@@ -100,7 +100,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         let even = |sum: f64| if sum.rem_euclid(2.0) == 0.0 { 1.0 } else { 0.0 };
         let expected = even(q.x.floor() + layer + q.z.floor());
         let found =
-            world.with_rounded_point(&surface, |point| first_weight(&texture, point, Instructions::Portable));
+            world.with_rounded_point(&surface, |point| first_weight(&texture, point, Level::baseline()));
         let part = world.with_rounded_point(&surface, |point| {
             error_bounds_to_boundary(&texture.world_to_texture, point).y
         });
@@ -164,12 +164,12 @@ fn case_57_checkerboard_far_away() {
         // This is exact: the floor of a float below 2^63 is a 64-bit integer.
         let sum: i64 = p.floor().to_array().map(|x| x as i64).into_iter().sum();
         let expected = if sum.rem_euclid(2) == 0 { 1.0 } else { 0.0 };
-        let wrong = first_weight(&texture, &p.into(), Instructions::Portable) != expected;
+        let wrong = first_weight(&texture, &p.into(), Level::baseline()) != expected;
         failures.note(wrong, || failed_ray(57, 57, index, p, DVec3::ZERO));
         ([1, wrong as u64, (truncating_checkerboard(p) != expected) as u64], [])
     });
     let extremes = [1e16, 1e300, f64::MAX, -f64::MAX, f64::MIN_POSITIVE, -5e-324];
-    let weights = extremes.map(|x| first_weight(&texture, &DVec3::splat(x).into(), Instructions::Portable));
+    let weights = extremes.map(|x| first_weight(&texture, &DVec3::splat(x).into(), Level::baseline()));
     let [tried, ours, textbook] = counts;
     Record {
         case: 57,

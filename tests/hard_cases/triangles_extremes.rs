@@ -12,8 +12,9 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::{Shear, normal, point};
 use raytracer::render::{Layer, Request, Tracing};
@@ -266,7 +267,7 @@ fn case_20_a_mesh_without_extent_is_not_seen() {
         let scene = parse(&text).expect("a scene of one mesh");
         let world = World::new(&scene, &[bunny("200")]).expect("a world of one mesh");
         for options in [Layout::List, Layout::Grid([4; 3]), Layout::Tree] {
-            let caster = Caster::with(&world, options, Instructions::available()[0]);
+            let caster = Caster::with(&world, options, instructions::available()[0]);
             let [color, depth, normals] = pictures(&scene, &caster.expect("a small grid"));
             assert!(color.chunks(3).all(|pixel| pixel == [63, 127, 255]), "{scale} {direction}");
             assert!(depth.iter().chain(&normals).all(|&byte| byte == 0), "{scale} {direction}");

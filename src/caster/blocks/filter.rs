@@ -38,15 +38,10 @@
 //! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
 //! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
 
-use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES, NONE};
-#[cfg(target_arch = "x86_64")]
-use crate::math::avx::{Avx, Avx8};
-use crate::math::f32_lanes::F32Lanes;
-use crate::math::f64x4::{F64x4, Scalar};
-#[cfg(target_arch = "x86_64")]
-use crate::math::instructions::Avx2;
-use crate::math::instructions::{Instructions, Portable};
-use wide::f32x4;
+use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES};
+use crate::math::instructions::Level;
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, f32x8, u32x8};
 
 /// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
 /// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
@@ -91,110 +86,75 @@ impl Verdict {
         let negated_bound = block.error_bounds.depth;
         [(depth + negated_bound) / det, (depth - negated_bound) / det]
     }
-
-    /// Tests a part of a block, and enters the hits. The numbers for their depths are stored only if there are any.
-    #[inline(always)]
-    fn test_part<F: F32Lanes>(
-        &mut self,
-        proof: F::Proof,
-        block: &Block,
-        part: usize,
-        ray: &FilterRay,
-        left_out: [u32; 2],
-    ) {
-        let (o, d) = (splat::<F>(proof, &ray.origin), splat::<F>(proof, &ray.direction));
-        let corner = load::<F>(proof, &block.corner, part);
-        let [e1, e2] = [load::<F>(proof, &block.edges[0], part), load::<F>(proof, &block.edges[1], part)];
-        let n = load::<F>(proof, &block.normal, part);
-        let s = [corner[0] - o[0], corner[1] - o[1], corner[2] - o[2]];
-        let q = F::cross(d, s);
-        let (det, u, v, depth) = (F::dot(n, d), F::dot(e2, q), F::dot(e1, q), F::dot(n, s));
-        // All quantities are negated where the determinant is negative.
-        let (u, v, depth) = (u.negated_with(det), v.negated_with(det), depth.negated_with(det));
-        let det = det.abs();
-        let w = det - (u + v);
-        // In an empty lane all of them are NaN, which fails the comparisons.
-        let inside = u.min(v).min(w);
-        let before = F::splat(proof, ray.max_depth).mul_sub(det, depth);
-        let depth_inside = depth.min(before);
-        let FilterErrorBounds { edge, depth: along } = block.error_bounds;
-        let (edge_bound, depth_bound) = (F::splat(proof, edge), F::splat(proof, along));
-        let possible = (inside.at_least(edge_bound) & depth_inside.at_least(depth_bound)).sign_set();
-        if possible == 0 {
-            return;
-        }
-        let left_out = F::lanes_with(proof, &block.index.ids, part, left_out);
-        let possible = possible & !left_out;
-        if possible == 0 {
-            return;
-        }
-        let (edge_bound, depth_bound) = (F::splat(proof, -edge), F::splat(proof, -along));
-        let certain = (inside.above(edge_bound) & depth_inside.above(depth_bound)).sign_set();
-        depth.store(&mut self.depth, part);
-        det.store(&mut self.det, part);
-        self.possible |= possible << (part * F::COUNT);
-        self.certain |= (certain & !left_out) << (part * F::COUNT);
-    }
 }
 
-/// Instructions for the inner loops, and at the same time the proof that the processor has them. The verdicts of different
-/// kernels may differ, but all of them are correct, so that hits do not depend on the kernel.
-pub(crate) trait Kernel: Copy {
-    /// The lanes in single precision.
-    type F32: F32Lanes<Proof = Self>;
-    /// The lanes in double precision.
-    type F64x4: F64x4<Proof = Self>;
-
-    /// Tests a block against a ray. The triangles with one of two ids are left out.
-    #[inline(always)]
-    fn test(self, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-        let mut verdict = Verdict::NONE;
-        verdict.test_part::<Self::F32>(self, block, 0, ray, left_out);
-        // No lane after an empty one is in use.
-        if Self::F32::COUNT < LANES && block.index.ids[Self::F32::COUNT] != NONE {
-            verdict.test_part::<Self::F32>(self, block, 1, ray, left_out);
-        }
-        verdict
-    }
-}
-
-impl Kernel for Portable {
-    type F32 = f32x4;
-    type F64x4 = Scalar;
-}
-
-#[cfg(target_arch = "x86_64")]
-impl Kernel for Avx2 {
-    type F32 = Avx8;
-    type F64x4 = Avx;
-}
-
-/// Tests a block against a ray with an instruction set chosen at run time, for tests of the filter alone.
-pub fn test(instructions: Instructions, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
-    match instructions {
-        Instructions::Portable => Portable.test(block, ray, left_out),
-        #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2(avx2) => avx2.test(block, ray, left_out),
-    }
-}
-
-/// Each of the first three numbers in all lanes of its axis.
+/// Tests a block against a ray. The triangles with one of two ids are left out.
+///
+/// The verdicts of different instruction sets may differ, but all of them are correct, so that hits do not depend on them.
 #[inline(always)]
-fn splat<F: F32Lanes>(proof: F::Proof, [x, y, z, _]: &[f32; 4]) -> [F; 3] {
-    [F::splat(proof, *x), F::splat(proof, *y), F::splat(proof, *z)]
+pub(crate) fn test<S: Simd>(simd: S, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+    let ([ox, oy, oz, _], [dx, dy, dz, _]) = (ray.origin, ray.direction);
+    let d = [f32x8::splat(simd, dx), f32x8::splat(simd, dy), f32x8::splat(simd, dz)];
+    let [x, y, z] = load(simd, &block.corner);
+    let (e1, e2) = (load(simd, &block.edges[0]), load(simd, &block.edges[1]));
+    let n = load(simd, &block.normal);
+    let s = [x - ox, y - oy, z - oz];
+    let q = cross(d, s);
+    let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
+    // All quantities are negated where the determinant is negative.
+    let sign = det.to_bits() & f32x8::splat(simd, -0.0).to_bits();
+    let negated = |x: f32x8<S>| f32x8::from_bits(x.to_bits() ^ sign);
+    let (u, v, depth) = (negated(u), negated(v), negated(depth));
+    let det = det.abs();
+    let w = det - (u + v);
+    // In an empty lane all of them are NaN, which fails the comparisons.
+    let inside = u.min(v).min(w);
+    let before = det.mul_sub(ray.max_depth, depth);
+    let depth_inside = depth.min(before);
+    let FilterErrorBounds { edge, depth: along } = block.error_bounds;
+    let possible = (inside.simd_ge(edge) & depth_inside.simd_ge(along)).to_bitmask() as u32;
+    if possible == 0 {
+        return Verdict::NONE;
+    }
+    let ids = u32x8::simd_from(simd, block.index.ids);
+    let left_out = (ids.simd_eq(left_out[0]) | ids.simd_eq(left_out[1])).to_bitmask() as u32;
+    let possible = possible & !left_out;
+    if possible == 0 {
+        return Verdict::NONE;
+    }
+    let certain = (inside.simd_gt(-edge) & depth_inside.simd_gt(-along)).to_bitmask() as u32;
+    Verdict { possible, certain: certain & !left_out, depth: depth.into(), det: det.into() }
 }
 
-/// A part of the three axes of eight lanes.
+/// Tests a block with an instruction set chosen at run time, for tests of the filter alone.
+pub fn test_at(level: Level, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
+    dispatch!(level, simd => test(simd, block, ray, left_out))
+}
+
+/// The three axes of eight lanes.
 #[inline(always)]
-fn load<F: F32Lanes>(proof: F::Proof, [x, y, z]: &[[f32; LANES]; 3], part: usize) -> [F; 3] {
-    [F::load(proof, x, part), F::load(proof, y, part), F::load(proof, z, part)]
+fn load<S: Simd>(simd: S, [x, y, z]: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
+    [f32x8::simd_from(simd, *x), f32x8::simd_from(simd, *y), f32x8::simd_from(simd, *z)]
+}
+
+/// a0 b0 + (a1 b1 + a2 b2), fused where the instructions can.
+#[inline(always)]
+fn dot<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> f32x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// The cross product a x b, fused where the instructions can.
+#[inline(always)]
+fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::blocks::triangle8::{BlockIndex, Frame};
+    use crate::caster::blocks::triangle8::{BlockIndex, Frame, NONE};
     use crate::math::aabb::Aabb;
+    use crate::math::instructions;
     use crate::scene::mesh::Mesh;
     use crate::scene::parser::parse;
     use crate::world::World;
@@ -238,12 +198,12 @@ mod tests {
             (front, -0.875),
             (front, 0.5),
         ]);
-        for instructions in Instructions::available() {
-            let verdict = test(instructions, &block, &RAY, [NONE; 2]);
-            assert_eq!((verdict.possible, verdict.certain), (0b0011_0111, 0b0010_0001), "{instructions:?}");
+        for level in instructions::available() {
+            let verdict = test_at(level, &block, &RAY, [NONE; 2]);
+            assert_eq!((verdict.possible, verdict.certain), (0b0011_0111, 0b0010_0001), "{level:?}");
             for (lane, t) in [(0, 0.75), (5, 0.875)] {
                 let [min, max] = verdict.depths(lane, &block);
-                assert!(min < t && t < max && max - min < 1e-3, "{instructions:?} {min} {max}");
+                assert!(min < t && t < max && max - min < 1e-3, "{level:?} {min} {max}");
             }
         }
     }
@@ -255,8 +215,8 @@ mod tests {
         for size in [1e5, 1e30, 1e60] {
             let large = (front.0.map(|corner| corner.map(|x| size * x)), 0.25);
             let block = block([front, large, front, large, front, large, front, large]);
-            for instructions in Instructions::available() {
-                let verdict = test(instructions, &block, &RAY, [NONE; 2]);
+            for level in instructions::available() {
+                let verdict = test_at(level, &block, &RAY, [NONE; 2]);
                 assert_eq!((verdict.possible, verdict.certain), (0b1111_1111, 0b0101_0101), "{size}");
             }
         }
@@ -268,7 +228,7 @@ mod tests {
         // Close to the ray's origin, so that double precision would have to decide.
         let near = (front.0, -0.75);
         let block = block([front, near, front, near, front, near, front, near]);
-        for instructions in Instructions::available() {
+        for level in instructions::available() {
             for (left_out, possible, certain) in [
                 ([NONE; 2], 0b1111_1111, 0b0101_0101),
                 ([2, NONE], 0b1111_1011, 0b0101_0001),
@@ -276,7 +236,7 @@ mod tests {
                 ([0, 0], 0b1111_1110, 0b0101_0100),
                 ([8, 9], 0b1111_1111, 0b0101_0101),
             ] {
-                let verdict = test(instructions, &block, &RAY, left_out);
+                let verdict = test_at(level, &block, &RAY, left_out);
                 assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
             }
         }

@@ -3,13 +3,12 @@
 
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max, max3};
-use crate::math::f32_lanes;
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// The number of triangles in a block.
-pub const LANES: usize = f32_lanes::LANES;
+pub const LANES: usize = 8;
 
 /// The id that stands for no primitive, for example in an empty lane.
 pub const NONE: u32 = u32::MAX;

@@ -5,7 +5,7 @@ use crate::caster::error::GridTooLarge;
 use crate::caster::grid::dda::Dda;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::ray_aabb::RayInterval;
-use crate::math::f64x4::F64x4;
+use fearless_simd::Simd;
 
 /// The entry of an empty cell.
 pub const EMPTY: u32 = 0;
@@ -50,7 +50,7 @@ impl CellTable {
 
     /// A cursor along a ray with this interval in the lattice's bounds.
     #[inline(always)]
-    pub fn cursor<F: F64x4>(&self, interval: &RayInterval<F>) -> CellCursor<'_> {
+    pub fn cursor<S: Simd>(&self, interval: &RayInterval<S>) -> CellCursor<'_> {
         self.start(Dda::new(&self.lattice, interval))
     }
 
@@ -119,12 +119,8 @@ impl CellCursor<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::ray_aabb::intersect_aabb;
     use crate::math::aabb::Aabb;
-    use crate::math::f64x4::Scalar;
-    use crate::math::instructions::Portable;
     use crate::math::ray::Ray;
-    use crate::math::ray_lanes::RayLanes;
     use glam::DVec3;
 
     fn lattice(cells: [usize; 3]) -> Lattice {
@@ -146,12 +142,8 @@ mod tests {
         for given in [0, 50, lattice(CELLS).index_count(), 1000] {
             let table = CellTable::new(lattice(CELLS), vec![EMPTY; given]).unwrap();
             for ray in rays() {
-                let ray_lanes = RayLanes::<Scalar>::all_axes(Portable, &ray);
-                let simd_bounds = table.lattice().simd_bounds();
-                let Some(interval) = intersect_aabb(simd_bounds, ray_lanes, ray.t_min, ray.t_max) else {
-                    continue;
-                };
-                let mut cursor = table.cursor(&interval);
+                let Some((dda, _)) = Dda::of_ray(table.lattice(), &ray) else { continue };
+                let mut cursor = table.start(dda);
                 cursor.skip();
                 let end = (cursor.entry(), cursor.dda.index(), cursor.step(), cursor.dda.index());
                 assert_eq!(end, (BORDER, end.1, 7, end.1), "{ray:?}");
@@ -166,9 +158,8 @@ mod tests {
         let (large, small) = (lattice([1000; 3]), CellTable::new(lattice([2; 3]), vec![]).unwrap());
         for origin in [0.7, 0.9].map(DVec3::splat) {
             let ray = Ray::new(origin, DVec3::ONE);
-            let along = RayLanes::<Scalar>::all_axes(Portable, &ray);
-            let interval = intersect_aabb(large.simd_bounds(), along, ray.t_min, ray.t_max).unwrap();
-            assert_eq!(small.start(Dda::new(&large, &interval)).entry(), BORDER);
+            let (dda, _) = Dda::of_ray(&large, &ray).unwrap();
+            assert_eq!(small.start(dda).entry(), BORDER);
         }
     }
 
@@ -176,13 +167,9 @@ mod tests {
     fn a_cursor_has_the_fixed_t_of_its_dda() {
         let table = CellTable::new(lattice([4, 1, 3]), vec![]).unwrap();
         for ray in rays() {
-            let along = RayLanes::<Scalar>::all_axes(Portable, &ray);
-            let Some(interval) = intersect_aabb(table.lattice().simd_bounds(), along, ray.t_min, ray.t_max)
-            else {
-                continue;
-            };
-            let cursor = table.cursor(&interval);
-            let t = 0.5 * (interval.entry + interval.exit);
+            let Some((dda, [entry, exit])) = Dda::of_ray(table.lattice(), &ray) else { continue };
+            let cursor = table.start(dda);
+            let t = 0.5 * (entry + exit);
             assert_eq!((cursor.exit(), cursor.fixed_t(t)), (cursor.dda.exit(), cursor.dda.fixed_t(t)));
         }
     }

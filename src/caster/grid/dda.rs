@@ -18,10 +18,12 @@ use crate::caster::grid::fixed_t::FixedT;
 use crate::caster::grid::lattice::{DdaTables, Lattice, LatticeLanes};
 use crate::caster::ray_aabb::{RayInterval, intersect_aabb};
 use crate::math::extremes::max;
-use crate::math::f64x4::{F64x4, ROUND_TO_INTEGER, Scalar};
-use crate::math::instructions::Portable;
+use crate::math::f64x4::{FourLanes, ROUND_TO_INTEGER};
+use crate::math::instructions::Level;
+use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
+use fearless_simd::{Simd, dispatch, f64x4};
 
 /// The length of the ray's interval in the lattice, in fixed-point units.
 pub const T_ONE: f64 = (1u64 << 29) as f64;
@@ -59,7 +61,7 @@ pub struct Dda<'l> {
 
 /// Rounds to the nearest fixed-point t, clamped to the range that the DDA uses.
 #[inline(always)]
-fn to_fixed<F: F64x4>(t: F) -> [i32; 4] {
+fn to_fixed<S: Simd>(t: f64x4<S>) -> [i32; 4] {
     t.max(t.broadcast(-T_ONE)).min(t.broadcast(T_NEVER)).to_i32()
 }
 
@@ -71,15 +73,17 @@ impl<'l> Dda<'l> {
     /// The DDA of a single ray, and the t at which the ray enters and leaves the lattice's bounds; none if it
     /// misses them.
     pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
-        let ray_lanes = RayLanes::<Scalar>::all_axes(Portable, ray);
-        let interval = intersect_aabb(lattice.simd_bounds(), ray_lanes, ray.t_min, ray.t_max)?;
-        Some((Self::new(lattice, &interval), [interval.entry, interval.exit]))
+        dispatch!(Level::baseline(), simd => {
+            let ray_lanes = RayLanes::all_axes(simd, ray);
+            let interval = intersect_aabb(lattice.simd_bounds(), ray_lanes, ray.t_min, ray.t_max);
+            interval.map(|interval| (Self::new(lattice, &interval), [interval.entry, interval.exit]))
+        })
     }
 
     /// Starts at the cell in which a ray's interval in the lattice's bounds begins. The expressions are arranged so that
     /// the processor can compute most of them before the start of the interval is known.
     #[inline(always)]
-    pub(crate) fn new<F: F64x4>(lattice: &'l Lattice, interval: &RayInterval<F>) -> Self {
+    pub(crate) fn new<S: Simd>(lattice: &'l Lattice, interval: &RayInterval<S>) -> Self {
         let RayInterval { entry, exit, ray_lanes: RayLanes { origin, direction, inv_direction } } = *interval;
         let fixed_per_t = T_ONE / max(exit - entry, MIN_INTERVAL);
         let (entry_lanes, scale) = (origin.broadcast(entry), origin.broadcast(fixed_per_t));

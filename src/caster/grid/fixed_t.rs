@@ -4,10 +4,9 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
-/// Three integers, for x, y and z. On x86-64 they share an SSE2 register, which every such processor has. Elsewhere their
-/// minimum is that of all four lanes, so that x is in the fourth one too.
+/// Three integers, for x, y and z. On x86-64 they share an SSE2 register, which every such processor has.
 #[derive(Clone, Copy, Debug)]
-pub struct FixedT(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch = "x86_64"))] wide::i32x4);
+pub struct FixedT(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch = "x86_64"))] [i32; 4]);
 
 #[cfg(target_arch = "x86_64")]
 impl FixedT {
@@ -62,23 +61,28 @@ fn min(a: __m128i, b: __m128i) -> __m128i {
 impl FixedT {
     /// Of x, y and z; the fourth lane is ignored.
     #[inline(always)]
-    pub fn new([x, y, z, _]: [i32; 4]) -> Self {
-        Self(wide::i32x4::new([x, y, z, x]))
+    pub fn new(lanes: [i32; 4]) -> Self {
+        Self(lanes)
     }
 
     /// The minimum of the three.
     #[inline(always)]
     pub fn min3(self) -> i32 {
-        self.0.reduce_min()
+        let [x, y, z, _] = self.0;
+        x.min(y).min(z)
     }
 
     /// Adds `t_delta` to all lanes that equal the minimum, wrapping on overflow, and returns the set of the
     /// other axes (bit 0 for x).
     #[inline(always)]
     pub fn step(&mut self, t_delta: Self) -> usize {
-        let unstepped = self.0.simd_gt(wide::i32x4::splat(self.min3()));
-        self.0 += t_delta.0 & !unstepped;
-        unstepped.to_bitmask() as usize & 0b111
+        let (min, mut unstepped) = (self.min3(), 0);
+        for axis in 0..3 {
+            let steps = self.0[axis] == min;
+            self.0[axis] = self.0[axis].wrapping_add(if steps { t_delta.0[axis] } else { 0 });
+            unstepped |= usize::from(!steps) << axis;
+        }
+        unstepped
     }
 }
 

@@ -4,8 +4,8 @@
 use crate::caster::error::GridTooLarge;
 use crate::caster::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
-use crate::math::f64x4::F64x4;
 use crate::memory;
+use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -44,13 +44,13 @@ pub(super) struct DdaTables {
 
 /// What the set-up of a DDA needs of the lattice: all axes for one ray, or one axis for four rays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LatticeLanes<F> {
+pub(crate) struct LatticeLanes<S: Simd> {
     /// The lower corner of the bounds.
-    pub min: F,
-    pub cell_size: F,
-    pub cells_per_unit: F,
+    pub min: f64x4<S>,
+    pub cell_size: f64x4<S>,
+    pub cells_per_unit: f64x4<S>,
     /// The coordinate of the last cell.
-    pub last_cell: F,
+    pub last_cell: f64x4<S>,
 }
 
 impl DdaTables {
@@ -79,12 +79,12 @@ impl DdaTables {
 
     /// All axes, for one ray.
     #[inline(always)]
-    pub fn lattice_lanes<F: F64x4>(&self, proof: F::Proof) -> LatticeLanes<F> {
+    pub fn lattice_lanes<S: Simd>(&self, simd: S) -> LatticeLanes<S> {
         LatticeLanes {
-            min: F::new(proof, self.simd_bounds.min),
-            cell_size: F::new(proof, self.cell_size),
-            cells_per_unit: F::new(proof, self.cells_per_unit),
-            last_cell: F::new(proof, self.last_cell),
+            min: f64x4::simd_from(simd, self.simd_bounds.min),
+            cell_size: f64x4::simd_from(simd, self.cell_size),
+            cells_per_unit: f64x4::simd_from(simd, self.cells_per_unit),
+            last_cell: f64x4::simd_from(simd, self.last_cell),
         }
     }
 }

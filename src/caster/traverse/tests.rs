@@ -1,11 +1,11 @@
 use super::*;
+use crate::caster::Caster;
 use crate::caster::choose::Layout;
-use crate::caster::{Caster, Instructions};
-use crate::math::f64x4::Scalar;
-use crate::math::instructions::Portable;
+use crate::math::instructions::{self, Level};
 use crate::scene::parser::parse;
 use crate::stats::Quiet;
 use crate::world::World;
+use fearless_simd::dispatch;
 use glam::DVec3;
 
 #[test]
@@ -16,7 +16,8 @@ fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
     let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3])).unwrap();
     let is_in_proven_range = |x: f64| {
         let ray = Ray::new(DVec3::X * x, DVec3::Y);
-        !matches!(structure.ray_entry::<Scalar>(Portable, &ray, f64::INFINITY), Entry::TooFar)
+        let last = f64::INFINITY;
+        dispatch!(Level::baseline(), simd => !matches!(structure.ray_entry(simd, &ray, last), Entry::TooFar))
     };
     assert!([1000.0, 600.0, 1400.0].into_iter().all(is_in_proven_range));
     assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));
@@ -59,9 +60,9 @@ fn point(k: f64) -> DVec3 {
 #[test]
 fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
     let world = world_with_crowds();
-    let plain = Caster::with(&world, Layout::List, Instructions::Portable).unwrap();
-    for instructions in Instructions::available() {
-        let crowded = Caster::with(&world, Layout::Tree, instructions).unwrap();
+    let plain = Caster::with(&world, Layout::List, Level::baseline()).unwrap();
+    for level in instructions::available() {
+        let crowded = Caster::with(&world, Layout::Tree, level).unwrap();
         let structure = crowded.structure.as_ref().unwrap();
         let Order::Tree(tree) = &structure.order else { panic!("a tree was asked for") };
         assert!(!tree.small.is_empty() && tree.nodes.len() > 20);
@@ -75,8 +76,8 @@ fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
             let from = far * (3.0 * point(f64::from(k)) - 1.0);
             let ray = Ray { t_max: 1.2, ..Ray::new(from, target - from) };
             let expected = plain.closest(&ray, &mut Quiet);
-            assert_eq!(crowded.closest(&ray, &mut Quiet), expected, "{instructions:?} {ray:?}");
-            assert_eq!(crowded.any(&ray, &mut Quiet), expected.is_some(), "{instructions:?} {ray:?}");
+            assert_eq!(crowded.closest(&ray, &mut Quiet), expected, "{level:?} {ray:?}");
+            assert_eq!(crowded.any(&ray, &mut Quiet), expected.is_some(), "{level:?} {ray:?}");
             hits += usize::from(expected.is_some());
             tiny += usize::from(expected.is_some_and(|hit| hit.primitive % 3 == 0 && hit.primitive < 900));
         }

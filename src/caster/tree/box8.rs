@@ -15,9 +15,10 @@
 //! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
 //! 2^-58.
 
-use crate::caster::blocks::filter::{FilterRay, Kernel};
+use crate::caster::blocks::filter::FilterRay;
 use crate::caster::blocks::triangle8::LANES;
-use crate::math::f32_lanes::F32Lanes;
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
 
 /// The distance by which boxes are padded on each side, in roundings of single precision.
 const PADDING_ROUNDINGS: f64 = 16.0;
@@ -95,70 +96,31 @@ pub struct Meeting {
 
 /// The boxes that a ray may meet up to a maximum depth.
 #[inline(always)]
-pub(crate) fn meet<K: Kernel>(kernel: K, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
-    let mut entries = [0.0; LANES];
-    let mut set = meet_part::<K::F32>(kernel, node, 0, ray, max_depth, &mut entries);
-    if K::F32::COUNT < LANES {
-        set |= meet_part::<K::F32>(kernel, node, 1, ray, max_depth, &mut entries) << K::F32::COUNT;
-    }
-    Meeting { set, entries }
+pub(crate) fn meet<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
+    let [x, y, z] = ray.near;
+    let depths = |axis, face| depths(simd, node, ray, axis, face);
+    let entry = depths(0, x).max(depths(1, y)).max(depths(2, z).max(0.0));
+    let exit = depths(0, x ^ 1).min(depths(1, y ^ 1)).min(depths(2, z ^ 1).min(max_depth));
+    Meeting { set: exit.simd_ge(entry).to_bitmask() as u32, entries: entry.into() }
 }
 
-/// The boxes of a part that a ray may meet. All depths at which it enters them are stored.
+/// The depths at which the ray meets one face of each box along an axis.
 #[inline(always)]
-fn meet_part<F: F32Lanes>(
-    proof: F::Proof,
-    node: &Box8,
-    part: usize,
-    ray: &BoxRay,
-    max_depth: f32,
-    entries: &mut [f32; LANES],
-) -> u32 {
-    let ([ix, iy, iz], [ox, oy, oz]) = (ray.inverse, ray.origin);
-    let x = [F::splat(proof, ix), F::splat(proof, ox)];
-    let y = [F::splat(proof, iy), F::splat(proof, oy)];
-    let z = [F::splat(proof, iz), F::splat(proof, oz)];
-    let [near_x, near_y, near_z] = ray.near;
-    let entry = F::max(
-        F::max(depths(proof, node, part, 0, near_x, x), depths(proof, node, part, 1, near_y, y)),
-        F::max(depths(proof, node, part, 2, near_z, z), F::splat(proof, 0.0)),
-    );
-    let exit = F::min(
-        F::min(depths(proof, node, part, 0, near_x ^ 1, x), depths(proof, node, part, 1, near_y ^ 1, y)),
-        F::min(depths(proof, node, part, 2, near_z ^ 1, z), F::splat(proof, max_depth)),
-    );
-    entry.store(entries, part);
-    exit.at_least(entry).sign_set()
-}
-
-/// The depths at which the ray meets one face of each box along an axis, along which its inverse direction and its origin
-/// times that are these.
-#[inline(always)]
-fn depths<F: F32Lanes>(
-    proof: F::Proof,
-    node: &Box8,
-    part: usize,
-    axis: usize,
-    face: usize,
-    [inverse, origin]: [F; 2],
-) -> F {
-    F::load(proof, &node.faces[axis][face & 1], part).mul_sub(inverse, origin)
+fn depths<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, axis: usize, face: usize) -> f32x8<S> {
+    f32x8::simd_from(simd, node.faces[axis][face & 1]).mul_sub(ray.inverse[axis], ray.origin[axis])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::instructions::{Instructions, Portable};
+    use crate::math::instructions::{self, Level};
     use crate::math::worst_case::Rng;
+    use fearless_simd::dispatch;
     use glam::DVec3;
 
-    fn meet(instructions: Instructions, node: &Box8, ray: &FilterRay) -> Meeting {
+    fn meet(level: Level, node: &Box8, ray: &FilterRay) -> Meeting {
         let box_ray = &BoxRay::new(ray);
-        match instructions {
-            Instructions::Portable => super::meet(Portable, node, box_ray, ray.max_depth),
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2(avx2) => super::meet(avx2, node, box_ray, ray.max_depth),
-        }
+        dispatch!(level, simd => super::meet(simd, node, box_ray, ray.max_depth))
     }
 
     /// A node with a single box, padded by so much, in the last lane.
@@ -179,23 +141,23 @@ mod tests {
         for (lane, x) in [(0, -0.5f32), (3, 0.25), (6, 0.5)] {
             node.set(lane, [[x, -0.125, -0.125], [x + 0.125, 0.125, 0.125]], lane as u32);
         }
-        for instructions in Instructions::available() {
+        for level in instructions::available() {
             let meets = |direction: DVec3, max_depth: f64| {
-                meet(instructions, &node, &ray(DVec3::ZERO, direction, max_depth)).set
+                meet(level, &node, &ray(DVec3::ZERO, direction, max_depth)).set
             };
-            assert_eq!(meets(DVec3::X, 2.0), 0b100_1000, "{instructions:?}");
+            assert_eq!(meets(DVec3::X, 2.0), 0b100_1000, "{level:?}");
             assert_eq!(meets(DVec3::X, 0.375), 0b1000);
             assert_eq!(meets(-DVec3::X, 2.0), 0b1);
             assert_eq!(meets(DVec3::new(1.0, 0.375, 0.0), 2.0), 0b1000);
             assert_eq!(meets(DVec3::new(1.0, 0.0, -1.0), 2.0), 0);
-            let meeting = meet(instructions, &node, &ray(DVec3::X * 0.3, DVec3::X, 1.0));
+            let meeting = meet(level, &node, &ray(DVec3::X * 0.3, DVec3::X, 1.0));
             assert_eq!((meeting.set, meeting.entries[3]), (0b100_1000, 0.0));
             assert!((meeting.entries[6] - 0.2).abs() < 1e-6);
         }
     }
 
     /// How many of many rays to points in flat and in tiny boxes miss them, or meet them only after the point.
-    fn missed(instructions: Instructions, padding: f64) -> usize {
+    fn missed(level: Level, padding: f64) -> usize {
         let rng = &mut Rng(1);
         let mut count = 0;
         for _ in 0..20_000 {
@@ -212,7 +174,7 @@ mod tests {
             }
             let depth = (hit - origin).abs().max_element();
             let ray = ray(origin, (hit - origin) / depth, depth);
-            let meeting = meet(instructions, &node([corner, max], padding), &ray);
+            let meeting = meet(level, &node([corner, max], padding), &ray);
             let is_met = meeting.set == 1 << (LANES - 1) && meeting.entries[LANES - 1] <= ray.max_depth;
             count += usize::from(!is_met);
         }
@@ -221,10 +183,10 @@ mod tests {
 
     #[test]
     fn a_hit_in_a_box_is_never_missed_and_would_be_without_the_padding() {
-        for instructions in Instructions::available() {
-            assert_eq!(missed(instructions, PADDING), 0, "{instructions:?}");
-            assert!(missed(instructions, PADDING / 16.0) > 0, "{instructions:?}");
-            assert!(missed(instructions, 0.0) > 1000, "{instructions:?}");
+        for level in instructions::available() {
+            assert_eq!(missed(level, PADDING), 0, "{level:?}");
+            assert!(missed(level, PADDING / 16.0) > 0, "{level:?}");
+            assert!(missed(level, 0.0) > 1000, "{level:?}");
         }
     }
 }

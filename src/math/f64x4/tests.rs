@@ -1,6 +1,9 @@
 //! The lanes against scalar arithmetic.
 
-use super::*;
+use super::{FourLanes, ROUND_TO_INTEGER};
+use crate::math::instructions;
+use crate::math::number::Number;
+use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 
 const HUGE: f64 = 1e300;
 
@@ -48,11 +51,11 @@ fn one_number_agrees_with_plain_arithmetic() {
 
 /// Checks every operation against scalar arithmetic, for zeros, ordinary and huge numbers, infinities and
 /// NaN.
-fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
+fn agrees_with_scalars<S: Simd>(simd: S) {
     let numbers = NUMBERS;
     let four = |i: usize| [0, 1, 3, 4].map(|k| numbers[(i + k) % numbers.len()]);
     for (a, b) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (four(i), four(j)))) {
-        let (x, y) = (F::new(proof, a), F::new(proof, b));
+        let (x, y) = (f64x4::simd_from(simd, a), f64x4::simd_from(simd, b));
         for (i, (name, found)) in results(x, y).into_iter().enumerate() {
             for (k, found) in found.to_array().into_iter().enumerate() {
                 assert!(
@@ -63,7 +66,7 @@ fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
                 );
             }
         }
-        let check = |name: &str, found: F, expected: fn(f64, f64) -> f64| {
+        let check = |name: &str, found: f64x4<S>, expected: fn(f64, f64) -> f64| {
             for (k, found) in found.to_array().into_iter().enumerate() {
                 let expected = expected(a[k], b[k]);
                 assert!(is_identical(found, expected), "{name} of {} and {}: {found}", a[k], b[k]);
@@ -86,60 +89,55 @@ fn agrees_with_scalars<F: F64x4>(proof: F::Proof) {
 }
 
 /// Checks minima and maxima of the axes, which must not depend on the unused lane, and rounding.
-fn selects_and_rounds<F: F64x4>(proof: F::Proof) {
+fn selects_and_rounds<S: Simd>(simd: S) {
     for [x, y, z] in [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [3.0, 2.0, 1.0], [-1.0, -2.0, -0.5]]
     {
         for unused in [-9.0, 9.0, f64::NAN] {
-            let axes = F::new(proof, [x, y, z, unused]);
+            let axes = f64x4::simd_from(simd, [x, y, z, unused]);
             assert_eq!((axes.min3(), axes.max3()), (x.min(y).min(z), x.max(y).max(z)));
         }
     }
-    let with_nan = F::new(proof, [1.0, f64::NAN, 2.0, 0.0]);
+    let with_nan = f64x4::simd_from(simd, [1.0, f64::NAN, 2.0, 0.0]);
     assert_eq!((with_nan.min3(), with_nan.max3()), (2.0, 2.0));
     // Of equal numbers the last one counts.
     for [x, y, z] in [[0.0, 0.0, -0.0], [-0.0, -0.0, 0.0]] {
-        let zeros = F::new(proof, [x, y, z, 1.0]);
+        let zeros = f64x4::simd_from(simd, [x, y, z, 1.0]);
         assert!([zeros.min3(), zeros.max3()].iter().all(|&zero| is_identical(zero, z)));
     }
     let numbers = [0.0, 0.49, 0.51, 1e9 + 0.3];
-    let [lanes, next] = [F::new(proof, numbers), F::new(proof, numbers.map(|x| 1.0 + x))];
+    let [lanes, next] = [f64x4::simd_from(simd, numbers), f64x4::simd_from(simd, numbers.map(|x| 1.0 + x))];
     assert_eq!(lanes.round().to_array(), numbers.map(f64::round));
-    assert_eq!(F::new(proof, numbers.map(|x| -x)).round().to_array(), numbers.map(|x| (-x).round()));
+    assert_eq!(f64x4::simd_from(simd, numbers.map(|x| -x)).round().to_array(), numbers.map(|x| (-x).round()));
     for i in -9..9 {
         let numbers = [0.0, 0.25, 0.5, 0.75].map(|fraction| f64::from(i) + fraction);
-        assert_eq!(F::new(proof, numbers).ceil().to_array(), numbers.map(f64::ceil));
+        assert_eq!(
+            fearless_simd::SimdFloat::ceil(f64x4::simd_from(simd, numbers)).to_array(),
+            numbers.map(f64::ceil)
+        );
     }
     for x in [0.0, -0.0, 0.5, 0.75, 254.5, 255.5, 1e9 + 0.3, ROUND_TO_INTEGER / 3.0, 2e18, HUGE, f64::NAN] {
         let around = [x, -x, x.next_up(), -x.next_down()];
-        let floors = F::new(proof, around).floor().to_array();
+        let floors = fearless_simd::SimdFloat::floor(f64x4::simd_from(simd, around)).to_array();
         assert!((0..4).all(|k| floors[k] == around[k].floor() || x.is_nan() && floors[k].is_nan()), "{x}");
     }
     let rows = [0.1, 0.25, -3.0, HUGE].map(|x| [x, 1e-17, 2.0 * x, 0.7]);
-    let sums = F::sums(rows.map(|row| F::new(proof, row))).to_array();
-    assert_eq!(sums, rows.map(|[a, b, c, d]| (a + b) + (c + d)));
+    let sums = f64x4::sums(rows.map(|row| f64x4::simd_from(simd, row))).to_array();
+    assert_eq!(sums, rows.map(|[a, b, c, d]| (a + c) + (b + d)));
     let [a, b, c, d] = numbers;
     assert_eq!(lanes.swap_halves().to_array(), [c, d, a, b]);
     assert_eq!(lanes.to_i32(), numbers.map(|x| x.round() as i32));
     assert_eq!(next.to_i32(), lanes.to_i32().map(|n| n + 1));
-    assert_eq!(F::new(proof, numbers.map(|x| -x)).to_i32(), lanes.to_i32().map(|n| -n));
+    assert_eq!(f64x4::simd_from(simd, numbers.map(|x| -x)).to_i32(), lanes.to_i32().map(|n| -n));
     for (x, exponents) in [(-1.75, [0, 1, -1, 7]), (1.0, [1023, -1022, 52, -53]), (1e-300, [1030; 4])] {
-        let products = F::splat(proof, x).times_exp2(F::new(proof, exponents.map(f64::from)));
+        let products = f64x4::splat(simd, x).times_exp2(f64x4::simd_from(simd, exponents.map(f64::from)));
         assert_eq!(products.to_array(), exponents.map(|n| libm::ldexp(x, n)));
     }
 }
 
 #[test]
-fn portable_lanes_agree_with_scalar_arithmetic() {
-    agrees_with_scalars::<Scalar>(Portable);
-    selects_and_rounds::<Scalar>(Portable);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[test]
-fn avx_lanes_agree_with_scalar_arithmetic() {
-    use crate::math::{avx::Avx, instructions::Avx2};
-    if let Some(proof) = Avx2::detect() {
-        agrees_with_scalars::<Avx>(proof);
-        selects_and_rounds::<Avx>(proof);
+fn lanes_agree_with_scalar_arithmetic() {
+    for level in instructions::available() {
+        dispatch!(level, simd => agrees_with_scalars(simd));
+        dispatch!(level, simd => selects_and_rounds(simd));
     }
 }

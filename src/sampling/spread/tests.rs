@@ -1,6 +1,7 @@
 //! Sums of batches against those of single samples.
 
 use super::*;
+use crate::math::instructions;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 
@@ -8,7 +9,7 @@ use crate::sampling::sampler::{Pattern, Sampler};
 fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
     let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
     let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
-    let mut spread = Spread::new(filter, Instructions::Portable, y, size);
+    let mut spread = Spread::new(filter, Level::baseline(), y, size);
     spread.add(x, offset, Color::splat(2.0), 1.0);
     assert_eq!(spread.target_rows, 1..=4);
     for (row, sums) in spread.sums() {
@@ -45,8 +46,8 @@ fn check_row(filter: Filter, sampler: Sampler, row: usize, size: [usize; 2], exc
     let samples: Vec<(usize, DVec2)> = (0..size[0])
         .flat_map(|x| sampler.offsets((x * size[1] + row) as u64).map(move |offset| (x, offset)))
         .collect();
-    for instructions in Instructions::available() {
-        let mut spread = Spread::new(filter, instructions, row, size);
+    for level in instructions::available() {
+        let mut spread = Spread::new(filter, level, row, size);
         for (k, (x, offset)) in samples.iter().enumerate() {
             spread.add(*x, *offset, color(k, exceptions), area(k));
         }
@@ -91,7 +92,7 @@ fn batches_have_the_sums_of_single_samples() {
 fn the_largest_spread_takes_the_bytes_that_are_announced() {
     for (radius, size) in [(2.7, [3, 9]), (9.0, [3, 4])] {
         let filter = Filter::Box { radius };
-        let spread = |row| Spread::new(filter, Instructions::Portable, row, size);
+        let spread = |row| Spread::new(filter, Level::baseline(), row, size);
         let largest = (0..size[1]).map(|row| size_of_val(&*spread(row).sums)).max();
         assert_eq!(largest, Some(Spread::bytes(filter, size)));
     }

@@ -2,7 +2,7 @@
 
 use super::object_space::ObjectSpaces;
 use super::rules::Rule;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::{offset_origin, unit};
 use crate::math::rounded_point::RoundedPoint;
@@ -46,9 +46,9 @@ impl<R: Rules> Mistaken<'_, R> {
                 f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
             }
             (Some(Rule::NoiseHalved), Pattern::Noise { octaves }) => {
-                (0.5 * turbulence(in_texture(), octaves, Instructions::Portable) + 0.5).clamp(0.0, 1.0)
+                (0.5 * turbulence(in_texture(), octaves, Level::baseline()) + 0.5).clamp(0.0, 1.0)
             }
-            _ => first_weight(texture, point, Instructions::Portable),
+            _ => first_weight(texture, point, Level::baseline()),
         }
     }
 

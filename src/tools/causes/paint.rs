@@ -1,7 +1,7 @@
 //! A picture by any function from rays to colours, with the request's samples and filter.
 
 use crate::camera::Camera;
-use crate::math::instructions::Instructions;
+use crate::math::instructions;
 use crate::math::ray::Ray;
 use crate::memory;
 use crate::picture::{BadSize, FloatPicture};
@@ -30,9 +30,9 @@ pub fn paint(
     let (columns, rows) = (request.columns(), request.rows());
     let traced_columns = with_border(&columns, filter.support(), width);
     let traced_rows = with_border(&rows, filter.support(), height);
-    let instructions = Instructions::available()[0];
+    let level = instructions::available()[0];
     let row = |j: usize| {
-        let mut spread = Spread::new(filter, instructions, j, size);
+        let mut spread = Spread::new(filter, level, j, size);
         let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
         for i in traced_columns.clone() {
             let ray = |offset| camera.ray(DVec2::new(i as f64, j as f64), offset + shift);

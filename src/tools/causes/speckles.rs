@@ -8,7 +8,7 @@ use super::mistaken::from_other_side;
 use super::requests::has_secondary_rays;
 use super::{Original, SelfHitting};
 use crate::camera::Camera;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
@@ -158,8 +158,8 @@ impl<R: Rules> Rules for SelfHits<'_, R> {
         self.right.nearest(ray, leaves, probe)
     }
 
-    fn instructions(&self) -> Instructions {
-        self.right.instructions()
+    fn level(&self) -> Level {
+        self.right.level()
     }
 
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {

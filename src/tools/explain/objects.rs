@@ -1,7 +1,7 @@
 //! Which object of the scene's text a primitive of the world comes from.
 
 use crate::escape::escape;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::rounded_point::RoundedPoint;
 use crate::renderer::Renderer;
 use crate::scene::error::SceneError;
@@ -117,7 +117,7 @@ impl<'r> Objects<'r> {
                 }
                 _ => continue,
             };
-            let first = first_weight(texture, point, Instructions::Portable);
+            let first = first_weight(texture, point, Level::baseline());
             weights[texture.children[0]] += weights[id] * first;
             weights[texture.children[1]] += weights[id] * (1.0 - first);
             let name = pattern_name(texture.pattern);

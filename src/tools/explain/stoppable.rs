@@ -1,7 +1,7 @@
 //! Tracing that can be stopped.
 
 use crate::caster::Caster;
-use crate::math::instructions::Instructions;
+use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
 use crate::scene::model::Model;
 use crate::stats::Probe;
@@ -56,7 +56,7 @@ impl Rules for Stoppable<'_, '_> {
         if self.stop.is_over() { None } else { self.caster.nearest(ray, leaves, probe) }
     }
 
-    fn instructions(&self) -> Instructions {
-        self.caster.instructions()
+    fn level(&self) -> Level {
+        self.caster.level()
     }
 }

@@ -3,12 +3,12 @@
 
 use super::rng::Rng;
 use glam::{DVec3, Vec3};
-use raytracer::math::instructions::Instructions;
+use raytracer::math::instructions::Level;
 use raytracer::shading::perlin::turbulence;
 
 /// This program's noise: one octave of it.
 pub fn noise(p: DVec3) -> f64 {
-    turbulence(p, 1, Instructions::Portable)
+    turbulence(p, 1, Level::baseline())
 }
 
 /// The noise in f64, with the cell computed by conversion to a 32-bit integer, which truncates.
