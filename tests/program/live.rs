@@ -1,7 +1,7 @@
 //! The server of the live page, asked over plain sockets: who is let in, what is refused, and that it stays alive.
 
 use crate::live_server::{Server, view};
-use crate::support::{Folder, scene, sphere};
+use crate::support::{Folder, scene, sphere, sphere_in_perspective};
 use serde_json::json;
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -33,7 +33,7 @@ fn a_picture_of_the_page_is_the_one_that_its_command_line_writes() {
 
 #[test]
 fn the_page_takes_the_size_of_the_picture_to_compare_with() {
-    let folder = Folder::with_scene(&sphere());
+    let folder = Folder::with_scene(&sphere_in_perspective());
     folder.run("-input s.txt -size 27 18 -output small.png").ok();
     folder.run("-input s.txt -size 2100 3 -output wide.png").ok();
     for (flags, start, size) in [
@@ -48,7 +48,7 @@ fn the_page_takes_the_size_of_the_picture_to_compare_with() {
         let words: Vec<&str> =
             said["words"].as_array().expect("words").iter().filter_map(|word| word.as_str()).collect();
         assert_eq!(words.join(" "), start, "{flags}");
-        // The edition is that of the words.
+        // A page that knows the edition names it.
         let question = json!({ "page": 1, "turn": 1, "view": view(0, start), "sketch": null });
         if !flags.contains("jitter") {
             let (found, _) = server.ask("/compare", &question).expect("a comparison");

@@ -1,7 +1,7 @@
 //! Ctrl-C, SIGTERM and SIGHUP: what a run leaves, what it says, and how it ends.
 #![cfg(unix)]
 
-use crate::support::{Folder, Run, sphere};
+use crate::support::{Folder, Run, sphere, sphere_in_perspective};
 use raytracer::image_io::{PartFile, read_picture};
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -141,7 +141,7 @@ fn the_printed_lines_make_the_picture() {
 
 #[test]
 fn a_picture_whose_parts_no_line_renders_has_none() {
-    let folder = Folder::with_scene(&sphere());
+    let folder = Folder::with_scene(&sphere_in_perspective());
     for flags in ["-size 3000 3000 -jitter", "-size 9000 9000 -filter", "-size 3000 3000 -jitter -filter"] {
         let line = format!("-input s.txt {flags} -output o.png -depth 1 9 d.tga");
         let run = try_longer(|patience| {
