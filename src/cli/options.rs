@@ -288,11 +288,12 @@ impl Options {
     /// The layer that a comparison takes from the rendering: that of the only picture that is written, or else the
     /// colours, if they are written or nothing is.
     pub fn compared_layer(&self) -> Option<Layer> {
-        let mut layers = self.outputs.iter().map(|output| output.layer);
         match self.outputs.as_slice() {
             [only] => Some(only.layer),
-            [] => Some(Layer::Color),
-            _ => layers.find(|&layer| layer == Layer::Color),
+            several => {
+                let has_colors = several.iter().any(|output| output.layer == Layer::Color);
+                (has_colors || several.is_empty()).then_some(Layer::Color)
+            }
         }
     }
 
