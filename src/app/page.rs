@@ -24,7 +24,7 @@ pub fn note(options: &Options) -> Option<&'static str> {
 }
 
 /// Whether there is a page for the options: a scene, and somebody to look at it.
-fn is_shown(options: &Options) -> bool {
+pub fn is_shown(options: &Options) -> bool {
     let has_reader = |page: &LivePage| page.port.is_some() || stdin().is_terminal() && stderr().is_terminal();
     cfg!(feature = "gui") && scene_file(options).is_some() && options.page.as_ref().is_some_and(has_reader)
 }

@@ -9,7 +9,7 @@ use crate::app::threads::Crew;
 use crate::app::warned;
 use crate::app::{End, failed};
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::cli::{Comparison, Options, Output};
+use raytracer::cli::{Options, Output};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::fingerprint;
@@ -60,7 +60,7 @@ pub struct Rendered {
     pub costs: Option<CostReport>,
     /// What is behind the pixel in question, if there is one.
     pub pixel: Option<PixelTree>,
-    /// The colour picture, if it is one of two to compare.
+    /// The rendered picture of a comparison, if one of its two is rendered.
     pub picture: Option<Picture>,
     /// The pictures' files.
     pub files: CompleteFiles,
@@ -105,10 +105,11 @@ pub fn render(
     let say = |warnings: &[Warning]| warned::say(warnings, options, &renderer.source, tell);
     say(&warnings)?;
     let mut request = options.request();
-    let keeps = options.comparison.as_ref().is_some_and(Comparison::needs_scene);
-    if keeps {
-        request.layers.push(Layer::Color);
-    }
+    let compared = options.comparison.as_ref().filter(|wanted| wanted.needs_scene());
+    let compared = compared.and_then(|_| options.compared_layer());
+    // A map of costs is drawn again when it is complete.
+    let kept = compared.filter(|layer| !matches!(layer, Layer::Cost(_)));
+    request.layers.extend(kept);
     if request.camera_rays() >= MANY_RAYS || renderer.world().finite_count() >= MANY_PRIMITIVES {
         crew.start_all();
     }
@@ -117,9 +118,11 @@ pub fn render(
 
     let part_in = |window, layer| fingerprint::part(&prepared, &request, window, layer);
     let part = |layer| request.window.and_then(|window| part_in(window, layer));
+    // No command line renders a part of these.
+    let has_parts = !options.jitter && !options.reduced;
     let mut products = Products::begin(files, &request, &part)?;
-    if keeps {
-        products.keep(options.picture_size())?;
+    if let Some(layer) = kept {
+        products.keep(request.layer_size(&layer))?;
     }
     let world = renderer.world();
     let is_empty = world.finite_count() == 0 && world.planes.is_empty();
@@ -148,7 +151,8 @@ pub fn render(
     }
     let counts = match rendered {
         Err(Stopped::Cancelled { rows }) => {
-            let kept = products.keep_parts(&request, &|layer| part_in(upper(&request, rows), layer))?;
+            let kept = products
+                .keep_parts(&request, &|layer| part_in(upper(&request, rows), layer).filter(|_| has_parts))?;
             stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
             return signals
                 .received()
@@ -194,13 +198,17 @@ pub fn render(
         report.standard_error =
             standard_error(&prepared, &request, &|_| ControlFlow::Continue(())).map_err(failed)?;
     }
+    let picture = match (compared, &finished.costs) {
+        (Some(Layer::Cost(_)), Some(map)) => Some(map.draw().map_err(failed)?),
+        _ => finished.kept,
+    };
     let costs = finished.costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     if options.pixel.is_some() {
         files.before_waiting(signals)?;
     }
     let explain = |pixel| explanation(options, &renderer, prepared, pixel);
     let pixel = options.pixel.map(explain).transpose()?.flatten();
-    Ok(Rendered { options: settled, renderer, report, repeats, costs, pixel, picture: finished.kept, files })
+    Ok(Rendered { options: settled, renderer, report, repeats, costs, pixel, picture, files })
 }
 
 impl Rendered {

@@ -26,8 +26,8 @@ pub struct Products {
 enum Product {
     /// A picture file, written row by row.
     File(Box<PictureWriter>),
-    /// The bytes of a picture.
-    Kept(Vec<u8>),
+    /// Width and height in pixels, and the bytes of a picture.
+    Kept([usize; 2], Vec<u8>),
     /// What each pixel costs; the file gets the finished map.
     Costs(OutputFile, Cost, Vec<u64>),
 }
@@ -76,9 +76,9 @@ impl Products {
         }
     }
 
-    /// Keeps the colours of one more layer. `size` is the width and height of the picture in pixels.
-    pub fn keep(&mut self, [width, height]: [usize; 2]) -> Result<(), String> {
-        self.layers.push(Product::Kept(with_room(width * height * CHANNELS).map_err(failed)?));
+    /// Keeps one more layer, whose picture has this width and height in pixels.
+    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), String> {
+        self.layers.push(Product::Kept(size, with_room(width * height * CHANNELS).map_err(failed)?));
         Ok(())
     }
 
@@ -91,7 +91,7 @@ impl Products {
         }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
-            Product::Kept(bytes) => {
+            Product::Kept(_, bytes) => {
                 let before = bytes.len();
                 bytes.resize(before + row.len() * CHANNELS, 0);
                 truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
@@ -111,16 +111,15 @@ impl Products {
     ) -> Result<Vec<KeptPart>, String> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
             (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
-            (Product::File(_), None) if layer == Layer::Color => Ok(None),
             // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
-            (Product::File(writer), None) => {
+            (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
                 let file = writer.complete().map_err(failed)?;
                 if !file.is_stream() {
                     file.put_in_place().map_err(failed)?;
                 }
                 Ok(None)
             }
-            (Product::Kept(_) | Product::Costs(..), _) => Ok(None),
+            _ => Ok(None),
         };
         self.layers.into_iter().zip(&request.layers).map(keep).collect()
     }
@@ -141,13 +140,13 @@ impl Products {
         all
     }
 
-    /// Completes the files. `size` is the width and height of the picture in pixels.
+    /// Completes the files. `size` is the width and height of a map of costs in pixels.
     pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, String> {
         let mut finished = FinishedLayers::default();
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete().map_err(failed)?),
-                Product::Kept(bytes) => {
+                Product::Kept(size, bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }

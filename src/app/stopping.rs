@@ -20,7 +20,7 @@ fn whole([width, height]: [usize; 2], region: Option<Window>) -> Window {
 
 /// The lines after so many rows. `kept` has what was kept of each picture.
 pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[KeptPart]) -> Vec<String> {
-    let all = whole(options.size, options.region);
+    let all = whole(options.request().size, options.region);
     let stopped = format!("stopped at row {rows} of {}", all.height);
     let pairs = || options.outputs.iter().zip(kept);
     let parts: Vec<(&Output, &PathBuf)> =
@@ -39,10 +39,17 @@ pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[KeptPart
     let rest = command_of_rest(argv, rest, Shell::OF_SYSTEM);
     let program = argv.first().map_or(OsStr::new("raytracer"), OsString::as_os_str);
     let merge = |(output, part): &(&Output, &PathBuf)| {
-        format!("then: {}", command_of_merge(program, [part, &output.file], options.region, Shell::OF_SYSTEM))
+        let region = options.region.map(|region| enlarged(region, output.layer));
+        format!("then: {}", command_of_merge(program, [part, &output.file], region, Shell::OF_SYSTEM))
     };
     let first = format!("{stopped}; wrote {}{lost}; the rest: {rest}", written.join(", "));
     std::iter::once(first).chain(parts.iter().map(merge)).collect()
+}
+
+/// The part of a layer's picture that shows this part of the scene's.
+fn enlarged(Window { x, y, width, height }: Window, layer: Layer) -> Window {
+    let ([x, y], [width, height]) = (layer.size([x, y]), layer.size([width, height]));
+    Window { x, y, width, height }
 }
 
 fn shown(path: &Path) -> String {
@@ -92,6 +99,18 @@ mod tests {
                  -output o.rest.tga -normals n.rest.png -region 10 25 30 35",
                 "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
                 "then: rt -merge n.partial.png n.rest.png -output n.png -region 10 20 30 40",
+            ]
+        );
+    }
+
+    #[test]
+    fn the_region_of_an_enlarged_picture_is_enlarged() {
+        let line = "rt -input s.txt -region 10 20 30 40 -output o.tga -render_samples s.png 3";
+        assert_eq!(
+            lines_of(line, 5, &[Some("o.partial.tga"), Some("s.partial.png")])[1..],
+            [
+                "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
+                "then: rt -merge s.partial.png s.rest.png -output s.png -region 30 60 90 120",
             ]
         );
     }

@@ -8,7 +8,7 @@ use clap::value_parser;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// A comparison of two pictures. One that has no file is the rendered colour picture, and not both are.
+/// A comparison of two pictures. One that has no file is rendered, and not both are.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Comparison {
     /// The picture in question.

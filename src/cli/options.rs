@@ -233,6 +233,13 @@ impl Options {
                 )));
             }
         }
+        if self.comparison.as_ref().is_some_and(Comparison::needs_scene) && self.compared_layer().is_none() {
+            let [one, other] = [&self.outputs[0], &self.outputs[1]].map(Output::flag);
+            return Err(CliError::new(format!(
+                "-compare and -reference compare one picture, and {one} and {other} write two: give -output too, which \
+                 is compared then, or only one of them"
+            )));
+        }
         match (self.outputs.iter().find(|output| output.is_standard_output()), &self.json) {
             (Some(output), Some(JsonTarget::StandardOutput)) => {
                 Err(CliError::new(format!("{} and -json both write to standard output", output.flag())))
@@ -273,6 +280,18 @@ impl Options {
     pub fn tracing(&self) -> Tracing {
         let counts = self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)));
         if counts { Tracing::Counted } else { Tracing::Fast }
+    }
+
+    /// The layer that a comparison takes from the rendering: that of the only picture that is written, or else the
+    /// colours, if they are written or nothing is.
+    pub fn compared_layer(&self) -> Option<Layer> {
+        match self.outputs.as_slice() {
+            [only] => Some(only.layer),
+            several => {
+                let has_colors = several.iter().any(|output| output.layer == Layer::Color);
+                (has_colors || several.is_empty()).then_some(Layer::Color)
+            }
+        }
     }
 
     /// Width and height of the colour picture.

@@ -95,13 +95,17 @@ impl App {
             let name = path.to_string_lossy().into_owned();
             read_picture(path).ok().map(|picture| Reference { name, picture })
         });
+        let largest = reference.iter().fold(setup.options.size, |size, reference| {
+            let other = picture_size(&reference.picture);
+            [size[0].max(other[0]), size[1].max(other[1])]
+        });
         let compared = comparison.into_iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
         Ok(Self {
             input: setup.input.to_owned(),
             words: setup.words.to_vec(),
             outputs: outputs(setup.options),
             compared: compared.flatten().cloned().collect(),
-            most: Most::of(setup.options),
+            most: Most::of(&Options { size: largest, ..setup.options.clone() }),
             stage,
             reference,
         })
@@ -176,7 +180,7 @@ impl App {
         let reference = self.reference.as_ref().map(summary);
         json!({
             "name": self.input.to_string_lossy(),
-            "words": self.words,
+            "words": self.words(),
             "outputs": outputs,
             "text": first.renderer.source.text,
             "scene": self.description(first),
@@ -185,6 +189,31 @@ impl App {
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
             "version": env!("CARGO_PKG_VERSION"),
         })
+    }
+
+    /// The flags that the page starts with. Their picture has the size of the one to compare with.
+    fn words(&self) -> Vec<String> {
+        let mut words = self.words.clone();
+        let Some(wanted) = self.reference.as_ref().map(|reference| picture_size(&reference.picture)) else {
+            return words;
+        };
+        let Ok(mut options) = self.most.options(&words) else { return words };
+        if options.picture_size() == wanted {
+            return words;
+        }
+        // The samples may enlarge or reduce the picture.
+        let sizes = [wanted, wanted.map(|side| side / 3), wanted.map(|side| 3 * side)];
+        let mut makes = |size| {
+            options.size = size;
+            options.picture_size() == wanted
+        };
+        let [width, height] = sizes.into_iter().find(|&size| makes(size)).unwrap_or(wanted);
+        if let Some(start) = words.iter().position(|word| word == "-size") {
+            let values = words[start + 1..].iter().take_while(|word| !word.starts_with('-')).count();
+            words.drain(start..=start + values);
+        }
+        words.extend(["-size".to_owned(), width.to_string(), height.to_string()]);
+        words
     }
 
     fn picture(&self, wanted: Wanted, easel: &mut Easel, stop: &Cancel) -> Found {

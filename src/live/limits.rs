@@ -22,8 +22,8 @@ pub const BODY_TIME: Duration = Duration::from_secs(20);
 pub const SEND_TIME: Duration = Duration::from_secs(60);
 /// How long a page waits to hear that the program is still there.
 pub const ALIVE_TIME: Duration = Duration::from_secs(30);
-/// Processes that answer questions.
-pub const MAX_WORKERS: usize = 4;
+/// Processes that answer questions. One of them is kept for short ones.
+pub const MAX_WORKERS: usize = 5;
 
 /// How long the answer to a question may take, with the time for which it waits for others.
 pub fn answer_time(path: &str) -> Duration {

@@ -102,9 +102,11 @@ impl Shared {
                 Ok(admitted) => admitted,
                 Err(refusal) => return refuse(refusal, stream),
             };
-            self.connections.trust(id, head.path == "/alive");
+            // One that sends no body asks for nothing yet.
+            self.connections.trust(id, true);
             patience = IDLE_TIME;
             let body = requests.body(length, Instant::now() + BODY_TIME)?;
+            self.connections.trust(id, head.path == "/alive");
             let mut waiting = requests.waiting();
             let answer = self.answer(&head, body, &mut || waiting.has_left());
             answer.send(stream, head.closes, waiting.sent())?;

@@ -8,10 +8,12 @@ use super::wire::{Order, Question, Reply, receive, send};
 use std::io::{self, BufReader, BufWriter};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// How long a question works before it makes room for one that may be shorter.
+const MOMENT: Duration = Duration::from_millis(250);
 /// How often is looked whether somebody still waits.
 const LOOK: Duration = Duration::from_millis(20);
 /// How long a worker may take to stop by itself, which keeps its scene, and then to end by itself, which removes its
@@ -64,7 +66,21 @@ pub struct Workers {
 struct State {
     /// The one that worked last is the last.
     resting: Vec<Worker>,
-    count: usize,
+    /// The questions that have a place, by their numbers, in the order in which they got it.
+    placed: Vec<u64>,
+    /// How many questions wait for their first place.
+    waiting: usize,
+    next: u64,
+}
+
+/// A question's place among those that are worked on. It is free again when this is dropped.
+///
+/// Where all places are taken and another question waits, the one that came last leaves after a moment, and then waits
+/// until two places are free. So the last place serves short questions, however many long ones there are, and no
+/// question leaves twice.
+struct Place<'w> {
+    workers: &'w Workers,
+    number: u64,
 }
 
 struct Worker {
@@ -88,6 +104,55 @@ impl Workers {
 
     /// Has a question answered. `gives_up` is asked often whether nobody waits any more, and why.
     pub fn ask<W>(
+        &self,
+        question: Question,
+        body: &[u8],
+        luggage: &Luggage,
+        gives_up: &mut dyn FnMut() -> Option<W>,
+    ) -> Result<(Reply, Vec<u8>), Unanswered<W>> {
+        let mut places = MAX_WORKERS;
+        loop {
+            let place = self.place(places, gives_up).map_err(Unanswered::Stopped)?;
+            let start = Instant::now();
+            let mut stops = || match gives_up() {
+                None if start.elapsed() > MOMENT && place.must_leave() => Some(None),
+                why => why.map(Some),
+            };
+            return match self.ask_one(question.clone(), body, luggage, &mut stops) {
+                Err(Unanswered::Stopped(None)) => {
+                    places = MAX_WORKERS - 1;
+                    continue;
+                }
+                Err(Unanswered::Stopped(Some(why))) => Err(Unanswered::Stopped(why)),
+                Err(Unanswered::Ended) => Err(Unanswered::Ended),
+                Err(Unanswered::NotStarted(reason)) => Err(Unanswered::NotStarted(reason)),
+                Ok(found) => Ok(found),
+            };
+        }
+    }
+
+    /// Waits until fewer than `places` are taken, and takes one.
+    fn place<W>(&self, places: usize, gives_up: &mut dyn FnMut() -> Option<W>) -> Result<Place<'_>, W> {
+        let mut state = self.lock();
+        let is_first = usize::from(places == MAX_WORKERS);
+        state.waiting += is_first;
+        let mut why = None;
+        while state.placed.len() >= places && why.is_none() {
+            state = self.freed.wait_timeout(state, LOOK).unwrap_or_else(PoisonError::into_inner).0;
+            why = gives_up();
+        }
+        state.waiting -= is_first;
+        if let Some(why) = why {
+            return Err(why);
+        }
+        state.next += 1;
+        let number = state.next;
+        state.placed.push(number);
+        Ok(Place { workers: self, number })
+    }
+
+    /// Has a question that has a place answered by one worker.
+    fn ask_one<W>(
         &self,
         mut question: Question,
         body: &[u8],
@@ -131,7 +196,6 @@ impl Workers {
             }
             Err(other) => {
                 worker.end();
-                self.forget();
                 Err(other)
             }
         }
@@ -144,24 +208,15 @@ impl Workers {
         paints: bool,
         gives_up: &mut dyn FnMut() -> Option<W>,
     ) -> Result<Worker, Unanswered<W>> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            let has = |worker: &Worker| scene.is_none() || worker.scene == scene;
-            let fits = |worker: &Worker| (has(worker), worker.paints == paints);
-            let best = (0..state.resting.len()).max_by_key(|&place| fits(&state.resting[place]));
-            if let Some(best) = best {
-                return Ok(state.resting.remove(best));
-            }
-            if state.count < MAX_WORKERS {
-                state.count += 1;
-                drop(state);
-                return self.start(gives_up).inspect_err(|_| self.forget());
-            }
-            if let Some(why) = gives_up() {
-                return Err(Unanswered::Stopped(why));
-            }
-            state = self.freed.wait_timeout(state, LOOK).unwrap_or_else(PoisonError::into_inner).0;
+        let mut state = self.lock();
+        let has = |worker: &Worker| scene.is_none() || worker.scene == scene;
+        let fits = |worker: &Worker| (has(worker), worker.paints == paints);
+        let best = (0..state.resting.len()).max_by_key(|&place| fits(&state.resting[place]));
+        if let Some(best) = best {
+            return Ok(state.resting.remove(best));
         }
+        drop(state);
+        self.start(gives_up)
     }
 
     /// Starts a worker, which opens the scene.
@@ -188,19 +243,30 @@ impl Workers {
     }
 
     fn give_back(&self, worker: Worker) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.lock();
         state.resting.push(worker);
         let surplus = (state.resting.len() > RESTING).then(|| state.resting.remove(0));
-        state.count -= usize::from(surplus.is_some());
         drop(state);
-        self.freed.notify_one();
         surplus.into_iter().for_each(Worker::end);
     }
 
-    /// A worker has ended.
-    fn forget(&self) {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner).count -= 1;
-        self.freed.notify_one();
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Place<'_> {
+    /// Returns true if another question needs this place more.
+    fn must_leave(&self) -> bool {
+        let state = self.workers.lock();
+        state.waiting > 0 && state.placed.len() == MAX_WORKERS && state.placed.last() == Some(&self.number)
+    }
+}
+
+impl Drop for Place<'_> {
+    fn drop(&mut self) {
+        self.workers.lock().placed.retain(|&number| number != self.number);
+        self.workers.freed.notify_all();
     }
 }
 
@@ -295,7 +361,7 @@ mod tests {
         let (workers, start) = (Workers::new(command), Instant::now());
         let mut gives_up = || (start.elapsed() > Duration::from_millis(200)).then_some(());
         let found = workers.ask(Question::default(), b"", &Luggage::default(), &mut gives_up);
-        assert_eq!(workers.state.lock().unwrap().count, 0);
+        assert!(workers.lock().placed.is_empty() && workers.lock().resting.is_empty());
         (found.unwrap_err(), start.elapsed())
     }
 

@@ -77,6 +77,11 @@ impl Layer {
         matches!(self, Self::Normals | Self::SignedNormals)
     }
 
+    /// Returns true for a picture of the scene as the camera sees it, in bytes.
+    pub fn is_of_scene(self) -> bool {
+        matches!(self, Self::Color | Self::Depth { .. } | Self::Normals)
+    }
+
     /// Width and height of the layer's picture, for a window of this width and height in pixels.
     pub fn size(self, window: [usize; 2]) -> [usize; 2] {
         match self {

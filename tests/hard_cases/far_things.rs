@@ -84,8 +84,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
     }
     let world = World::new(&scene, &[]).expect("a sound scene");
     let layout = if rng.below(2) == 0 { Layout::List } else { Layout::Grid([3, 4, 5]) };
-    let caster =
-        Caster::with(&world, layout, raytracer::caster::Instructions::available()[0]).expect("a grid");
+    let caster = Caster::with(&world, layout, raytracer::math::instructions::available()[0]).expect("a grid");
     let mut counts = [0; 4];
     for _ in 0..8 {
         // The gap between the ground and the ball is about half of the square of this. A point of ground that reaches a

@@ -9,8 +9,9 @@ use crate::support::scenes::world_of;
 use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
+use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
-use raytracer::caster::{Caster, Instructions};
+use raytracer::math::instructions::available;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::Object;
@@ -75,9 +76,9 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
     let [a, b, c] = &corners;
     let t = Shear::new(&ray).intersect([a, b, c]).expect("a crossing");
     let mut wrong = i32::from(t > 0.0) - i32::from(t < 0.0) != sign;
-    for instructions in Instructions::available() {
+    for level in available() {
         for layout in [Layout::List, Layout::Grid([3, 2, 4])] {
-            let caster = Caster::with(&world, layout, instructions).expect("a grid");
+            let caster = Caster::with(&world, layout, level).expect("a grid");
             wrong |= caster.closest(&ray, &mut Quiet).is_some() != (sign >= 0);
             wrong |= caster.any(&ray, &mut Quiet) != (sign >= 0);
             wrong |= caster.closest(&ray, &mut Counts::default()).is_some() != (sign >= 0);

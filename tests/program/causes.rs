@@ -97,6 +97,21 @@ fn what_another_command_line_renders_is_named() {
 }
 
 #[test]
+fn depths_and_normals_have_causes() {
+    let folder = folder();
+    folder.write("turned.txt", SCENE.replace("up 0 1 0", "up 0 -1 0"));
+    folder.write("unscaled.txt", SCENE.replace("Scale 1 .4 .6 ", ""));
+    for flags in ["-depth 5 12", "-normals"] {
+        let line = format!("-size 48 36 {flags} own.png");
+        folder.run(&format!("-input turned.txt -size 48 36 {flags} a.png")).ok();
+        let words = "by a camera of the other handedness (turned by 180 degrees)";
+        assert_eq!(cause(&folder, &line), equal(words), "{flags}");
+        folder.run(&format!("-input unscaled.txt -size 48 36 {flags} a.png")).ok();
+        assert!(cause(&folder, &line).starts_with("none of "), "{flags}");
+    }
+}
+
+#[test]
 fn what_another_scene_shows_is_named() {
     let rows: [(&[[&str; 2]], &str); 12] = [
         (&[["up 0 1 0", "up 0 -1 0"]], "by a camera of the other handedness (turned by 180 degrees)"),

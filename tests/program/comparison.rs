@@ -61,6 +61,40 @@ fn a_missing_picture_is_the_rendered_one() {
 }
 
 #[test]
+fn the_only_picture_that_is_written_is_the_one_that_is_compared() {
+    let folder = folder();
+    let colors = "-output o2.png";
+    for flags in [
+        "-depth 4 6 NEW.png",
+        "-normals NEW.tga",
+        "-normals NEW.pfm",
+        "-render_samples NEW.png 3",
+        "-render_filter NEW.png 5",
+        "-cost_map tests NEW.png",
+    ] {
+        let new = flags.split(' ').find(|word| word.starts_with("NEW")).expect("a name");
+        let old = new.replace("NEW", "old");
+        folder.run(&format!("-input s.txt -size 40 30 {}", flags.replace("NEW", "old"))).ok();
+        for flag in ["-compare", "-reference"] {
+            let run = folder.run(&format!("-input s.txt -size 40 30 {flags} {flag} {old}")).ok();
+            assert_eq!(value(&run, "largest difference"), "0", "{flags} {flag}");
+            // Where colours are written, they are compared.
+            let line = format!("-input s.txt -size 40 30 {flags} {colors} {flag} o.tga -tolerance 0 0");
+            assert_eq!(folder.run(&line).status, Some(0), "{line}");
+        }
+    }
+    let line = "-input s.txt -size 40 30 -depth 4 6 d.png -compare o.tga -tolerance 0 0";
+    assert_eq!(folder.run(line).status, Some(3));
+    // The sizes are those of the picture that is compared, and no hint is given that does not help.
+    let line = "-input s.txt -size 40 30 -render_samples m.png 3 -compare o.tga";
+    let message = folder.run(line).message(1);
+    assert!(message.contains("40 x 30 pixels against 120 x 90") && !message.contains("-size"), "{message}");
+    let line = "-input s.txt -normals n.png -depth 1 9 d.png -compare o.tga";
+    let message = folder.run(line).message(2);
+    assert!(message.contains("-depth and -normals write two"), "{message}");
+}
+
+#[test]
 fn the_statistics_come_first() {
     let run = folder().run("-input s.txt -size 40 30 -stats -compare o.tga").ok();
     let places =

@@ -1,7 +1,7 @@
 //! The server of the live page, asked over plain sockets: who is let in, what is refused, and that it stays alive.
 
 use crate::live_server::{Server, view};
-use crate::support::{Folder, scene, sphere};
+use crate::support::{Folder, scene, sphere, sphere_in_perspective};
 use serde_json::json;
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -28,6 +28,38 @@ fn a_picture_of_the_page_is_the_one_that_its_command_line_writes() {
         folder.run(line).ok();
         let pixels: Vec<[u8; 3]> = bytes.chunks(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         assert_eq!(folder.tga("o.tga").pixels, pixels, "{line}");
+    }
+}
+
+#[test]
+fn the_page_takes_the_size_of_the_picture_to_compare_with() {
+    let folder = Folder::with_scene(&sphere_in_perspective());
+    folder.run("-input s.txt -size 27 18 -output small.png").ok();
+    folder.run("-input s.txt -size 2100 3 -output wide.png").ok();
+    for (flags, start, size) in [
+        ("-compare small.png", "-size 27 18", "27x18"),
+        ("-reference small.png -size 40x30 -shadows", "-shadows -size 27 18", "27x18"),
+        ("-compare small.png -size 27 18 -shadows", "-size 27 18 -shadows", "27x18"),
+        ("-compare small.png -jitter", "-jitter -size 9 6", "27x18"),
+        ("-compare wide.png", "-size 2100 3", "2100x3"),
+    ] {
+        let server = Server::start(folder.path(), flags);
+        let (said, _) = server.ask("/start", &json!({})).expect("a start");
+        let words: Vec<&str> =
+            said["words"].as_array().expect("words").iter().filter_map(|word| word.as_str()).collect();
+        assert_eq!(words.join(" "), start, "{flags}");
+        // A page that knows the edition names it.
+        let question = json!({ "page": 1, "turn": 1, "view": view(0, start), "sketch": null });
+        if !flags.contains("jitter") {
+            let (found, _) = server.ask("/compare", &question).expect("a comparison");
+            let block = found["block"].as_str().expect("a block");
+            assert!(block.contains(size), "{flags}: {block}");
+        }
+    }
+    // What the line itself asks for is not left to the page.
+    for flags in ["-tolerance 0 0", "-difference d.png"] {
+        let line = format!("-input s.txt -gui -port 0 -no_browser -compare small.png {flags}");
+        assert!(folder.run(&line).message(1).contains("differ in size"), "{flags}");
     }
 }
 

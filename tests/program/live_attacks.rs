@@ -146,6 +146,50 @@ fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
 }
 
 #[test]
+fn a_short_question_waits_for_no_long_one() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4");
+    let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
+    for count in [4, 8] {
+        let streams: Vec<TcpStream> = (0..count)
+            .map(|page| {
+                let mut stream = server.connect();
+                let question = bytes(&wanted(page, &deep));
+                stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
+                stream.set_nonblocking(true).expect("a stream that does not wait");
+                stream
+            })
+            .collect();
+        sleep(2 * SECOND);
+        server.ask("/picture", &wanted(99, &view(0, "-size 20 20"))).expect("a picture");
+        // None of the others has been answered before, not even that it takes too long.
+        for (page, mut stream) in streams.iter().enumerate() {
+            let found = stream.read(&mut [0]).map_err(|error| error.kind());
+            assert_eq!(found, Err(std::io::ErrorKind::WouldBlock), "{page} of {count}");
+        }
+    }
+}
+
+#[test]
+fn connections_that_send_no_body_make_room() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    let head = server.request("POST /scene", &[("Content-Length", "1000")], b"");
+    let silent: Vec<TcpStream> = (0..32)
+        .map(|_| {
+            let mut stream = server.connect();
+            stream.write_all(&head).expect("a head");
+            stream
+        })
+        .collect();
+    sleep(SECOND);
+    for _ in 0..3 {
+        assert_eq!(server.post("/start", &[], b"{}").map(|(status, _)| status), Some(200));
+    }
+    drop(silent);
+}
+
+#[test]
 fn a_client_that_says_no_more_gets_its_answer() {
     let folder = Folder::with_scene(GLASS);
     let server = Server::start(folder.path(), "-size 4 4");

@@ -1,7 +1,7 @@
 //! Ctrl-C, SIGTERM and SIGHUP: what a run leaves, what it says, and how it ends.
 #![cfg(unix)]
 
-use crate::support::{Folder, Run, sphere};
+use crate::support::{Folder, Run, sphere, sphere_in_perspective};
 use raytracer::image_io::{PartFile, read_picture};
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -101,6 +101,58 @@ fn a_stopped_region_is_a_smaller_region() {
     assert!(run.stderr.ends_with(" -output o.tga -region 5 30000 9 30000\n"), "{}", run.stderr);
     folder.run(&format!("{LONG} -region 5 30000 9 {rows} -output o.tga")).ok();
     assert!(folder.read("o.partial.tga") == folder.read("o.tga"));
+}
+
+#[test]
+fn the_printed_lines_make_the_picture() {
+    let folder = Folder::with_scene(&sphere());
+    let names = ["o.tga", "d.png", "s.png"];
+    let written = "-output o.tga -depth 1 9 d.png -render_samples s.png 3";
+    for region in ["", " -region 3 50 9 400"] {
+        // The picture takes about as long as the signal, whatever the machine.
+        let (mut samples, mut patience) = (64, Duration::from_millis(100));
+        let (flags, run) = (0..24)
+            .find_map(|_| {
+                let flags = format!("-input s.txt -size 20 500 -random_samples {samples} {written}{region}");
+                let child = start(&folder, &flags);
+                sleep(patience);
+                send("-INT", &child);
+                let run = wait(child);
+                match (run.status, run.stderr.contains("; the rest: ")) {
+                    (Some(130), true) => return Some((flags, run)),
+                    (Some(0), _) => samples = (2 * samples).min(60_000),
+                    _ => patience *= 2,
+                }
+                None
+            })
+            .expect("a row in time");
+        let lines = run.stderr.lines().map(|line| line.split_once(": ").expect("a command").1);
+        for line in lines.map(|line| line.rsplit("the rest: ").next().expect("a line")) {
+            let program = env!("CARGO_BIN_EXE_raytracer");
+            folder.run(line.strip_prefix(program).expect("the program").trim()).ok();
+        }
+        let made = names.map(|name| read_picture(&folder.path().join(name)).expect("a picture"));
+        folder.run(&flags).ok();
+        for (name, made) in names.iter().zip(made) {
+            assert!(made == read_picture(&folder.path().join(name)).expect("a picture"), "{name}{region}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_whose_parts_no_line_renders_has_none() {
+    let folder = Folder::with_scene(&sphere_in_perspective());
+    for flags in ["-size 3000 3000 -jitter", "-size 9000 9000 -filter", "-size 3000 3000 -jitter -filter"] {
+        let line = format!("-input s.txt {flags} -output o.png -depth 1 9 d.tga");
+        let run = try_longer(|patience| {
+            let child = start(&folder, &line);
+            sleep(patience);
+            send("-INT", &child);
+            Some(wait(child)).filter(|run| !run.stderr.is_empty())
+        });
+        assert!(run.status == Some(130) && run.stderr.ends_with("; wrote nothing\n"), "{run:?}");
+        assert_eq!(folder.names(), ["s.txt"], "{flags}");
+    }
 }
 
 #[test]

@@ -138,6 +138,11 @@ pub fn sphere() -> String {
     scene(1, "Sphere { center 0 0 0 radius .7 }")
 }
 
+/// That scene with a camera of all editions.
+pub fn sphere_in_perspective() -> String {
+    sphere().replace(CAMERA, "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 20 }\n")
+}
+
 /// Returns true if `message` is an error in one line that has all these parts, between which ` ... ` stands.
 pub fn says(message: &str, parts: &str) -> bool {
     let is_error = message.starts_with("error: ") && message.lines().count() == 1;

@@ -45,8 +45,8 @@ pub fn run(
     streams::check_input(options)?;
     let written = WrittenFiles::of_rendering(options)?;
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
-    let compared =
-        options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell)).transpose()?;
+    let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell));
+    let compared = compared.transpose()?.flatten();
     let file = match &options.json {
         Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
         Some(JsonTarget::StandardOutput) | None => None,
@@ -98,20 +98,32 @@ struct Compared<'o> {
 }
 
 impl<'o> Compared<'o> {
-    /// Reads the pictures. An error if one cannot be read, or if their sizes differ.
-    fn open(wanted: &'o cli::Comparison, options: &Options, tell: &dyn Fn(&str)) -> Result<Self, String> {
+    /// Reads the pictures. An error if one cannot be read, or if their sizes differ; `None` if the live page is left to
+    /// compare at the other size.
+    fn open(
+        wanted: &'o cli::Comparison,
+        options: &Options,
+        tell: &dyn Fn(&str),
+    ) -> Result<Option<Self>, String> {
         let read =
             |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let difference: Option<&Path> = wanted.difference.as_deref();
         let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
+        let rendered = rendered_size(options);
         let size = |picture: &Option<Picture>| {
-            let rendered = options.picture_size().map(|n| n as u32);
-            picture.as_ref().map_or(rendered, |picture| [picture.width(), picture.height()])
+            picture.as_ref().map_or(rendered, |picture| Some([picture.width(), picture.height()]))
         };
         match (size(&picture), size(&reference)) {
-            (a, b) if a != b => Err(cannot_compare(wanted, CompareError::Sizes { a, b })),
-            _ => Ok(Self { wanted, picture, reference, difference }),
+            (Some(a), Some(b)) if a != b => {
+                let only_shows = wanted.tolerance.is_none() && wanted.difference.is_none();
+                if !(wanted.needs_scene() && only_shows && page::is_shown(options)) {
+                    return Err(cannot_compare(wanted, options, CompareError::Sizes { a, b }));
+                }
+                tell("note: the picture to compare with has another size, which only the page takes");
+                Ok(None)
+            }
+            _ => Ok(Some(Self { wanted, picture, reference, difference })),
         }
     }
 
@@ -129,7 +141,7 @@ impl<'o> Compared<'o> {
         };
         crew.start_all();
         let comparison = crew.pool.install(|| Comparison::new(a, b));
-        let comparison = comparison.map_err(|error| cannot_compare(self.wanted, error))?;
+        let comparison = comparison.map_err(|error| cannot_compare(self.wanted, options, error))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
         let cause = cause.or_else(|| if differs { cause_of_pictures(a, b) } else { None });
@@ -149,15 +161,17 @@ const BYTES_PER_PIXEL_TO_EXPLAIN: u64 = 128;
 /// Why a picture from outside differs. Nothing is tried where something else is drawn in place of the scene, with
 /// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
 fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
-    let fits = [a.width(), a.height()] == options.picture_size().map(|n| n as u32);
+    let layer = options.compared_layer()?;
+    let fits = rendered_size(options) == Some([a.width(), a.height()]);
     // Where samples depend on what they show, a wrong picture differs by its samples too.
+    let is_settled = layer != Layer::Color || options.adaptive.is_none();
     let shows_scene = !options.visualize_grid && renderer.scene.model.shows == Shows::Scene;
-    if !shows_scene || options.adaptive.is_some() || !fits {
+    if !layer.is_of_scene() || !shows_scene || !is_settled || !fits {
         return None;
     }
     let pixels = options.size.iter().map(|&n| n as u64).product::<u64>();
     memory::ask(pixels * BYTES_PER_PIXEL_TO_EXPLAIN).ok()?;
-    let request = Request { layers: vec![Layer::Color], ..options.request() };
+    let request = Request { layers: vec![layer], ..options.request() };
     Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
 }
 
@@ -170,9 +184,16 @@ fn cause_of_pictures(a: &Picture, b: &Picture) -> Option<Finding> {
     (!matches!(found, Finding::Unknown { .. })).then_some(found)
 }
 
-fn cannot_compare(wanted: &cli::Comparison, error: CompareError) -> String {
+/// Width and height of the rendered picture that is compared, in pixels; `None` if they depend on what it shows.
+fn rendered_size(options: &Options) -> Option<[u32; 2]> {
+    let layer = options.compared_layer().filter(|layer| !matches!(layer, Layer::Cost(_)))?;
+    Some(options.request().layer_size(&layer).map(|n| n as u32))
+}
+
+fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> String {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
     let hint = match (&error, &wanted.picture, &wanted.reference) {
+        _ if rendered_size(options) != Some(options.size.map(|n| n as u32)) => String::new(),
         (CompareError::Sizes { a: [width, height], .. }, Some(_), None)
         | (CompareError::Sizes { b: [width, height], .. }, None, Some(_)) => {
             format!("; -size {width} {height} renders that size")

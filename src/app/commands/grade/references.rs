@@ -131,9 +131,8 @@ impl References {
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
     let request = Request { layers: vec![layer], ..options.request() };
-    let is_of_scene = matches!(layer, Layer::Color | Layer::Depth { .. } | Layer::Normals);
     let shows_scene = !options.visualize_grid && renderer.scene.model.shows == Shows::Scene;
-    let source = if is_of_scene && shows_scene {
+    let source = if layer.is_of_scene() && shows_scene {
         let original = Original::new(renderer, Structure::Any, &request);
         Source::Scene(Box::new(original.ok_or("there is no memory for the picture")?))
     } else {
