@@ -9,6 +9,7 @@ use crate::math::instructions;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::scene::Color;
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
@@ -223,6 +224,19 @@ impl Prepared<'_> {
         take_row: TakeRow,
     ) -> Result<(), Stopped> {
         self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
+    }
+
+    /// Renders the colours of these rows of a request's window, counted from the top, without counting.
+    pub(crate) fn render_some_rows(
+        &self,
+        request: &Request,
+        rows: &[usize],
+        watch: Watch,
+    ) -> Result<Vec<Color>, Stopped> {
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        let render = || render::render_some_rows(scene, self.view(), request, rows, watch);
+        self.renderer.on_own_threads(render)
     }
 
     fn render_traced(

@@ -312,6 +312,10 @@ impl Options {
             effects: self.effects,
             sampler: self.sampler,
             adaptive: self.adaptive,
+            has_floats: self
+                .outputs
+                .iter()
+                .any(|output| output.layer == Layer::Color && output.format.is_float()),
             filter: self.filter,
             is_reduced: self.reduced,
             layers: self.outputs.iter().map(|output| output.layer).collect(),

@@ -26,6 +26,7 @@ use crate::scene::Color;
 use crate::stats::Counts;
 use crate::trace::Patience;
 use glam::DVec2;
+use rayon::prelude::*;
 use row::RenderSetting;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -123,6 +124,33 @@ pub fn render(
         end = strip.rows.start;
     }
     Ok(counts)
+}
+
+/// Renders the colours of these rows of the window, counted from its top, which are not reduced. Each row is rendered by
+/// itself.
+pub fn render_some_rows(
+    (camera, caster): (&Camera, &Caster),
+    view: View,
+    request: &Request,
+    rows: &[usize],
+    watch: Watch,
+) -> Result<Vec<Color>, Stopped> {
+    let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
+    let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing);
+    let tally = Tally::new(rows.len(), watch);
+    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
+    let colors = |row: &usize| {
+        let end = request.rows().end - row;
+        let mut colors = memory::with_room(request.columns().len())?;
+        let mut take_row = |_: usize, row: &[Color]| {
+            colors.extend_from_slice(row);
+            ControlFlow::Continue(())
+        };
+        Strip::below(&setting, unseen.as_ref(), end, end - 1).render(&tracer, &tally, &mut take_row)?;
+        Ok(colors)
+    };
+    let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
+    Ok(colors.concat())
 }
 
 /// The same for a request whose colours are reduced.

@@ -64,6 +64,8 @@ pub struct Request {
     pub sampler: Sampler,
     /// Whether each pixel gets as many samples as it needs. The sampler has their random numbers then.
     pub adaptive: Option<Adaptive>,
+    /// Whether the colours are kept as floats, also those brighter than white.
+    pub has_floats: bool,
     /// The reconstruction filter, by which samples are combined to pixels.
     pub filter: Filter,
     /// Whether the colours are blurred and reduced to a third of the size, as [`Blur`](crate::sampling::blur::Blur) does.
@@ -83,6 +85,7 @@ impl Request {
             effects: Effects::default(),
             sampler: Sampler::CENTER,
             adaptive: None,
+            has_floats: false,
             filter: Filter::PIXEL,
             is_reduced: false,
             layers: vec![Layer::Color],

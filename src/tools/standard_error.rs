@@ -1,9 +1,12 @@
 //! How far a picture is likely to be from the one with endlessly many samples, without rendering that.
 //!
 //! One sample in each stratum does not say how much the colours in the stratum vary, so that an estimate from the strata of
-//! one picture is never without bias. Two further pictures with other random numbers are: half the mean square of their
-//! difference is the variance of each. Uniform samples have no random numbers. Their error is measured by two jittered
-//! pictures, whose own errors are independent and cancel on average. Of a large picture some rows stand for all.
+//! one picture is never without bias. Further pictures with other random numbers are: their variance is that of the picture.
+//! Uniform samples have no random numbers. Their error is measured by jittered pictures, whose own errors are independent
+//! and cancel on average.
+//!
+//! Of a large picture some random rows stand for all. Two pictures of one sample in each pixel say in which rows much
+//! differs. These are the more likely to be taken, and count the less.
 
 use crate::memory::NoMemory;
 use crate::render::{Layer, Request, Stopped, Watch, Window};
@@ -11,11 +14,17 @@ use crate::renderer::Prepared;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Color;
-use std::ops::{ControlFlow, Range};
+use rand::RngExt;
+use std::ops::ControlFlow;
 
-/// The rows that are looked at are as many bands of this height, at equal distances.
-const BANDS: usize = 16;
-const BAND_HEIGHT: usize = 4;
+/// The number of rows of a picture that are compared, about.
+const ROWS: usize = 64;
+
+/// The number of rows of all pictures together, about: what few samples see adds much noise to a small picture's error.
+const ROWS_OF_ALL: usize = 4 * ROWS;
+
+/// The number of pixels that are looked at together to choose rows, about.
+const LOOKED_AT: usize = 1 << 20;
 
 /// What uniform samples are compared with has so many times as many samples, so that its own error matters little.
 const REFERENCE: u32 = 4;
@@ -31,64 +40,109 @@ pub fn has_standard_error(request: &Request) -> bool {
 /// The root mean square error of the colours that is due to where samples lie, in levels, over all channels of all pixels.
 /// None if the watch has ended it.
 pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> Result<Option<f64>, NoMemory> {
-    let Request { sampler, .. } = *request;
-    let is_uniform = sampler.pattern() == Pattern::Uniform;
-    let mut seeds = (0x5EED..).map(Drand48::seeded).filter(|&seed| seed != sampler.rng());
-    let [one, other] = [(); 2].map(|()| {
-        let rng = seeds.next().unwrap_or(sampler.rng());
-        if is_uniform {
-            Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), rng)
-        } else {
-            sampler.with_rng(rng)
-        }
-    });
-    let (mut sum, mut channels) = (0.0, 0.0);
-    for rows in bands(request.window_size()[1]) {
-        let colors = |sampler| colors(prepared, request, sampler, rows.clone(), watch);
-        let (Some(a), Some(b)) = (colors(one)?, colors(other)?) else { return Ok(None) };
-        let own = if is_uniform { colors(sampler)? } else { None };
-        if is_uniform && own.is_none() {
-            return Ok(None);
-        }
-        for (k, (a, b)) in a.iter().zip(&b).enumerate() {
-            sum += match own.as_ref().and_then(|own| own.get(k)) {
-                Some(own) => (own - a).dot(own - b),
-                None => 0.5 * (a - b).length_squared(),
-            };
-            channels += 3.0;
-        }
-    }
-    Ok((channels > 0.0).then(|| LEVELS * (sum / channels).max(0.0).sqrt()))
-}
-
-/// The rows that are looked at, of so many.
-fn bands(rows: usize) -> Vec<Range<usize>> {
-    let (count, height) = if rows <= BANDS * BAND_HEIGHT { (1, rows) } else { (BANDS, BAND_HEIGHT) };
-    let starts = (0..count).map(|band| (2 * band + 1) * rows / (2 * count) - height / 2);
-    starts.map(|start| start..start + height).collect()
-}
-
-/// The colours in these rows of the window, counted from the top, as a picture shows them; none if the watch has ended it.
-fn colors(
-    prepared: &Prepared,
-    request: &Request,
-    sampler: Sampler,
-    rows: Range<usize>,
-    watch: Watch,
-) -> Result<Option<Vec<Color>>, NoMemory> {
-    let [width, height] = request.size;
-    let whole = Window { x: 0, y: 0, width, height };
-    let window = request.window.unwrap_or(whole);
-    let window = Window { y: window.y + rows.start, height: rows.len(), ..window };
-    let request = Request { window: Some(window), sampler, layers: vec![Layer::Color], ..request.clone() };
-    let mut colors = crate::memory::with_room(request.window_size().iter().product())?;
-    let mut take_row = |_: usize, row: &[Color]| {
-        colors.extend(row.iter().map(|color| color.clamp(Color::ZERO, Color::ONE)));
-        ControlFlow::Continue(())
-    };
-    match prepared.render_rows_fast(&request, watch, &mut take_row) {
-        Ok(()) => Ok(Some(colors)),
+    let request = Request { layers: vec![Layer::Color], ..request.clone() };
+    match of_colors(prepared, &request, watch) {
+        Ok(error) => Ok(Some(error)),
         Err(Stopped::Memory(refused)) => Err(refused),
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
     }
+}
+
+fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64, Stopped> {
+    let Request { sampler, .. } = *request;
+    let [width, height] = request.layer_size(&Layer::Color);
+    let mut rng = sampler.rng();
+    let mut rows: Vec<(usize, f64)> = (0..height).map(|row| (row, 1.0)).collect();
+    // Rows of a reduced picture depend on each other.
+    let are_some = height > ROWS && !request.is_reduced;
+    if are_some {
+        let differences = differences(prepared, request, &mut rng, watch)?;
+        let sum = differences.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        for ((_, likely), difference) in rows.iter_mut().zip(differences) {
+            *likely = (ROWS as f64 * 0.5 * (1.0 / height as f64 + difference / sum)).min(1.0);
+        }
+        rows.retain(|&(_, likely)| rng.random::<f64>() < likely);
+    }
+
+    let taken: Vec<usize> = rows.iter().map(|&(row, _)| row).collect();
+    let taken = are_some.then_some(&*taken);
+    let colors = |sampler| colors(prepared, &Request { sampler, ..request.clone() }, taken, watch);
+    let is_uniform = sampler.pattern() == Pattern::Uniform;
+    let others = match sampler.pattern() {
+        Pattern::Uniform => Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), sampler.rng()),
+        // Its random numbers have no seed.
+        Pattern::Displaced => Sampler::new(Pattern::Jittered, 1, sampler.rng()),
+        Pattern::Random | Pattern::Jittered => sampler,
+    };
+    let mut other = || others.with_rng(Drand48::seeded(rng.random()));
+    let base = colors(if is_uniform { sampler } else { other() })?;
+    // For each pixel, over the pictures, the sum of differences from the first one, and that of their squares.
+    let mut sums = vec![(Color::ZERO, 0.0); base.len()];
+    let pictures = ROWS_OF_ALL.div_ceil(rows.len().max(1)).clamp(2, 16);
+    for _ in usize::from(!is_uniform)..pictures {
+        for ((sum, squares), (own, base)) in sums.iter_mut().zip(colors(other())?.iter().zip(&base)) {
+            *sum += own - base;
+            *squares += (own - base).length_squared();
+        }
+    }
+    let n = pictures as f64;
+    let variance = |(sum, squares): (Color, f64)| match is_uniform {
+        true => (sum.length_squared() - squares) / (n * (n - 1.0)),
+        false => (squares - sum.length_squared() / n) / (n - 1.0),
+    };
+    let rows = sums.chunks(width.max(1)).zip(&rows);
+    let sum: f64 =
+        rows.map(|(row, (_, likely))| row.iter().map(|&sums| variance(sums)).sum::<f64>() / likely).sum();
+    let channels = (3 * width * height).max(1) as f64;
+    Ok(LEVELS * (sum / channels).max(0.0).sqrt())
+}
+
+/// How much two pictures of one sample in each pixel differ in each row.
+fn differences(
+    prepared: &Prepared,
+    request: &Request,
+    rng: &mut Drand48,
+    watch: Watch,
+) -> Result<Vec<f64>, Stopped> {
+    let columns = request.columns();
+    let [width, height] = request.window_size();
+    let top = request.size[1] - request.rows().end;
+    let samplers = [(); 2].map(|()| Sampler::new(Pattern::Jittered, 1, Drand48::seeded(rng.random())));
+    let mut differences = Vec::with_capacity(height);
+    let step = (LOOKED_AT / width.max(1)).max(1);
+    for from in (0..height).step_by(step) {
+        let window = Window { x: columns.start, y: top + from, width, height: step.min(height - from) };
+        let look = |sampler| {
+            let request = Request { window: Some(window), adaptive: None, sampler, ..request.clone() };
+            colors(prepared, &request, None, watch)
+        };
+        let [one, other] = [look(samplers[0])?, look(samplers[1])?];
+        let squares: Vec<f64> = one.iter().zip(&other).map(|(a, b)| (a - b).length_squared()).collect();
+        differences.extend(squares.chunks(width.max(1)).map(|row| row.iter().sum::<f64>()));
+    }
+    Ok(differences)
+}
+
+/// The colours of the window as a picture shows them, or of some rows of it, counted from the top.
+fn colors(
+    prepared: &Prepared,
+    request: &Request,
+    rows: Option<&[usize]>,
+    watch: Watch,
+) -> Result<Vec<Color>, Stopped> {
+    let mut colors;
+    if let Some(rows) = rows {
+        colors = prepared.render_some_rows(request, rows, watch)?;
+    } else {
+        colors = crate::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
+        let mut take_row = |_: usize, row: &[Color]| {
+            colors.extend_from_slice(row);
+            ControlFlow::Continue(())
+        };
+        prepared.render_rows_fast(request, watch, &mut take_row)?;
+    }
+    if !request.has_floats {
+        colors.iter_mut().for_each(|color| *color = color.clamp(Color::ZERO, Color::ONE));
+    }
+    Ok(colors)
 }
