@@ -136,8 +136,10 @@ pub fn render_some_rows(
     watch: Watch,
 ) -> Result<Vec<Color>, Stopped> {
     let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
-    let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing);
     let tally = Tally::new(rows.len(), watch);
+    let is_cancelled = || tally.asks();
+    let patience = Patience::until(&is_cancelled);
+    let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let colors = |row: &usize| {
         let end = request.rows().end - row;
