@@ -242,7 +242,8 @@ mod tests {
             };
             assert!(rays.text[first].trim_start().starts_with(word), "{}", rays.text[first]);
             if line.kind == LineKind::Shadow {
-                assert!(rays.text[first + 1].contains("shadow ray blocked"), "{}", rays.text[first + 1]);
+                // The line between has the direction to the light.
+                assert!(rays.text[first + 2].contains("shadow ray blocked"), "{}", rays.text[first + 2]);
             }
         }
     }

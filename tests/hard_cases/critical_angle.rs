@@ -1,6 +1,6 @@
 //! Case 66: the critical angle of total internal reflection.
 
-use crate::support::exact::{dot, exact, exact3, sub};
+use crate::support::exact::{cross, dot, exact, exact3, sub};
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::record::{Basis, Record};
@@ -18,11 +18,6 @@ use raytracer::trace::{Effects, Tracer};
 use raytracer::world::World;
 
 type Exact3 = [BigRational; 3];
-
-fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
-    let at = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
-    [at(1, 2), at(2, 0), at(0, 1)]
-}
 
 /// A surface through the origin, and its normal by its author's numbers.
 fn any_surface(rng: &mut Rng) -> (Object, Exact3) {

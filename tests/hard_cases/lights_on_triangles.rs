@@ -1,6 +1,6 @@
 //! Case 65: point lights in the inside of a triangle, on its edges and at its corners.
 
-use crate::support::exact::{dot, exact3, sub};
+use crate::support::exact::{cross, dot, exact3, sub};
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::record::{Basis, Record};
@@ -64,13 +64,6 @@ fn is_on(point: DVec3, corners: [DVec3; 3]) -> bool {
     !dot(&normal, &normal).is_zero()
         && dot(&sub(&p, &a), &normal).is_zero()
         && sides.iter().all(|side| !side.is_negative())
-}
-
-type Exact3 = [BigRational; 3];
-
-fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
-    let at = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
-    [at(1, 2), at(2, 0), at(0, 1)]
 }
 
 /// Whether the line segment between two points that lie on no triangle meets this one, without rounding. None if it

@@ -1,6 +1,6 @@
 //! Case 70: rays that start on a triangle, or a few roundings beside it.
 
-use crate::support::exact::{dot, exact3, sub};
+use crate::support::exact::{cross, dot, exact3, sub};
 use crate::support::measure::{Failures, measure};
 use crate::support::rays;
 use crate::support::record::{Basis, Record};
@@ -16,13 +16,6 @@ use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;
 use raytracer::scene::Object;
 use raytracer::stats::{Counts, Quiet};
-
-type Exact3 = [BigRational; 3];
-
-fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
-    let at = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
-    [at(1, 2), at(2, 0), at(0, 1)]
-}
 
 /// The exact sign of t where the line of a ray crosses a triangle in its inside; none where it does not, or meets its edge.
 fn sign(ray: &Ray, corners: [DVec3; 3]) -> Option<i32> {

@@ -109,7 +109,11 @@ fn with_degenerate_triangles(mesh: &Mesh, seed: u64) -> Mesh {
         };
         mixed.triangles.push(degenerate);
     }
-    shuffle(&mut mixed.triangles, rng);
+    // The others keep their order, by which a vertex that several triangles share belongs to one of them.
+    let places = (0..first).chain((0..first).map(|_| rng.below(first)));
+    let mut placed: Vec<_> = places.zip(mixed.triangles).collect();
+    placed.sort_by_key(|&(place, _)| place);
+    mixed.triangles = placed.into_iter().map(|(_, triangle)| triangle).collect();
     mixed
 }
 

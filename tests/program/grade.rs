@@ -1,6 +1,6 @@
 //! `-grade`: a folder of everybody's pictures against references, and the page and the table of the results.
 
-use crate::support::{Folder, Run, only_line, program, says, sphere};
+use crate::support::{Folder, Run, finish, only_line, program, says, sphere};
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
@@ -130,6 +130,22 @@ fn a_tolerance_is_proposed_that_failed_pictures_pass() {
     let run = folder.run("-grade class -reference ref").ok();
     assert_eq!(run.stderr, "note: 1 of the 2 failed pictures pass with `-tolerance 1 50`\n");
     assert_eq!(folder.run("-grade class -reference ref -tolerance 1 50").stderr, "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn too_little_memory_is_an_error_and_no_verdict() {
+    let folder = Folder::with_scene("OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }");
+    ["ref", "class/anna"].iter().for_each(|name| make(&folder, name));
+    folder.run("-input s.txt -size 6000 6000 -output ref/o.png").ok();
+    fs::copy(folder.path().join("ref/o.png"), folder.path().join("class/anna/o.png")).unwrap();
+    let mut command = Command::new("sh");
+    // Room for one of the two pictures of 108 MB.
+    command.args(["-c", "ulimit -v 200000 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raytracer")]);
+    command.args(["-grade", "class", "-reference", "ref", "-threads", "1"]).current_dir(folder.path());
+    let message = finish(&mut command).message(1);
+    assert!(only_line(&message).starts_with("error: cannot read `"), "{message}");
+    assert!(message.contains("memory"), "{message}");
 }
 
 #[test]

@@ -168,7 +168,10 @@ const WITH_CAMERA: &[(&str, &str)] = &[
         "`numObjects` announces 1, but 2 found",
     ),
     ("Group { numObjects 1 Material { } @}", "`numObjects` announces 1, but only 0 found"),
-    ("Group { numObjects 0 @MaterialIndex 0 }", "`MaterialIndex` must stand before an object"),
+    (
+        "Materials { numMaterials 1 Material { } } Group { numObjects 0 @MaterialIndex 0 }",
+        "`MaterialIndex` must stand before an object",
+    ),
     ("Group { numObjects 0 @Material { } }", "`Material` must stand before an object"),
     ("Group { numObjects 1 MaterialIndex @0 }", "there is no material 0: none is declared"),
     ("Group { numObjects 1 @Sphere { center 0 0 0 radius 1 } }", "the `Sphere` has no material"),

@@ -154,37 +154,57 @@ impl Column {
         }
     }
 
-    /// Compares what was handed in with the reference.
+    /// Compares what was handed in with the reference, one picture after the other. The first error ends it.
     ///
-    /// `explain` is given the pictures that differ, without repetitions, and returns a cause for each that has one. It
-    /// is not called if all are equal. Returns the column and these pictures.
-    pub fn graded(
+    /// `explain` is given the pictures that differ, without repetitions, and returns a cause for each that has one. It is
+    /// called for [`AT_ONCE`] bytes of pictures at a time, which are dropped afterwards, and not at all if all are equal.
+    pub fn graded<E>(
         picture: String,
         reference: &Picture,
-        submissions: Vec<Submission>,
+        submissions: impl IntoIterator<Item = Result<Submission, E>>,
         tolerance: Tolerance,
-        explain: impl FnOnce(&[Picture]) -> Vec<Option<Finding>>,
-    ) -> (Self, Vec<Picture>) {
-        let mut wrong = Vec::new();
-        let places: Vec<Place> =
-            submissions.into_iter().map(|submission| place(submission, reference, &mut wrong)).collect();
-        // All are of the reference's size.
-        let comparisons = Comparison::of_each(&wrong, reference).unwrap_or_default();
-        let causes = if wrong.is_empty() { Vec::new() } else { explain(&wrong) };
+        mut explain: impl FnMut(&[Picture]) -> Vec<Option<Finding>>,
+    ) -> Result<Self, E> {
+        let (mut places, mut waiting) = (Vec::new(), Vec::new());
+        let (mut comparisons, mut causes) = (Vec::new(), Vec::new());
+        let mut settle = |waiting: &mut Vec<Picture>| {
+            // All are of the reference's size.
+            comparisons.extend(Comparison::of_each(waiting, reference).unwrap_or_default());
+            let mut found = if waiting.is_empty() { Vec::new() } else { explain(waiting) };
+            found.resize(waiting.len(), None);
+            causes.append(&mut found);
+            waiting.clear();
+            comparisons.len()
+        };
+        let mut settled = 0;
+        for submission in submissions {
+            places.push(place(submission?, reference, &mut waiting, settled));
+            if waiting.len() * reference.pixels().len() >= AT_ONCE {
+                settled = settle(&mut waiting);
+            }
+        }
+        settle(&mut waiting);
         let cell = |place| match place {
             Place::Decided(cell) => cell,
-            Place::Wrong(picture) => Cell::Different {
-                passes: tolerance.accepts(&comparisons[picture]),
-                comparison: Box::new(comparisons[picture].clone()),
-                cause: causes.get(picture).copied().flatten(),
-                picture,
-            },
+            Place::Wrong(picture) => {
+                let comparison: &Comparison = &comparisons[picture];
+                let passes = tolerance.accepts(comparison);
+                Cell::Different {
+                    passes,
+                    comparison: Box::new(comparison.clone()),
+                    cause: causes[picture],
+                    picture,
+                }
+            }
         };
         let cells: Vec<Cell> = places.into_iter().map(cell).collect();
         let found_as = vec![None; cells.len()];
-        (Self { picture, problem: None, cells, found_as }, wrong)
+        Ok(Self { picture, problem: None, cells, found_as })
     }
 }
+
+/// The bytes of pictures that are held and explained at a time. A larger picture is held alone.
+const AT_ONCE: usize = 1 << 26;
 
 /// What becomes of a submission.
 enum Place {
@@ -193,8 +213,9 @@ enum Place {
     Wrong(usize),
 }
 
-/// Adds a picture that differs from the reference to the wrong ones, unless it is among them.
-fn place(submission: Submission, reference: &Picture, wrong: &mut Vec<Picture>) -> Place {
+/// Adds a picture that differs from the reference to those that wait, unless it is among them. `settled` is the number of
+/// pictures before these.
+fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>, settled: usize) -> Place {
     match submission {
         Submission::Missing => Place::Decided(Cell::Missing),
         Submission::Unusable(reason) => Place::Decided(Cell::Unusable(reason)),
@@ -204,10 +225,11 @@ fn place(submission: Submission, reference: &Picture, wrong: &mut Vec<Picture>) 
             Place::Decided(Cell::Unusable(sizes.to_string()))
         }
         Submission::Picture(picture) => {
-            Place::Wrong(wrong.iter().position(|other| *other == picture).unwrap_or_else(|| {
-                wrong.push(picture);
-                wrong.len() - 1
-            }))
+            let at = waiting.iter().position(|other| *other == picture).unwrap_or_else(|| {
+                waiting.push(picture);
+                waiting.len() - 1
+            });
+            Place::Wrong(settled + at)
         }
     }
 }
@@ -235,9 +257,8 @@ mod tests {
             assert_eq!(wrong, [5, 7, 6].map(picture));
             vec![None, Some(Finding::Unknown { tried: 3 }), None]
         };
-        let submissions = handed_in.into_iter().chain(rest).collect();
-        let (column, wrong) = Column::graded("a".into(), &picture(0), submissions, tolerance, explain);
-        assert_eq!(wrong.len(), 3);
+        let submissions = handed_in.into_iter().chain(rest).map(Ok::<_, ()>);
+        let column = Column::graded("a".into(), &picture(0), submissions, tolerance, explain).unwrap();
         let verdicts: Vec<CellWord> = column.cells.iter().map(Cell::verdict).collect();
         use CellWord::{Failed, Missing, Passed, Unusable};
         assert_eq!(verdicts, [Passed, Failed, Passed, Failed, Passed, Missing, Unusable, Unusable]);
@@ -250,9 +271,32 @@ mod tests {
 
     #[test]
     fn nothing_is_explained_where_all_are_equal() {
-        let submissions = vec![Submission::Picture(picture(1)), Submission::Missing];
+        let submissions = [Submission::Picture(picture(1)), Submission::Missing].map(Ok::<_, ()>);
         let explain = |_: &[Picture]| unreachable!();
-        let (column, _) = Column::graded("a".into(), &picture(1), submissions, Tolerance::default(), explain);
+        let column =
+            Column::graded("a".into(), &picture(1), submissions, Tolerance::default(), explain).unwrap();
         assert!(matches!(column.cells[..], [Cell::Equal, Cell::Missing]));
+    }
+
+    #[test]
+    fn large_pictures_are_held_one_at_a_time_and_an_error_ends_the_grading() {
+        let large = |level: u8| Picture::from_rgb(4800, 4700, vec![level; 4800 * 4700 * 3]);
+        let mut counts = vec![];
+        let explain = |wrong: &[Picture]| {
+            counts.push(wrong.len());
+            vec![Some(Finding::Unknown { tried: counts.len() })]
+        };
+        let submissions = (1..4).map(|level| Ok::<_, ()>(Submission::Picture(large(level))));
+        let column =
+            Column::graded("a".into(), &large(0), submissions, Tolerance::default(), explain).unwrap();
+        assert_eq!(counts, [1, 1, 1]);
+        for (at, cell) in column.cells.iter().enumerate() {
+            let Cell::Different { comparison, cause, picture, .. } = cell else { panic!("{cell:?}") };
+            assert_eq!((*picture, *cause), (at, Some(Finding::Unknown { tried: at + 1 })));
+            assert_eq!(comparison.largest.map(|largest| largest.levels), Some(at as u8 + 1));
+        }
+        let submissions = [Ok(Submission::Missing), Err("no memory"), Ok(Submission::Missing)];
+        let found = Column::graded("a".into(), &picture(0), submissions, Tolerance::default(), |_| vec![]);
+        assert_eq!(found.err(), Some("no memory"));
     }
 }

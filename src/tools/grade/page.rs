@@ -28,19 +28,21 @@ struct Shown {
 }
 
 impl Page {
-    /// Adds a column that has a reference, with the pictures that differ from it.
-    pub fn add(&mut self, reference: &Picture, different: &[Picture]) {
+    /// Adds a column that has a reference.
+    pub fn add_column(&mut self, reference: &Picture) {
+        let thumbnail = Some(self.thumbnails.add(thumbnail_file(reference)));
+        self.columns.push(Shown { thumbnail, ..Shown::default() });
+    }
+
+    /// Adds more pictures that differ from the reference to the last column.
+    pub fn add_different(&mut self, reference: &Picture, different: &[Picture]) {
         let files: Vec<[String; 2]> =
             different.par_iter().map(|picture| [thumbnail_file(picture), file(picture)]).collect();
-        let shown = Shown {
-            thumbnail: Some(self.thumbnails.add(thumbnail_file(reference))),
-            reference: (!files.is_empty()).then(|| self.pictures.add(file(reference))),
-            different: files
-                .into_iter()
-                .map(|[small, whole]| [self.thumbnails.add(small), self.pictures.add(whole)])
-                .collect(),
-        };
-        self.columns.push(shown);
+        let Some(shown) = self.columns.last_mut() else { return };
+        shown.reference = Some(self.pictures.add(file(reference)));
+        for [small, whole] in files {
+            shown.different.push([self.thumbnails.add(small), self.pictures.add(whole)]);
+        }
     }
 
     /// Adds a column without a reference.
@@ -92,13 +94,15 @@ mod tests {
     #[test]
     fn a_picture_is_embedded_once_and_an_equal_one_not_at_all() {
         let picture = |level: u8| Picture::from_rgb(1, 1, vec![level; 3]);
-        let submissions =
-            vec![0, 9, 9].into_iter().map(|level| Submission::Picture(picture(level))).collect();
+        let submissions = [0, 9, 9].map(|level| Ok::<_, ()>(Submission::Picture(picture(level))));
         let tolerance = Default::default();
-        let (column, wrong) =
-            Column::graded("<p>".into(), &picture(0), submissions, tolerance, |_| Vec::new());
         let mut page = Page::default();
-        page.add(&picture(0), &wrong);
+        page.add_column(&picture(0));
+        let show = |wrong: &[Picture]| {
+            page.add_different(&picture(0), wrong);
+            Vec::new()
+        };
+        let column = Column::graded("<p>".into(), &picture(0), submissions, tolerance, show).unwrap();
         page.add_ungraded();
         let missing = Column::ungraded("q".into(), "none".into(), 3);
         let names = ["<b>", "\"", "c"].map(str::to_owned).to_vec();

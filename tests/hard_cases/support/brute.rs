@@ -4,7 +4,10 @@
 //! Triangles are grouped in a hierarchy of bounding balls. A ball is skipped if the ray's line misses it by
 //! more than a tenth of its radius, which is far more than rounding errors.
 
+use super::exact::{cross, dot, exact, exact3, sub};
 use glam::DVec3;
+use num_rational::BigRational;
+use num_traits::Zero;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::primitive::triangle::Shear;
 use raytracer::world::World;
@@ -31,15 +34,27 @@ impl<'w> Brute<'w> {
         Self { world, balls }
     }
 
-    /// The nearest hit. Of equally near ones it is the one that precedes in the world's order.
+    /// The nearest hit by exact arithmetic. Of equally near ones, as at a vertex, it is the one with the lower index.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
-        self.each_hit(ray, |hit| {
-            if best.is_none_or(|best| self.world.precedes((hit.t, hit.primitive), (best.t, best.primitive))) {
-                best = Some(hit);
-            }
-        });
-        best
+        let mut hits = Vec::new();
+        self.each_hit(ray, |hit| hits.push(hit));
+        let first = hits.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min);
+        // Roundings do not change the order of others.
+        hits.retain(|hit| hit.t <= first + 1e-9 * first.abs());
+        match hits[..] {
+            [] => None,
+            [hit] => Some(hit),
+            _ => hits.into_iter().min_by_key(|hit| (self.exact_t(ray, hit), hit.primitive)),
+        }
+    }
+
+    /// The t at which the ray meets the plane of the triangle that it hits.
+    fn exact_t(&self, ray: &Ray, hit: &Hit) -> BigRational {
+        let [a, b, c] = self.world.corners(hit.primitive as usize).map(exact3);
+        let normal = cross(&sub(&b, &a), &sub(&c, &a));
+        let slope = dot(&normal, &exact3(ray.direction));
+        // A triangle that is seen from its edge has any t.
+        if slope.is_zero() { exact(hit.t) } else { dot(&normal, &sub(&a, &exact3(ray.origin))) / slope }
     }
 
     /// The triangles near the ray's line, in no particular order.

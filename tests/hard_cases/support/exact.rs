@@ -19,3 +19,8 @@ pub fn dot(a: &[BigRational; 3], b: &[BigRational; 3]) -> BigRational {
 pub fn sub(a: &[BigRational; 3], b: &[BigRational; 3]) -> [BigRational; 3] {
     [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
 }
+
+pub fn cross(a: &[BigRational; 3], b: &[BigRational; 3]) -> [BigRational; 3] {
+    let at = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
+    [at(1, 2), at(2, 0), at(0, 1)]
+}

@@ -39,7 +39,7 @@ pub const CASES: &[Case] = &[
         "error: the grid does not fit into memory: use fewer cells; the entries of its cells alone are ",
     ),
     (
-        "(ulimit -v 400000; r -input s.txt -threads 4096 -output o.tga)",
+        "(ulimit -v 400000; r -input s.txt -size 1 5000 -threads 4096 -output o.tga)",
         1,
         "error: `-threads`: the system does not start 4095 more threads: not enough memory: at least 8.9 GB are needed",
     ),

@@ -2,9 +2,8 @@
 
 use super::references::References;
 use crate::app::failed;
-use rayon::prelude::*;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, read_picture_of_size};
+use raytracer::image_io::{Format, ImageError, read_picture_of_size};
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -72,11 +71,14 @@ impl Folder {
         self.names.iter().zip(&self.pictures).map(taken).collect()
     }
 
-    /// What everybody handed in as this picture, which is of this width and height, in the files that are taken.
-    pub fn submissions(&self, taken: &[PathBuf], size: [u32; 2]) -> Vec<Submission> {
-        let files: Vec<PathBuf> =
-            self.names.iter().zip(taken).map(|(name, taken)| self.path.join(name).join(taken)).collect();
-        files.par_iter().map(|file| submission(file, size)).collect()
+    /// Reads what each name handed in as this picture, which is of this width and height, in the files that are taken.
+    pub fn submissions<'f>(
+        &'f self,
+        taken: &'f [PathBuf],
+        size: [u32; 2],
+    ) -> impl Iterator<Item = Result<Submission, String>> + 'f {
+        let files = self.names.iter().zip(taken).map(|(name, taken)| self.path.join(name).join(taken));
+        files.map(move |file| submission(&file, size))
     }
 
     /// What is in the folder and is not graded, a line each.
@@ -152,19 +154,21 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, String> {
     Ok(names)
 }
 
-/// A picture that is a link is not read, because it may lead to a picture of somebody else.
-fn submission(path: &Path, size: [u32; 2]) -> Submission {
+/// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory is an
+/// error, since it says nothing of the picture.
+fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, String> {
     match fs::symlink_metadata(path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Submission::Missing,
-        Ok(found) if found.is_symlink() => return Submission::Unusable("it is a link".into()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Submission::Missing),
+        Ok(found) if found.is_symlink() => return Ok(Submission::Unusable("it is a link".into())),
         _ => {}
     }
     match read_picture_of_size(path, size) {
-        Ok(picture) => Submission::Picture(picture),
+        Ok(picture) => Ok(Submission::Picture(picture)),
+        Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
         Err(error) => {
             let message = error.to_string();
             let start = format!("cannot read {}: ", quoted(path));
-            Submission::Unusable(message.strip_prefix(&start).unwrap_or(&message).to_owned())
+            Ok(Submission::Unusable(message.strip_prefix(&start).unwrap_or(&message).to_owned()))
         }
     }
 }

@@ -49,7 +49,7 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     for (index, name) in references.names().enumerate() {
         let (number, all, name_shown) = (index + 1, references.len(), escape(&name.to_string_lossy()));
         progress.show(|_| format!("grading {number} of {all}: {name_shown}"));
-        columns.push(references.with(index, |reference| grader.column(name, reference)));
+        columns.push(references.with(index, |reference| grader.column(name, reference))?);
     }
     progress.end();
 
@@ -108,30 +108,34 @@ struct Grader<'f> {
 }
 
 impl Grader<'_> {
-    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Column {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, String> {
         let shown = name.to_string_lossy().into_owned();
         match reference {
             Ok(reference) => self.graded(name, shown, reference),
             Err(problem) => {
                 self.page.iter_mut().for_each(Page::add_ungraded);
-                Column::ungraded(shown, problem, self.folder.len())
+                Ok(Column::ungraded(shown, problem, self.folder.len()))
             }
         }
     }
 
-    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Column {
-        let Reference { picture, source } = reference;
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, String> {
+        let Reference { picture, mut source } = reference;
         let taken = self.folder.taken(name, self.references);
         let submissions = self.folder.submissions(&taken, [picture.width(), picture.height()]);
+        let mut page = self.page.as_mut();
+        page.iter_mut().for_each(|page| page.add_column(&picture));
         // Causes stand in the report alone.
-        let is_wanted = self.page.is_some();
-        let explain = |wrong: &[_]| if is_wanted { source.explain(wrong, &picture) } else { Vec::new() };
-        let (mut column, wrong) = Column::graded(shown, &picture, submissions, self.tolerance, explain);
+        let explain = |wrong: &[_]| match &mut page {
+            Some(page) => {
+                page.add_different(&picture, wrong);
+                source.explain(wrong, &picture)
+            }
+            None => Vec::new(),
+        };
+        let mut column = Column::graded(shown, &picture, submissions, self.tolerance, explain)?;
         let found_as = |file: &PathBuf| (file != name).then(|| file.to_string_lossy().into_owned());
         column.found_as = taken.iter().map(found_as).collect();
-        if let Some(page) = &mut self.page {
-            page.add(&picture, &wrong);
-        }
-        column
+        Ok(column)
     }
 }

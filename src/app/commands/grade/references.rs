@@ -7,7 +7,7 @@ use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::distinct_files::ReadAs;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, read_picture};
+use raytracer::image_io::{Format, ImageError, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
@@ -48,12 +48,12 @@ pub enum Source<'r> {
 
 impl Source<'_> {
     /// Why each wrong picture differs from the reference.
-    pub fn explain(self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
+    pub fn explain(&mut self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
         let finished = match self {
-            Self::Scene(mut original) => {
+            Self::Scene(original) => {
                 return original.explain_parts(wrong, reference).into_iter().map(Some).collect();
             }
-            Self::Colors(colors) => FinishedPicture::of_colors(colors),
+            Self::Colors(colors) => FinishedPicture::of_colors(colors.clone()),
             Self::File => FinishedPicture::of_picture(reference),
         };
         finished.explain(wrong).into_iter().map(Some).collect()
@@ -100,13 +100,19 @@ impl References {
         self.names().any(|other| other == name)
     }
 
-    /// Makes a reference, and does some work with it or with the reason why there is none.
-    pub fn with<T>(&self, index: usize, work: impl FnOnce(Result<Reference, String>) -> T) -> T {
+    /// Makes a reference, and does some work with it or with the reason why there is none. Too little memory for a picture
+    /// is an error.
+    pub fn with<T>(
+        &self,
+        index: usize,
+        work: impl FnOnce(Result<Reference, String>) -> Result<T, String>,
+    ) -> Result<T, String> {
         match &self.all[index].1 {
-            Origin::File(path) => {
-                let picture = read_picture(path).map_err(|error| error.to_string());
-                work(picture.map(|picture| Reference { picture, source: Source::File }))
-            }
+            Origin::File(path) => match read_picture(path) {
+                Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
+                Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
+                Err(error) => work(Err(error.to_string())),
+            },
             Origin::Rendered(options, layer) => match self.renderer(options) {
                 Ok((renderer, options)) => work(render(&renderer, &options, *layer)),
                 Err(error) => work(Err(error)),
